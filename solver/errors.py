@@ -1,0 +1,88 @@
+"""What can go wrong: errors for bad input, a status for a solve that did not converge.
+
+Bad input raises a `CmcError` whose message names the offender and the way out. A solve that does not reach
+its tolerance is not an error: its result carries a `Status`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from enum import Enum
+
+_LISTED = 8
+
+
+class CmcError(Exception):
+    """Bad input. The message is one sentence or two; the offending indices are attributes.
+
+    `vertices`, `edges` and `faces` hold the offenders as tuples of ints, in the numbering of the input
+    that raised, so that a user interface can select them or translate them to its own numbering.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        vertices: Iterable[int] = (),
+        edges: Iterable[int] = (),
+        faces: Iterable[int] = (),
+    ) -> None:
+        super().__init__(message)
+        self.vertices = tuple(int(i) for i in vertices)
+        self.edges = tuple(int(i) for i in edges)
+        self.faces = tuple(int(i) for i in faces)
+
+
+class MeshError(CmcError):
+    """The mesh is not a domain: not a connected, oriented, manifold triangle mesh with proper triangles."""
+
+
+class ConditionError(CmcError):
+    """The boundary conditions contradict each other, or do not fit the domain."""
+
+
+class JobError(CmcError):
+    """A job file, a mesh file or a setting of a run cannot be used."""
+
+
+class Status(Enum):
+    """How a solve ended. The value is the name in reports; `sentence` says it to a person."""
+
+    CONVERGED = "converged"
+    STALLED = "stalled"
+    ITERATION_LIMIT = "iteration limit"
+    UNDER_RESOLVED = "under-resolved"
+    COLLAPSED = "collapsed"
+    CANCELLED = "cancelled"
+    GAP = "gap"
+
+    @property
+    def sentence(self) -> str:
+        return _SENTENCES[self]
+
+
+_SENTENCES = {
+    Status.CONVERGED: "The normals are harmonic to the tolerance asked for.",
+    Status.STALLED: "No step lowers the energy any more, though the tolerance is not reached; refine or improve the mesh.",
+    Status.ITERATION_LIMIT: "The iteration limit was reached before the tolerance; allow more iterations.",
+    Status.UNDER_RESOLVED: "Neighbouring normals differ by more than 90°, so the mesh does not resolve the map; "
+    "refine it, or round the corners of the plan.",
+    Status.COLLAPSED: "The normals are all the same, so the surface shrinks to a point; tilt some boundary normals.",
+    Status.CANCELLED: "The solve was cancelled; the map is the last one reached.",
+    Status.GAP: "The surface does not close around the holes of the plan: it is cut open and has a gap.",
+}
+
+
+def listed(indices: Iterable[int]) -> str:
+    """Write indices for a message: all of a few, the first ones of many."""
+    items = [str(int(i)) for i in indices]
+    if len(items) <= _LISTED:
+        return ", ".join(items)
+    return ", ".join(items[:_LISTED]) + f" and {len(items) - _LISTED} more"
+
+
+def plural(noun: str, indices: Iterable[int]) -> str:
+    """Noun and indices for a message: "vertex 3", "vertices 3, 5", "face 0", "edges 1, 2"."""
+    items = list(indices)
+    many = {"vertex": "vertices"}.get(noun, noun + "s")
+    return f"{noun if len(items) == 1 else many} {listed(items)}"
