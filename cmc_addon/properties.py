@@ -1,0 +1,260 @@
+"""What the add-on stores in a .blend file, and nothing else.
+
+=========================  ==================================================================
+`Mesh.cmc`                 the boundary groups of a plan (`CmcMesh`); which edge belongs to
+                           which group is the INT attribute `cmc_group` on the mesh's edges
+                           (0: no group, else the group's `uid`), see `mesh_bridge`
+`Object.cmc`               how a plan is solved, links to its results, and on a result what
+                           it is and which plan it came from (`CmcObject`)
+`Scene.cmc`                settings of Mesh Plan (`CmcScene`)
+`WindowManager.cmc`        what is running now (`CmcRun`), never saved
+=========================  ==================================================================
+
+Enums and parameters come from the solver's registry of boundary conditions: a kind added there
+appears here. Identifiers are the solver's names in capitals. Lengths are Blender units, angles
+radians (shown as degrees). Annotations must be real objects, not strings, for Blender to see them.
+"""
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+
+try:
+    from ..solver.gauss.conditions import KINDS
+except ModuleNotFoundError:  # until the solver's registry is there
+    from types import SimpleNamespace as _N
+    KINDS = {
+        "binormal": _N(label="Binormal", description="Tangent planes tilted along the rim", parameters=(
+            _N(name="tilt", label="Tilt", description="0 a vertical rim, 90 degrees flat",
+               default=0.0, unit="radians"),)),
+        "plane": _N(label="Constant Plane", description="One tangent plane along the rim", parameters=(
+            _N(name="normal", label="Normal", description="Normal of the plane",
+               default=(1.0, 0.0, 0.0), unit=""),)),
+        "twisted": _N(label="Twisted", description="The tilt turns along the rim", parameters=(
+            _N(name="m", label="Turns", description="Full turns along the rim", default=1.0, unit=""),)),
+        "gauss_map": _N(label="Gauss Map", description="The plan's own normals", parameters=()),
+        "free": _N(label="Free", description="Nothing is prescribed", parameters=()),
+    }
+
+GROUP_ATTRIBUTE = "cmc_group"
+
+ROLES = {"F_PLUS": "f+", "F_MINUS": "f-", "G": "g", "GAUSS": "gauss"}
+"""Role of a result object -> the solver's name of that sheet."""
+
+SIZE_PROPERTY = {
+    "MATCH_PLAN": None,
+    "SPAN": "span",
+    "RISE": "rise",
+    "RADIUS": "radius",
+    "MEAN_CURVATURE": "mean_curvature",
+}
+"""Size mode -> the one setting it needs (for drawing and for the solve)."""
+
+
+# --- from the registry of kinds ------------------------------------------------------------
+
+def kind_items() -> list[tuple[str, str, str]]:
+    """(identifier, label, description) of every boundary condition, for an EnumProperty."""
+    return [(name.upper(), kind.label, kind.description) for name, kind in KINDS.items()]
+
+
+def kind_parameters(kind: str) -> tuple[str, ...]:
+    """Names of the parameters which the kind (an enum identifier) has: the rows to draw."""
+    return tuple(parameter.name for parameter in KINDS[kind.lower()].parameters)
+
+
+def parameter_values(kind: str, owner) -> dict:
+    """The kind's parameters read from a group or an operator, as the solver takes them."""
+    values = {}
+    for name in kind_parameters(kind):
+        value = getattr(owner, name)
+        values[name] = value if isinstance(value, (int, float)) else tuple(value)
+    return values
+
+
+def _parameter_property(parameter, options: set):
+    texts = {"name": parameter.label, "description": parameter.description, "options": options}
+    if isinstance(parameter.default, (tuple, list)):
+        return FloatVectorProperty(**texts, size=3, default=parameter.default, subtype="DIRECTION")
+    if parameter.unit in ("radians", "rad", "angle", "degrees"):
+        return FloatProperty(**texts, default=parameter.default, subtype="ANGLE", step=100)
+    return FloatProperty(**texts, default=parameter.default)
+
+
+def condition_annotations(options=frozenset()) -> dict:
+    """`kind` and the parameters of every kind, for a group or an operator."""
+    options = set(options)
+    annotations = {"kind": EnumProperty(
+        name="Kind", description="What the tangent planes of the shell do along these edges",
+        items=kind_items(), default="BINORMAL", options=options)}
+    for kind in KINDS.values():
+        for parameter in kind.parameters:
+            annotations[parameter.name] = _parameter_property(parameter, options)
+    return annotations
+
+
+# --- how a plan is solved ------------------------------------------------------------------
+
+_SIZES = [
+    ("MATCH_PLAN", "Match Plan", "Move and scale the shell until its rim is nearest to the drawn outline"),
+    ("SPAN", "Span", "The longest horizontal extent of the shell"),
+    ("RISE", "Rise", "The height of the shell from its lowest to its highest point"),
+    ("RADIUS", "Radius 1/H", "The radius of mean curvature, the same everywhere on the shell"),
+    ("MEAN_CURVATURE", "Mean Curvature H", "The mean curvature itself, one over a length"),
+]
+_GROUNDS = [
+    ("LOWEST", "Lowest Point", "The lowest point of the shell lies on the plan's plane"),
+    ("RIM", "Rim", "The rim of the shell lies, on average, on the plan's plane"),
+]
+_SHEETS = [
+    ("F_PLUS", "f+", "The shell g + N"),
+    ("F_MINUS", "f-", "Its twin g - N, a single point where the shell is a sphere"),
+]
+_AVERAGINGS = [
+    ("GALERKIN", "Galerkin", "Conforming solve; converges on every mesh"),
+    ("LINEAR", "Linear Fit", "Fit at circumcentres; converges on every mesh"),
+    ("AREA", "Area (Eq. 11)", "The paper's average; does not converge on irregular meshes"),
+]
+
+_SETTINGS = {
+    "size": (EnumProperty, dict(name="Size", items=_SIZES, default="MATCH_PLAN")),
+    "span": (FloatProperty, dict(name="Span", default=10.0, min=1e-6, soft_min=0.01, subtype="DISTANCE")),
+    "rise": (FloatProperty, dict(name="Rise", default=3.0, min=1e-6, soft_min=0.01, subtype="DISTANCE")),
+    "radius": (FloatProperty, dict(
+        name="Radius", description="Radius of mean curvature, 1/H",
+        default=5.0, min=1e-6, soft_min=0.01, subtype="DISTANCE")),
+    "mean_curvature": (FloatProperty, dict(
+        name="H", description="Mean curvature, one over a length; a sphere of radius 5 has 0.2",
+        default=0.2, min=1e-9, soft_min=1e-3, precision=4)),
+    "ground": (EnumProperty, dict(name="Ground", items=_GROUNDS, default="RIM")),
+    "sheet": (EnumProperty, dict(
+        name="Sheet", description="Which of the two surfaces is the shell: it is placed and shown",
+        items=_SHEETS, default="F_PLUS")),
+    "flip": (BoolProperty, dict(
+        name="Flip", description="Mirror the shell in the plan's plane: hanging instead of standing")),
+    "rotate": (BoolProperty, dict(
+        name="Allow Rotation", description="Match Plan may also rotate about the vertical; this "
+        "turns the prescribed tangent planes")),
+    "apply_modifiers": (BoolProperty, dict(
+        name="Apply Modifiers", description="Solve on the plan as its modifiers show it")),
+    "want_twin": (BoolProperty, dict(name="Twin", description="Also make the other sheet (f- beside f+)")),
+    "want_g": (BoolProperty, dict(
+        name="K-Surface g", description="Also make the surface between the two sheets")),
+    "want_gauss": (BoolProperty, dict(
+        name="Gauss Image", description="Also make the normals as points of a sphere")),
+    "averaging": (EnumProperty, dict(
+        name="Averaging", description="How points of the surface are found at the vertices",
+        items=_AVERAGINGS, default="GALERKIN")),
+    "tolerance": (FloatProperty, dict(
+        name="Tolerance", description="The solve stops at this residual",
+        default=1e-6, min=1e-12, max=1e-2, precision=8)),
+}
+SETTINGS = tuple(_SETTINGS)
+"""Names of the settings shared by `Object.cmc` and the operators that solve."""
+
+
+def setting_annotations(options=frozenset()) -> dict:
+    """The settings of a solve as property annotations; operators pass {'SKIP_SAVE'}, so that
+    the values of the last call on another plan are not taken over in silence."""
+    return {name: make(**keywords, options=set(options)) for name, (make, keywords) in _SETTINGS.items()}
+
+
+# --- what is stored ------------------------------------------------------------------------
+
+class CmcGroup(bpy.types.PropertyGroup):
+    """A set of boundary edges with one condition; `name` is the user's, `uid` never changes."""
+
+    __annotations__ = {
+        "uid": IntProperty(name="Identifier", description="Value of the edge attribute for this group"),
+        **condition_annotations(),
+    }
+
+
+class CmcMesh(bpy.types.PropertyGroup):
+    """The boundary groups of a plan. `next_uid` only grows: a uid is never used twice."""
+
+    groups: CollectionProperty(type=CmcGroup)
+    active_index: IntProperty(name="Active Group")
+    next_uid: IntProperty(default=1, min=1)
+
+
+def _is_mesh_object(_owner, ob) -> bool:
+    return ob.type == "MESH"
+
+
+class CmcObject(bpy.types.PropertyGroup):
+    """Settings of a plan and links to its results; on a result its role and its plan."""
+
+    __annotations__ = {
+        **setting_annotations(),
+        # On a plan. A link counts only while the result's `source` points back (see results.py).
+        "f_plus": PointerProperty(name="f+", type=bpy.types.Object, poll=_is_mesh_object),
+        "f_minus": PointerProperty(name="f-", type=bpy.types.Object, poll=_is_mesh_object),
+        "g": PointerProperty(name="g", type=bpy.types.Object, poll=_is_mesh_object),
+        "gauss": PointerProperty(name="Gauss Image", type=bpy.types.Object, poll=_is_mesh_object),
+        "collection": PointerProperty(name="Results", type=bpy.types.Collection),
+        "report": StringProperty(name="Report", description="Report of the last solve, as JSON"),
+        "message": StringProperty(name="Message", description="What the last solve said"),
+        # On a result.
+        "role": EnumProperty(name="Role", items=[("NONE", "None", "Not a result")] + [
+            (role, sheet, "Result of a solve") for role, sheet in ROLES.items()]),
+        "source": PointerProperty(name="Plan", type=bpy.types.Object),
+        "placed_at": FloatVectorProperty(name="Placed At", size=3, subtype="TRANSLATION"),
+        "parked": BoolProperty(name="Parked", description="Hidden by Solve because not wanted now"),
+    }
+
+
+class CmcScene(bpy.types.PropertyGroup):
+    """Settings of Mesh Plan."""
+
+    edge_length: FloatProperty(
+        name="Edge Length", description="Length of the edges of the mesh; 0 chooses a fortieth of the plan",
+        default=0.0, min=0.0, subtype="DISTANCE")
+    round_corners: BoolProperty(
+        name="Round Corners", default=True,
+        description="At a sharp corner the normals of the rim jump and the curvature diverges")
+    corner_radius: FloatProperty(
+        name="Corner Radius", description="0 chooses twice the edge length",
+        default=0.0, min=0.0, subtype="DISTANCE")
+
+
+class CmcRun(bpy.types.PropertyGroup):
+    """What is running now, for the panel."""
+
+    running: BoolProperty(options={"SKIP_SAVE"})
+    progress: FloatProperty(min=0.0, max=1.0, subtype="FACTOR", options={"SKIP_SAVE"})
+    message: StringProperty(options={"SKIP_SAVE"})
+    plan: StringProperty(name="Plan", description="Name of the plan being solved", options={"SKIP_SAVE"})
+
+
+CLASSES = (CmcGroup, CmcMesh, CmcObject, CmcScene, CmcRun)
+ATTACHED = (
+    (bpy.types.Mesh, CmcMesh),
+    (bpy.types.Object, CmcObject),
+    (bpy.types.Scene, CmcScene),
+    (bpy.types.WindowManager, CmcRun),
+)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    for owner, cls in ATTACHED:
+        owner.cmc = PointerProperty(type=cls)
+
+
+def unregister() -> None:
+    for owner, _ in reversed(ATTACHED):
+        if hasattr(owner, "cmc"):
+            del owner.cmc
+    for cls in reversed(CLASSES):
+        if cls.is_registered:
+            bpy.utils.unregister_class(cls)
