@@ -1,0 +1,247 @@
+"""Edges from faces, and everything that must be true of them before a mesh is a surface.
+
+A half-edge is the side of a face opposite one of its corners: half-edge `3 f + k` is opposite corner `k` of face
+`f` and runs counter-clockwise, from `faces[f, k + 1]` to `faces[f, k + 2]`.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse.csgraph import connected_components
+
+from ..errors import MeshError, listed, plural
+
+Int = NDArray[np.int32]
+
+
+class Edges(NamedTuple):
+    """The edges of a mesh; see `Domain` for the meaning of the arrays."""
+
+    face_edges: Int
+    edges: Int
+    edge_faces: Int
+
+
+def as_faces(faces: ArrayLike) -> Int:
+    """Triangles as an (F, 3) int32 array of vertex indices that are not negative; `MeshError` otherwise."""
+    array = np.asarray(faces)
+    if array.size == 0:
+        raise MeshError("The mesh has no faces; fill the outline with faces first.")
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise MeshError(f"Faces must be an (F, 3) array of triangles, not one of shape {array.shape}.")
+    if not np.issubdtype(array.dtype, np.integer):
+        raise MeshError(f"Faces must hold integers, not {array.dtype}.")
+    if array.min() < 0:
+        bad = np.flatnonzero((array < 0).any(axis=1))
+        raise MeshError(f"{_cap(plural('face', bad))} refer to a negative vertex index.", faces=bad)
+    return np.ascontiguousarray(array, dtype=np.int32)
+
+
+def check_faces(faces: Int, vertex_count: int) -> None:
+    """Refuse indices out of range, faces that repeat a vertex, repeated faces and vertices without a face."""
+    bad = np.flatnonzero((faces >= vertex_count).any(axis=1))
+    if bad.size:
+        index = int(faces[bad[0]].max())
+        raise MeshError(
+            f"Face {bad[0]} refers to vertex {index}, but there are only {vertex_count} vertices"
+            + (f" (faces out of range: {listed(bad)})." if bad.size > 1 else "."),
+            faces=bad,
+        )
+    repeats = (faces == np.roll(faces, 1, axis=1)).any(axis=1)
+    bad = np.flatnonzero(repeats)
+    if bad.size:
+        raise MeshError(
+            f"{_cap(plural('face', bad))} repeat a vertex and have no area; dissolve degenerate faces.",
+            faces=bad,
+            vertices=np.unique(faces[bad]),
+        )
+    bad = _repeated_faces(faces, vertex_count)
+    if bad.size:
+        raise MeshError(
+            f"{_cap(plural('face', bad))} have the same three vertices; delete the repeated faces.", faces=bad
+        )
+    unused = np.flatnonzero(np.bincount(faces.ravel(), minlength=vertex_count) == 0)
+    if unused.size:
+        raise MeshError(
+            f"{_cap(plural('vertex', unused))} {_belong(unused)} to no face; delete loose vertices.", vertices=unused
+        )
+
+
+def _repeated_faces(faces: Int, vertex_count: int) -> NDArray[np.int64]:
+    a, b, c = np.sort(faces, axis=1).astype(np.int64).T
+    # two passes keep the keys inside 64 bits
+    pairs = np.unique(a * vertex_count + b, return_inverse=True)[1].astype(np.int64)
+    _, inverse, counts = np.unique(pairs * vertex_count + c, return_inverse=True, return_counts=True)
+    return np.flatnonzero(counts[inverse] > 1)
+
+
+def edges_by_vertex_pairs(faces: Int, vertex_count: int) -> Int:
+    """Number the edges so that half-edges which join the same two vertices share one: `face_edges` (F, 3)."""
+    start, end = half_edge_vertices(faces)
+    low, high = np.minimum(start, end).astype(np.int64), np.maximum(start, end)
+    inverse = np.unique(low * vertex_count + high, return_inverse=True)[1]
+    return inverse.reshape(-1, 3).astype(np.int32)
+
+
+def half_edge_vertices(faces: Int) -> tuple[Int, Int]:
+    """Start and end vertex of every half-edge, (3 F,) each."""
+    return faces[:, [1, 2, 0]].ravel(), faces[:, [2, 0, 1]].ravel()
+
+
+def pair_half_edges(faces: Int, face_edges: Int) -> Edges:
+    """The two sides of every edge, checked: at most two faces an edge, and walked in opposite directions."""
+    sides = face_edges.ravel()
+    counts = np.bincount(sides)
+    order = np.argsort(sides, kind="stable")
+    first_slot = np.concatenate([[0], np.cumsum(counts)[:-1]])
+    start, end = half_edge_vertices(faces)
+
+    crowded = np.flatnonzero(counts > 2)
+    if crowded.size:
+        h = order[first_slot[crowded[0]]]
+        raise MeshError(
+            f"{_cap(plural('edge', crowded))} {_have(crowded)} more than two faces (edge {crowded[0]}: vertices "
+            f"{start[h]}, {end[h]}; {counts[crowded[0]]} faces); split it, or delete the extra faces.",
+            edges=crowded,
+            vertices=np.unique(start[np.isin(sides, crowded)].tolist() + end[np.isin(sides, crowded)].tolist()),
+        )
+    left = order[first_slot]
+    interior = np.flatnonzero(counts == 2)
+    right = np.full(counts.size, -1, dtype=np.int64)
+    right[interior] = order[first_slot[interior] + 1]
+    _check_opposite(faces, start, end, left, right, interior)
+    edges = np.stack([start[left], end[left]], axis=1).astype(np.int32)
+    edge_faces = np.stack([left // 3, np.where(right < 0, -1, right // 3)], axis=1).astype(np.int32)
+    return Edges(face_edges.astype(np.int32), edges, edge_faces)
+
+
+def _check_opposite(faces: Int, start: Int, end: Int, left: NDArray, right: NDArray, interior: NDArray) -> None:
+    """Two faces at an edge walk it in opposite directions, or the mesh is not oriented (or cannot be)."""
+    l, r = left[interior], right[interior]
+    opposite = (start[l] == end[r]) & (end[l] == start[r])
+    if opposite.all():
+        return
+    bad = interior[~opposite]
+    joined = (start[l] == start[r]) & (end[l] == end[r])
+    if not (opposite | joined).all():
+        e = interior[~(opposite | joined)]
+        raise MeshError(f"{_cap(plural('edge', e))} join different vertices in their two faces.", edges=e)
+    involved = np.unique(np.stack([l[~opposite] // 3, r[~opposite] // 3]))
+    if _one_sided(len(faces), l // 3, r // 3, opposite):
+        message = "The mesh is one-sided, like a Möbius strip: no choice of normals is consistent across"
+        way_out = "cut the strip open, or untwist it"
+    else:
+        message, way_out = "Neighbouring faces are oriented against each other at", "recalculate the normals"
+    a, b = start[left[bad[0]]], end[left[bad[0]]]
+    raise MeshError(
+        f"{message} {plural('edge', bad)} (the first joins vertices {a}, {b}; faces {listed(involved)}); {way_out}.",
+        edges=bad,
+        faces=involved,
+    )
+
+
+def _one_sided(face_count: int, left: NDArray, right: NDArray, opposite: NDArray) -> bool:
+    """A mesh is one-sided when the two copies of it in its orientation cover hang together."""
+    shift = np.where(opposite, 0, face_count)
+    rows = np.concatenate([left, left + face_count])
+    cols = np.concatenate([right + shift, right + face_count - shift])
+    cover = sp.coo_array((np.ones(rows.size), (rows, cols)), shape=(2 * face_count, 2 * face_count))
+    labels = connected_components(cover, directed=False)[1]
+    return bool((labels[:face_count] == labels[face_count:]).any())
+
+
+def check_surface(faces: Int, mesh: Edges, vertex_count: int) -> None:
+    """Refuse vertices where several sheets touch, and meshes of several components."""
+    interior = mesh.edge_faces[:, 1] >= 0
+    left, right = mesh.edge_faces[interior].T
+    graph = sp.coo_array((np.ones(left.size), (left, right)), shape=(len(faces), len(faces)))
+    count, labels = connected_components(graph, directed=False)
+    if count > 1:
+        sizes = np.bincount(labels)
+        smallest = np.flatnonzero(labels == np.argmin(sizes))
+        raise MeshError(
+            f"The mesh has {count} components, of {listed(np.sort(sizes)[::-1])} faces; solve them one by one "
+            f"(separate by loose parts), or delete the smallest ({plural('face', smallest)}).",
+            faces=smallest,
+        )
+    fans = np.bincount(_fan_vertices(faces, mesh), minlength=vertex_count)
+    pinched = np.flatnonzero(fans > 1)
+    if pinched.size:
+        raise MeshError(
+            f"{_cap(plural('vertex', pinched))} {'joins' if pinched.size == 1 else 'join'} parts of the mesh that share no edge "
+            "there; split the vertex, or widen the neck.",
+            vertices=pinched,
+        )
+
+
+def _fan_vertices(faces: Int, mesh: Edges) -> Int:
+    """One entry for each fan of faces around a vertex: the vertex."""
+    labels = corner_classes(faces, mesh, mesh.edge_faces[:, 1] >= 0)
+    vertex_of_class = np.empty(labels.max() + 1, dtype=np.int32)
+    vertex_of_class[labels.ravel()] = faces.ravel()
+    return vertex_of_class
+
+
+def corner_classes(faces: Int, mesh: Edges, joined: NDArray[np.bool_]) -> Int:
+    """Classes of corners (F, 3) of a vertex that hang together across the `joined` (E,) interior edges.
+
+    With all interior edges joined, each vertex of a surface is one class; with the edges of a cut left out, each
+    vertex of the cut surface is.
+    """
+    half_edge = np.full((len(mesh.edges), 2), -1, dtype=np.int64)
+    h = np.arange(faces.size)
+    e = mesh.face_edges.ravel()
+    side = (mesh.edge_faces[e, 0] != h // 3).astype(np.int64)
+    # a face may lie on both sides of an edge (coarse glued meshes): its second half-edge then takes the right side
+    both = (mesh.edge_faces[e, 0] == mesh.edge_faces[e, 1]) & (mesh.edges[e, 0] != half_edge_vertices(faces)[0])
+    half_edge[e, np.where(both, 1, side)] = h
+    l, r = half_edge[joined].T
+    # the corner at the start of the left half-edge is the one at the end of the right half-edge, and vice versa
+    rows = np.concatenate([_next(l), _next(_next(l))])
+    cols = np.concatenate([_next(_next(r)), _next(r)])
+    graph = sp.coo_array((np.ones(rows.size), (rows, cols)), shape=(faces.size, faces.size))
+    return connected_components(graph, directed=False)[1].reshape(-1, 3).astype(np.int32)
+
+
+def _next(h: NDArray) -> NDArray:
+    return h - h % 3 + (h + 1) % 3
+
+
+def boundary_loops(mesh: Edges) -> tuple[list[Int], list[Int]]:
+    """Closed boundary walks, the surface on the left: vertices of each, and its edges (edge k starts at vertex k).
+
+    A loop starts at its smallest vertex; loops are sorted by it.
+    """
+    boundary = np.flatnonzero(mesh.edge_faces[:, 1] < 0)
+    start = mesh.edges[boundary, 0]
+    leaving = dict(zip(start.tolist(), boundary.tolist(), strict=True))
+    loops: list[Int] = []
+    loop_edges: list[Int] = []
+    for first in np.sort(start).tolist():
+        vertices, edges = [], []
+        vertex = first
+        while vertex in leaving:
+            edge = leaving.pop(vertex)
+            vertices.append(vertex)
+            edges.append(edge)
+            vertex = int(mesh.edges[edge, 1])
+        if vertices:
+            loops.append(np.array(vertices, dtype=np.int32))
+            loop_edges.append(np.array(edges, dtype=np.int32))
+    return loops, loop_edges
+
+
+def _cap(text: str) -> str:
+    return text[0].upper() + text[1:]
+
+
+def _have(items: NDArray) -> str:
+    return "has" if len(items) == 1 else "have"
+
+
+def _belong(items: NDArray) -> str:
+    return "belongs" if len(items) == 1 else "belong"

@@ -1,0 +1,269 @@
+"""The domain of a map: triangles and edge lengths, nothing else.
+
+Everything the solver needs is intrinsic. Positions in the plane or in space are one way to get lengths; a strip
+glued into a cylinder, a torus, or an intrinsic triangulation are domains just as well. A vertex of such a domain has
+no single position, but every face has a planar layout of its own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import ArrayLike, NDArray
+
+from ..errors import MeshError, listed, plural
+from . import connectivity
+from .connectivity import Edges, Int
+
+Array = NDArray[np.float64]
+
+# A face counts as degenerate below this ratio of its area to its longest edge squared: positions in single
+# precision leave about 1e-7 in a face that was meant to be flat.
+_SMALLEST_AREA_RATIO = 1e-10
+# Lengths of an edge seen from its two faces may differ by this ratio (glued corners in single precision).
+_LENGTH_TOLERANCE = 1e-5
+
+
+@dataclass(frozen=True, eq=False)
+class Domain:
+    """A connected, oriented, manifold triangle mesh with a length on every edge.
+
+    Make one by `from_positions`, `from_corners` or `from_edge_lengths`, which validate; the constructor itself takes
+    arrays as they are.
+
+    faces: (F, 3) vertex indices, counter-clockwise.
+    face_edges: (F, 3) edge indices; edge k of a face is opposite its corner k.
+    edge_lengths: (E,).
+    """
+
+    faces: Int
+    face_edges: Int
+    edge_lengths: Array
+
+    @classmethod
+    def from_positions(cls, vertices: ArrayLike, faces: ArrayLike) -> Domain:
+        """Domain of a mesh in the plane or in space: vertices (V, 2) or (V, 3), faces (F, 3).
+
+        Raises `MeshError`, naming the offenders, on anything that is not a surface: NaN, indices out of range,
+        repeated or degenerate faces, loose vertices, edges with three faces, inconsistent orientation, several
+        components, vertices that join parts without a common edge.
+        """
+        positions = _as_positions(vertices)
+        triangles = connectivity.as_faces(faces)
+        connectivity.check_faces(triangles, len(positions))
+        mesh = _checked_edges(triangles, len(positions), None)
+        edge_vectors = positions[mesh.edges[:, 1]] - positions[mesh.edges[:, 0]]
+        return _with_proper_faces(mesh, triangles, np.linalg.norm(edge_vectors, axis=1))
+
+    @classmethod
+    def from_corners(cls, faces: ArrayLike, corners: ArrayLike, *, face_edges: ArrayLike | None = None) -> Domain:
+        """Domain glued from faces that each have corner positions of their own, `corners` (F, 3, 2) or (F, 3, 3).
+
+        `faces` says which corners are one vertex; the two sides of a glued edge must be equally long. Edges that
+        join the same two vertices but are different edges are told apart by `face_edges` (F, 3).
+        """
+        points = np.asarray(corners, dtype=np.float64)
+        triangles = connectivity.as_faces(faces)
+        if points.shape not in ((len(triangles), 3, 2), (len(triangles), 3, 3)):
+            raise MeshError(f"Corners must have shape (F, 3, 2) or (F, 3, 3) with F = {len(triangles)}, not {points.shape}.")
+        bad = np.flatnonzero(~np.isfinite(points).all(axis=(1, 2)))
+        if bad.size:
+            raise MeshError(f"Corners of {plural('face', bad)} are not finite numbers.", faces=bad)
+        lengths = np.linalg.norm(points[:, [2, 0, 1]] - points[:, [1, 2, 0]], axis=2)
+        return cls.from_edge_lengths(triangles, lengths, face_edges=face_edges)
+
+    @classmethod
+    def from_edge_lengths(cls, faces: ArrayLike, lengths: ArrayLike, *, face_edges: ArrayLike | None = None) -> Domain:
+        """Domain from `lengths` (F, 3), length k of a face opposite its corner k.
+
+        Sides that join the same two vertices are one edge unless `face_edges` (F, 3) says otherwise. Raises
+        `MeshError` where two sides of an edge differ, a length is not positive or a triangle inequality fails.
+        """
+        triangles = connectivity.as_faces(faces)
+        sides = np.asarray(lengths, dtype=np.float64)
+        if sides.shape != triangles.shape:
+            raise MeshError(f"Lengths must have the shape of faces, {triangles.shape}, not {sides.shape}.")
+        bad = np.flatnonzero(~(np.isfinite(sides) & (sides > 0)).all(axis=1))
+        if bad.size:
+            raise MeshError(f"A length of {plural('face', bad)} is not a positive number.", faces=bad)
+        vertex_count = int(triangles.max()) + 1
+        if face_edges is None:
+            connectivity.check_faces(triangles, vertex_count)
+        mesh = _checked_edges(triangles, vertex_count, face_edges)
+        return _with_proper_faces(mesh, triangles, _common_lengths(mesh, sides))
+
+    @cached_property
+    def vertex_count(self) -> int:
+        return int(self.faces.max()) + 1
+
+    @cached_property
+    def _mesh(self) -> Edges:
+        return connectivity.pair_half_edges(self.faces, self.face_edges)
+
+    @property
+    def edges(self) -> Int:
+        """(E, 2) vertices, directed as the left face walks the edge; along the boundary the surface is on the left."""
+        return self._mesh.edges
+
+    @property
+    def edge_faces(self) -> Int:
+        """(E, 2) left and right face of each edge; -1 on the right of a boundary edge."""
+        return self._mesh.edge_faces
+
+    @cached_property
+    def boundary_edges(self) -> Int:
+        return np.flatnonzero(self.edge_faces[:, 1] < 0).astype(np.int32)
+
+    @cached_property
+    def interior_edges(self) -> Int:
+        return np.flatnonzero(self.edge_faces[:, 1] >= 0).astype(np.int32)
+
+    @cached_property
+    def boundary_vertices(self) -> Int:
+        """Sorted."""
+        return np.unique(self.edges[self.boundary_edges])
+
+    @cached_property
+    def _loops(self) -> tuple[list[Int], list[Int]]:
+        return connectivity.boundary_loops(self._mesh)
+
+    @property
+    def boundary_loops(self) -> list[Int]:
+        """Vertices of each boundary loop, the surface on the left; a loop starts at its smallest vertex."""
+        return self._loops[0]
+
+    @property
+    def boundary_loop_edges(self) -> list[Int]:
+        """Edges of each boundary loop; edge k of a loop runs from its vertex k to its vertex k + 1."""
+        return self._loops[1]
+
+    @cached_property
+    def euler_characteristic(self) -> int:
+        return self.vertex_count - len(self.edge_lengths) + len(self.faces)
+
+    @cached_property
+    def genus(self) -> int:
+        return (2 - self.euler_characteristic - len(self.boundary_loops)) // 2
+
+    @cached_property
+    def side_lengths(self) -> Array:
+        """(F, 3), length k opposite corner k."""
+        return self.edge_lengths[self.face_edges]
+
+    @cached_property
+    def face_areas(self) -> Array:
+        """(F,), by Kahan's form of Heron's formula, which is accurate on needles."""
+        c, b, a = np.sort(self.side_lengths, axis=1).T
+        product = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c))
+        return 0.25 * np.sqrt(np.maximum(product, 0.0))
+
+    @cached_property
+    def corner_cotans(self) -> Array:
+        """(F, 3) cotangents of the corner angles: cot θ_k = (a² + b² - c²) / 4A with c opposite corner k."""
+        squares = self.side_lengths**2
+        return (squares.sum(axis=1, keepdims=True) - 2.0 * squares) / (4.0 * self.face_areas[:, None])
+
+    @cached_property
+    def corner_angles(self) -> Array:
+        """(F, 3) in radians."""
+        return np.arctan2(1.0, self.corner_cotans)
+
+    @cached_property
+    def vertex_areas(self) -> Array:
+        """(V,): a third of the area of the faces around each vertex."""
+        return np.bincount(self.faces.ravel(), np.repeat(self.face_areas / 3.0, 3), self.vertex_count)
+
+    @cached_property
+    def area(self) -> float:
+        return float(self.face_areas.sum())
+
+    @cached_property
+    def cotan_weights(self) -> Array:
+        """(E,) w_ij = ½ (cot θ_k + cot θ_l); one cotangent on the boundary (paper, Eq. 6)."""
+        return 0.5 * np.bincount(self.face_edges.ravel(), self.corner_cotans.ravel(), len(self.edge_lengths))
+
+    @cached_property
+    def laplacian(self) -> sp.csr_array:
+        """(V, V) positive semidefinite: E(N) = ½ <LN, N>, natural (Neumann) on the boundary."""
+        i, j = self.edges.T
+        w = self.cotan_weights
+        n = self.vertex_count
+        diagonal = np.bincount(i, w, n) + np.bincount(j, w, n)
+        every = np.arange(n, dtype=np.int32)
+        rows, cols = np.concatenate([i, j, every]), np.concatenate([j, i, every])
+        return sp.csr_array(sp.coo_array((np.concatenate([-w, -w, diagonal]), (rows, cols)), shape=(n, n)))
+
+    @cached_property
+    def layout(self) -> Array:
+        """(F, 3, 2): each face in a plane of its own, corner 0 at the origin, corner 1 on the positive x-axis."""
+        _, l1, l2 = self.side_lengths.T
+        angle = self.corner_angles[:, 0]
+        points = np.zeros((len(self.faces), 3, 2))
+        points[:, 1, 0] = l2
+        points[:, 2, 0] = l1 * np.cos(angle)
+        points[:, 2, 1] = 2.0 * self.face_areas / l2
+        return points
+
+    def corner_classes(self, joined: NDArray[np.bool_]) -> Int:
+        """Classes (F, 3) of corners that hang together across the `joined` (E,) interior edges."""
+        return connectivity.corner_classes(self.faces, self._mesh, joined)
+
+
+def _as_positions(vertices: ArrayLike) -> Array:
+    positions = np.asarray(vertices, dtype=np.float64)
+    if positions.size == 0:
+        raise MeshError("The mesh has no vertices.")
+    if positions.ndim != 2 or positions.shape[1] not in (2, 3):
+        raise MeshError(f"Vertices must be a (V, 2) or (V, 3) array, not one of shape {positions.shape}.")
+    bad = np.flatnonzero(~np.isfinite(positions).all(axis=1))
+    if bad.size:
+        raise MeshError(
+            f"Coordinates of {plural('vertex', bad)} are not finite numbers; move or delete {'it' if bad.size == 1 else 'them'}.",
+            vertices=bad,
+        )
+    return positions
+
+
+def _checked_edges(faces: Int, vertex_count: int, face_edges: ArrayLike | None) -> Edges:
+    if face_edges is None:
+        numbering = connectivity.edges_by_vertex_pairs(faces, vertex_count)
+    else:
+        numbering = np.asarray(face_edges, dtype=np.int32)
+        if numbering.shape != faces.shape or numbering.min() < 0 or (np.bincount(numbering.ravel()) == 0).any():
+            raise MeshError(f"Face edges must number the sides {faces.shape} from 0 without gaps.")
+    mesh = connectivity.pair_half_edges(faces, numbering)
+    connectivity.check_surface(faces, mesh, vertex_count)
+    return mesh
+
+
+def _common_lengths(mesh: Edges, sides: Array) -> Array:
+    """One length an edge, the mean of its two sides, which must agree."""
+    e = mesh.face_edges.ravel()
+    count = np.bincount(e)
+    mean = np.bincount(e, sides.ravel()) / count
+    bad = np.unique(e[np.abs(sides.ravel() - mean[e]) > _LENGTH_TOLERANCE * mean[e]])
+    if bad.size:
+        raise MeshError(
+            f"The two faces at {plural('edge', bad)} (vertices {listed(mesh.edges[bad[0]])} first) give it different lengths.",
+            edges=bad,
+        )
+    return mean
+
+
+def _with_proper_faces(mesh: Edges, faces: Int, lengths: Array) -> Domain:
+    """The finished domain, once no face has (almost) zero area."""
+    domain = Domain(faces, mesh.face_edges, lengths)
+    domain.__dict__["_mesh"] = mesh  # already paired; the property would do it again
+    longest = domain.side_lengths.max(axis=1)
+    bad = np.flatnonzero(domain.face_areas <= _SMALLEST_AREA_RATIO * longest**2)
+    if bad.size:
+        raise MeshError(
+            f"{plural('face', bad).capitalize()} {'has' if bad.size == 1 else 'have'} no area; dissolve degenerate "
+            "faces, or merge vertices by distance.",
+            faces=bad,
+            vertices=np.unique(faces[bad]),
+        )
+    return domain

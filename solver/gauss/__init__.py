@@ -1,0 +1,1 @@
+"""The Gauss map is the unknown: its boundary conditions, its energy, its minimisers."""
