@@ -21,7 +21,7 @@ ROOMS = ("domain", "gauss", "surface", "measure", "design", "fabrication")
 TOP = "the top of solver/"  # job, files, pipeline, __main__, and the public names in __init__
 RANK = {room: rank for rank, room in enumerate((*FOR_EVERYONE, *ROOMS, TOP))}
 
-BLENDER_MODULES = set("addon_utils bl_ext blf bmesh bpy bpy_extras gpu gpu_extras mathutils".split())
+BLENDER_MODULES = {"bpy", "bpy_extras", "bmesh", "mathutils", "gpu", "gpu_extras", "blf", "addon_utils"}
 OUR_PACKAGES = {"solver", "cmc_addon", "cmc_formfinding"}
 # Access to mesh data in bulk; `bmesh` is looked for among the imports.
 MESH_ACCESS = {"foreach_get", "foreach_set", "from_pydata", "attributes"}
