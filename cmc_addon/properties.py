@@ -27,22 +27,8 @@ from bpy.props import (
     StringProperty,
 )
 
-try:
-    from ..solver.gauss.conditions import KINDS
-except ModuleNotFoundError:  # until the solver's registry is there
-    from types import SimpleNamespace as _N
-    KINDS = {
-        "binormal": _N(label="Binormal", description="Tangent planes tilted along the rim", parameters=(
-            _N(name="tilt", label="Tilt", description="0 a vertical rim, 90 degrees flat",
-               default=0.0, unit="radians"),)),
-        "plane": _N(label="Constant Plane", description="One tangent plane along the rim", parameters=(
-            _N(name="normal", label="Normal", description="Normal of the plane",
-               default=(1.0, 0.0, 0.0), unit=""),)),
-        "twisted": _N(label="Twisted", description="The tilt turns along the rim", parameters=(
-            _N(name="m", label="Turns", description="Full turns along the rim", default=1.0, unit=""),)),
-        "gauss_map": _N(label="Gauss Map", description="The plan's own normals", parameters=()),
-        "free": _N(label="Free", description="Nothing is prescribed", parameters=()),
-    }
+from ..solver.gauss.conditions import KINDS
+from ..solver.surface.placement import GROUNDS, SIZES
 
 GROUP_ATTRIBUTE = "cmc_group"
 
@@ -103,17 +89,21 @@ def condition_annotations(options=frozenset()) -> dict:
 
 # --- how a plan is solved ------------------------------------------------------------------
 
-_SIZES = [
-    ("MATCH_PLAN", "Match Plan", "Move and scale the shell until its rim is nearest to the drawn outline"),
-    ("SPAN", "Span", "The longest horizontal extent of the shell"),
-    ("RISE", "Rise", "The height of the shell from its lowest to its highest point"),
-    ("RADIUS", "Radius 1/H", "The radius of mean curvature, the same everywhere on the shell"),
-    ("MEAN_CURVATURE", "Mean Curvature H", "The mean curvature itself, one over a length"),
-]
-_GROUNDS = [
-    ("LOWEST", "Lowest Point", "The lowest point of the shell lies on the plan's plane"),
-    ("RIM", "Rim", "The rim of the shell lies, on average, on the plan's plane"),
-]
+_TEXTS = {
+    "match_plan": "Move and scale the shell until its rim is nearest to the drawn outline",
+    "span": "The longest horizontal extent of the shell",
+    "rise": "The height of the shell from its lowest to its highest point",
+    "radius": "The radius of mean curvature 1/H, the same everywhere on the shell",
+    "mean_curvature": "The mean curvature H itself, one over a length",
+    "lowest": "The lowest point of the shell lies on the plan's plane",
+    "rim": "The rim of the shell lies, on average, on the plan's plane",
+}
+
+
+def _items(registry: dict[str, str]) -> list[tuple[str, str, str]]:
+    return [(name.upper(), label, _TEXTS.get(name, label)) for name, label in registry.items()]
+
+
 _SHEETS = [
     ("F_PLUS", "f+", "The shell g + N"),
     ("F_MINUS", "f-", "Its twin g - N, a single point where the shell is a sphere"),
@@ -125,7 +115,7 @@ _AVERAGINGS = [
 ]
 
 _SETTINGS = {
-    "size": (EnumProperty, dict(name="Size", items=_SIZES, default="MATCH_PLAN")),
+    "size": (EnumProperty, dict(name="Size", items=_items(SIZES), default="MATCH_PLAN")),
     "span": (FloatProperty, dict(name="Span", default=10.0, min=1e-6, soft_min=0.01, subtype="DISTANCE")),
     "rise": (FloatProperty, dict(name="Rise", default=3.0, min=1e-6, soft_min=0.01, subtype="DISTANCE")),
     "radius": (FloatProperty, dict(
@@ -134,7 +124,7 @@ _SETTINGS = {
     "mean_curvature": (FloatProperty, dict(
         name="H", description="Mean curvature, one over a length; a sphere of radius 5 has 0.2",
         default=0.2, min=1e-9, soft_min=1e-3, precision=4)),
-    "ground": (EnumProperty, dict(name="Ground", items=_GROUNDS, default="RIM")),
+    "ground": (EnumProperty, dict(name="Ground", items=_items(GROUNDS), default="LOWEST")),
     "sheet": (EnumProperty, dict(
         name="Sheet", description="Which of the two surfaces is the shell: it is placed and shown",
         items=_SHEETS, default="F_PLUS")),
