@@ -15,6 +15,8 @@ appears here. Identifiers are the solver's names in capitals. Lengths are Blende
 radians (shown as degrees). Annotations must be real objects, not strings, for Blender to see them.
 """
 
+from functools import partial
+
 import bpy
 from bpy.props import (
     BoolProperty,
@@ -115,37 +117,40 @@ _AVERAGINGS = [
 ]
 
 _SETTINGS = {
-    "size": (EnumProperty, dict(name="Size", items=_items(SIZES), default="MATCH_PLAN")),
-    "span": (FloatProperty, dict(name="Span", default=10.0, min=1e-6, soft_min=0.01, subtype="DISTANCE")),
-    "rise": (FloatProperty, dict(name="Rise", default=3.0, min=1e-6, soft_min=0.01, subtype="DISTANCE")),
-    "radius": (FloatProperty, dict(
-        name="Radius", description="Radius of mean curvature, 1/H",
-        default=5.0, min=1e-6, soft_min=0.01, subtype="DISTANCE")),
-    "mean_curvature": (FloatProperty, dict(
-        name="H", description="Mean curvature, one over a length; a sphere of radius 5 has 0.2",
-        default=0.2, min=1e-9, soft_min=1e-3, precision=4)),
-    "ground": (EnumProperty, dict(name="Ground", items=_items(GROUNDS), default="LOWEST")),
-    "sheet": (EnumProperty, dict(
-        name="Sheet", description="Which of the two surfaces is the shell: it is placed and shown",
-        items=_SHEETS, default="F_PLUS")),
-    "flip": (BoolProperty, dict(
-        name="Flip", description="Mirror the shell in the plan's plane: hanging instead of standing")),
-    "rotate": (BoolProperty, dict(
-        name="Allow Rotation", description="Match Plan may also rotate about the vertical; this "
-        "turns the prescribed tangent planes")),
-    "apply_modifiers": (BoolProperty, dict(
-        name="Apply Modifiers", description="Solve on the plan as its modifiers show it")),
-    "want_twin": (BoolProperty, dict(name="Twin", description="Also make the other sheet (f- beside f+)")),
-    "want_g": (BoolProperty, dict(
-        name="K-Surface g", description="Also make the surface between the two sheets")),
-    "want_gauss": (BoolProperty, dict(
-        name="Gauss Image", description="Also make the normals as points of a sphere")),
-    "averaging": (EnumProperty, dict(
-        name="Averaging", description="How points of the surface are found at the vertices",
-        items=_AVERAGINGS, default="GALERKIN")),
-    "tolerance": (FloatProperty, dict(
-        name="Tolerance", description="The solve stops at this residual",
-        default=1e-6, min=1e-12, max=1e-2, precision=8)),
+    "size": partial(EnumProperty, name="Size", items=_items(SIZES), default="MATCH_PLAN"),
+    "span": partial(FloatProperty, name="Span", default=10.0, min=1e-6, soft_min=0.01, subtype="DISTANCE"),
+    "rise": partial(FloatProperty, name="Rise", default=3.0, min=1e-6, soft_min=0.01, subtype="DISTANCE"),
+    "radius": partial(
+        FloatProperty, name="Radius", description="Radius of mean curvature, 1/H",
+        default=5.0, min=1e-6, soft_min=0.01, subtype="DISTANCE"),
+    "mean_curvature": partial(
+        FloatProperty, name="H",
+        description="Mean curvature, one over a length: 0.2 on a sphere of radius 5",
+        default=0.2, min=1e-9, soft_min=1e-3, precision=4),
+    "ground": partial(EnumProperty, name="Ground", items=_items(GROUNDS), default="LOWEST"),
+    "sheet": partial(
+        EnumProperty, name="Sheet",
+        description="Which of the two surfaces is the shell: it is placed and shown",
+        items=_SHEETS, default="F_PLUS"),
+    "flip": partial(
+        BoolProperty, name="Flip",
+        description="Mirror the shell in the plan's plane: hanging instead of standing"),
+    "rotate": partial(
+        BoolProperty, name="Allow Rotation",
+        description="Match Plan may also rotate about the vertical, which turns the prescribed planes"),
+    "apply_modifiers": partial(
+        BoolProperty, name="Apply Modifiers", description="Solve on the plan as its modifiers show it"),
+    "want_twin": partial(BoolProperty, name="Twin", description="Also make the other sheet (f- beside f+)"),
+    "want_g": partial(
+        BoolProperty, name="K-Surface g", description="Also make the surface between the two sheets"),
+    "want_gauss": partial(
+        BoolProperty, name="Gauss Image", description="Also make the normals as points of a sphere"),
+    "averaging": partial(
+        EnumProperty, name="Averaging", description="How points of the surface are found at the vertices",
+        items=_AVERAGINGS, default="GALERKIN"),
+    "tolerance": partial(
+        FloatProperty, name="Tolerance", description="The solve stops at this residual",
+        default=1e-6, min=1e-12, max=1e-2, precision=8),
 }
 SETTINGS = tuple(_SETTINGS)
 """Names of the settings shared by `Object.cmc` and the operators that solve."""
@@ -154,7 +159,7 @@ SETTINGS = tuple(_SETTINGS)
 def setting_annotations(options=frozenset()) -> dict:
     """The settings of a solve as property annotations; operators pass {'SKIP_SAVE'}, so that
     the values of the last call on another plan are not taken over in silence."""
-    return {name: make(**keywords, options=set(options)) for name, (make, keywords) in _SETTINGS.items()}
+    return {name: make(options=set(options)) for name, make in _SETTINGS.items()}
 
 
 # --- what is stored ------------------------------------------------------------------------
