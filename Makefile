@@ -1,0 +1,66 @@
+# What there is to run. Everything is set up on the way: an environment in .venv, clean ones with other
+# versions of Blender in .venvs, system libraries where they are missing. The second run is quick.
+
+.NOTPARALLEL:
+.DELETE_ON_ERROR:
+.PHONY: demo test lint test-solver test-blender extension gui-test bench gallery clean
+
+PYTHON := .venv/bin/python
+SETUP := pyproject.toml scripts/setup_env.sh scripts/requirements.py scripts/system_libraries.sh
+SHIPPED := __init__.py blender_manifest.toml pyproject.toml scripts/build_extension.py \
+           $(shell find solver cmc_addon -name '*.py')
+BLENDERS := .venvs/bpy-4.5/ready .venvs/bpy-5.0/ready .venvs/bpy-5.2/ready
+
+# Form one of the plans and render it: build/demo/.
+demo: .venv/ready
+	$(PYTHON) scripts/demo.py
+
+# Everything that needs no window and no patience; its last line is pytest's.
+test: lint test-solver test-blender
+
+lint: .venv/ready
+	$(PYTHON) -m ruff check .
+	$(PYTHON) -m pyright --pythonpath $(PYTHON)
+
+test-solver: .venv/ready
+	$(PYTHON) -m pytest tests/solver tests/test_layers.py
+
+# A process of its own: in Blender the solver is a part of the extension.
+test-blender: .venv/ready dist/here $(BLENDERS)
+	$(PYTHON) -m pytest tests/blender
+
+# The zips to install in Blender, one a platform: dist/.
+extension: .venv/ready
+	$(PYTHON) scripts/build_extension.py --all
+
+# The user interface in a real Blender with a window.
+gui-test: .venv/ready
+	$(PYTHON) -m pytest tests/gui
+
+bench: .venv/ready
+	$(PYTHON) -m pytest benchmarks
+
+# The pictures of docs/.
+gallery: .venv/ready
+	$(PYTHON) scripts/render_gallery.py
+
+# What was made from the sources; the environments stay.
+clean:
+	rm -rf build dist .pytest_cache .ruff_cache
+	find . -name __pycache__ -not -path './.venv*' -prune -exec rm -rf {} +
+
+# The zip for this machine only, for the tests.
+dist/here: .venv/ready $(SHIPPED)
+	$(PYTHON) scripts/build_extension.py
+	touch $@
+
+.venv/ready: $(SETUP)
+	scripts/setup_env.sh $(@D) 3.11 base fast blender test
+
+.venvs/bpy-4.5/ready .venvs/bpy-5.0/ready: .venvs/%/ready: $(SETUP)
+	scripts/setup_env.sh $(@D) 3.11 $*
+
+# Blender 5.2 runs on Python 3.13, which not every machine has; tests/blender/test_extension.py says so.
+.venvs/bpy-5.2/ready: $(SETUP)
+	if scripts/find_python.sh 3.13; then scripts/setup_env.sh $(@D) 3.13 bpy-5.2; else \
+	  echo "No Python 3.13 on PATH or in ~/.pyenv/versions: the tests in Blender 5.2 are not run."; fi
