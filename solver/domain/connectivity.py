@@ -19,11 +19,15 @@ Int = NDArray[np.int32]
 
 
 class Edges(NamedTuple):
-    """The edges of a mesh; see `Domain` for the meaning of the arrays."""
+    """The edges of a mesh; see `Domain` for the first three arrays.
+
+    half_edges: (E, 2) the left and the right half-edge of each edge, -1 outside.
+    """
 
     face_edges: Int
     edges: Int
     edge_faces: Int
+    half_edges: Int
 
 
 def as_faces(faces: ArrayLike) -> Int:
@@ -107,7 +111,7 @@ def pair_half_edges(faces: Int, face_edges: Int) -> Edges:
             f"{_cap(plural('edge', crowded))} {_have(crowded)} more than two faces (edge {crowded[0]}: vertices "
             f"{start[h]}, {end[h]}; {counts[crowded[0]]} faces); split it, or delete the extra faces.",
             edges=crowded,
-            vertices=np.unique(start[np.isin(sides, crowded)].tolist() + end[np.isin(sides, crowded)].tolist()),
+            vertices=np.unique(np.concatenate([start[np.isin(sides, crowded)], end[np.isin(sides, crowded)]])),
         )
     left = order[first_slot]
     interior = np.flatnonzero(counts == 2)
@@ -115,8 +119,8 @@ def pair_half_edges(faces: Int, face_edges: Int) -> Edges:
     right[interior] = order[first_slot[interior] + 1]
     _check_opposite(faces, start, end, left, right, interior)
     edges = np.stack([start[left], end[left]], axis=1).astype(np.int32)
-    edge_faces = np.stack([left // 3, np.where(right < 0, -1, right // 3)], axis=1).astype(np.int32)
-    return Edges(face_edges.astype(np.int32), edges, edge_faces)
+    half_edges = np.stack([left, right], axis=1).astype(np.int32)
+    return Edges(face_edges.astype(np.int32), edges, half_edges // 3, half_edges)
 
 
 def _check_opposite(faces: Int, start: Int, end: Int, left: NDArray, right: NDArray, interior: NDArray) -> None:
@@ -192,14 +196,7 @@ def corner_classes(faces: Int, mesh: Edges, joined: NDArray[np.bool_]) -> Int:
     With all interior edges joined, each vertex of a surface is one class; with the edges of a cut left out, each
     vertex of the cut surface is.
     """
-    half_edge = np.full((len(mesh.edges), 2), -1, dtype=np.int64)
-    h = np.arange(faces.size)
-    e = mesh.face_edges.ravel()
-    side = (mesh.edge_faces[e, 0] != h // 3).astype(np.int64)
-    # a face may lie on both sides of an edge (coarse glued meshes): its second half-edge then takes the right side
-    both = (mesh.edge_faces[e, 0] == mesh.edge_faces[e, 1]) & (mesh.edges[e, 0] != half_edge_vertices(faces)[0])
-    half_edge[e, np.where(both, 1, side)] = h
-    l, r = half_edge[joined].T
+    l, r = mesh.half_edges[joined].T
     # the corner at the start of the left half-edge is the one at the end of the right half-edge, and vice versa
     rows = np.concatenate([_next(l), _next(_next(l))])
     cols = np.concatenate([_next(_next(r)), _next(r)])

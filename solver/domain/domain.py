@@ -114,6 +114,18 @@ class Domain:
         return self._mesh.edge_faces
 
     @cached_property
+    def twins(self) -> Int:
+        """(3 F,) the half-edge on the other side of each, -1 on the boundary.
+
+        Half-edge `3 f + k` is opposite corner k of face f and runs from its corner k + 1 to its corner k + 2.
+        """
+        left, right = self._mesh.half_edges.T
+        twins = np.full(self.faces.size, -1, dtype=np.int32)
+        twins[left] = right
+        twins[right[right >= 0]] = left[right >= 0]
+        return twins
+
+    @cached_property
     def boundary_edges(self) -> Int:
         return np.flatnonzero(self.edge_faces[:, 1] < 0).astype(np.int32)
 

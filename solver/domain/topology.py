@@ -1,0 +1,215 @@
+"""Trees, loops and cuts: what it takes to integrate a closed form on a domain that may have holes.
+
+A form is one value an edge, the increment of a function on the faces: `value(left) - value(right)`. It is closed when
+the increments around every interior vertex sum to zero. Then it has an integral on the cover of the domain; on the domain
+itself, cut open along edges, the integral jumps by a period across each cut.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.sparse.csgraph import breadth_first_order
+
+from .domain import Domain
+
+Array = NDArray[np.float64]
+Int = NDArray[np.integer]
+
+
+def accumulate(parent: Int, increments: Array) -> Array:
+    """Sum increments along the path to the root: `x[i] = increments[i] + x[parent[i]]`; a root is its own parent.
+
+    By pointer jumping: as many rounds as the logarithm of the depth, each over whole arrays. Roots add nothing.
+    """
+    total = np.where((parent == np.arange(len(parent)))[:, None], 0.0, increments)
+    while True:
+        above = parent[parent]
+        total = total + total[parent]
+        if (above == parent).all():
+            return total
+        parent = above
+
+
+@dataclass(frozen=True)
+class DualTree:
+    """A spanning tree of the faces: `parent` (F,), and the `edge` (F,) towards it; the root is its own parent."""
+
+    parent: Int
+    edge: Int
+
+    @classmethod
+    def of(cls, domain: Domain) -> DualTree:
+        inside = domain.interior_edges
+        left, right = domain.edge_faces[inside].T
+        n = len(domain.faces)
+        rows, cols = np.concatenate([left, right]), np.concatenate([right, left])
+        adjacency = sp.csr_array((np.ones(rows.size), (rows, cols)), shape=(n, n))
+        order, before = breadth_first_order(adjacency, 0, directed=True)
+        parent = np.where(before < 0, np.arange(n), before)
+        neighbours = _neighbours(domain)
+        across = np.argmax(neighbours == parent[:, None], axis=1)
+        return cls(parent, domain.face_edges[np.arange(n), across])
+
+    def integrate(self, domain: Domain, form: Array) -> Array:
+        """Values (F, k) of the integral of `form` (E, k) along the tree; zero at the root."""
+        sign = np.where(domain.edge_faces[self.edge, 0] == np.arange(len(self.parent)), 1.0, -1.0)
+        return accumulate(self.parent, sign[:, None] * form[self.edge])
+
+
+def _neighbours(domain: Domain) -> Int:
+    """(F, 3) the face across the edge opposite each corner, -1 outside."""
+    twins = domain.twins.reshape(-1, 3)
+    return twins // 3
+
+
+@dataclass(frozen=True)
+class Homology:
+    """Loops that cannot be contracted, and a cut across each: `2 genus + loops - 1` of them (closed: `2 genus`).
+
+    tree: of the faces; the fundamental domain.
+    generators: (k,) one edge each; loop j crosses generator j from right to left and closes in the tree.
+    crossings: (E, k) integers. Where a closed form is integrated along the tree, the jump
+        `form - (left - right)` across edge e is `crossings[e] @ periods`; zero but on the cuts.
+    """
+
+    domain: Domain
+    tree: DualTree
+    generators: Int
+    crossings: NDArray[np.int8]
+
+    @classmethod
+    def of(cls, domain: Domain) -> Homology:
+        tree = DualTree.of(domain)
+        free = np.ones(len(domain.edges), dtype=bool)
+        free[domain.boundary_edges] = False
+        has_parent = tree.parent != np.arange(len(tree.parent))
+        free[tree.edge[has_parent]] = False
+        candidates = np.flatnonzero(free)
+        count = len(candidates) - domain.vertex_count + len(domain.boundary_vertices)
+        if len(domain.boundary_edges) == 0:
+            count += 1
+        if count == 0:
+            return cls(domain, tree, np.zeros(0, dtype=np.int64), np.zeros((len(domain.edges), 0), dtype=np.int8))
+        primal = _PrimalTree.of(domain, candidates)
+        generators = np.setdiff1d(candidates, primal.edge)
+        return cls(domain, tree, generators, primal.crossings(domain, generators))
+
+    @cached_property
+    def is_trivial(self) -> bool:
+        return len(self.generators) == 0
+
+    @cached_property
+    def cut(self) -> Int:
+        """Edges across which an integral may jump."""
+        return np.flatnonzero(self.crossings.any(axis=1))
+
+    def periods(self, form: Array, values: Array) -> Array:
+        """Jumps (k, d) of the `values` (F, d), integrated along the tree from `form` (E, d), at the generators."""
+        left, right = self.domain.edge_faces[self.generators].T
+        return form[self.generators] - (values[left] - values[right])
+
+    @cached_property
+    def sheets(self) -> CutSurface:
+        return CutSurface.of(self)
+
+
+@dataclass(frozen=True)
+class _PrimalTree:
+    """A spanning tree of the vertices along candidate edges, the whole boundary being one node (the root)."""
+
+    parent: Int  # (V,), the vertex itself at a root
+    edge: Int  # (V,), -1 at a root
+
+    @classmethod
+    def of(cls, domain: Domain, candidates: Int) -> _PrimalTree:
+        n = domain.vertex_count
+        node = np.arange(n)
+        node[domain.boundary_vertices] = n if len(domain.boundary_vertices) else 0
+        root = int(node[domain.boundary_vertices[0]]) if len(domain.boundary_vertices) else 0
+        ends = node[domain.edges[candidates]]
+        rows, cols = np.concatenate([ends[:, 0], ends[:, 1]]), np.concatenate([ends[:, 1], ends[:, 0]])
+        adjacency = sp.csr_array((np.ones(rows.size), (rows, cols)), shape=(n + 1, n + 1))
+        before = breadth_first_order(adjacency, root, directed=True)[1]
+        parent, edge = node.copy(), np.full(n, -1)
+        # the edge towards the parent: the last candidate that joins the two nodes
+        for a, b in (ends.T, ends[:, ::-1].T):
+            towards = before[a] == b
+            edge[a[towards]] = candidates[towards]
+        inner = np.flatnonzero(edge >= 0)
+        i, j = domain.edges[edge[inner]].T
+        parent[inner] = np.where(i == inner, j, i)
+        return cls(parent, edge)
+
+    def crossings(self, domain: Domain, generators: Int) -> NDArray[np.int8]:
+        """Extend the unit jump of each generator along the tree so that jumps cancel around every interior vertex."""
+        crossings = np.zeros((len(domain.edges), len(generators)), dtype=np.int8)
+        for k, generator in enumerate(generators):
+            crossings[generator, k] += 1
+            tail, head = domain.edges[generator]
+            for vertex, jump in ((tail, 1), (head, -1)):
+                while (edge := self.edge[vertex]) >= 0:
+                    outgoing = domain.edges[edge, 0] == vertex
+                    crossings[edge, k] += -jump if outgoing else jump
+                    vertex = self.parent[vertex]
+        return crossings
+
+
+@dataclass(frozen=True)
+class CutSurface:
+    """The domain cut open: rows are vertices, repeated along the cuts.
+
+    faces: (F, 3) rows. source: (n,) the vertex of each row, the identity on the first V rows.
+    offsets: (n, k) integers: `value(row) = value(source) + offsets @ periods`.
+    """
+
+    faces: Int
+    source: Int
+    offsets: Int
+
+    @classmethod
+    def of(cls, homology: Homology) -> CutSurface:
+        domain = homology.domain
+        joined = domain.edge_faces[:, 1] >= 0
+        joined[homology.cut] = False
+        classes = domain.corner_classes(joined)
+        source = np.empty(classes.max() + 1, dtype=np.int64)
+        source[classes.ravel()] = domain.faces.ravel()
+        # rows: the first class of every vertex, then the others
+        order = np.lexsort((np.arange(len(source)), source))
+        first = np.concatenate([[True], np.diff(source[order]) > 0])
+        ordered = np.concatenate([order[first], order[~first]])
+        row = np.empty_like(ordered)
+        row[ordered] = np.arange(len(ordered))
+        faces = row[classes]
+        offsets = _offsets(homology, faces, len(source))
+        return cls(faces.astype(np.int32), source[ordered].astype(np.int32), offsets)
+
+
+def _offsets(homology: Homology, faces: Int, count: int) -> Int:
+    """Walk across the cuts around each vertex, from its first row: the left row is the right row minus the crossing."""
+    domain = homology.domain
+    steps: dict[int, list[tuple[int, NDArray]]] = {}
+    for e in homology.cut:
+        crossing = homology.crossings[e].astype(np.int64)
+        left, right = domain.edge_faces[e]
+        for vertex in domain.edges[e]:
+            a = int(faces[left][domain.faces[left] == vertex][0])
+            b = int(faces[right][domain.faces[right] == vertex][0])
+            steps.setdefault(b, []).append((a, -crossing))
+            steps.setdefault(a, []).append((b, crossing))
+    offsets = np.zeros((count, len(homology.generators)), dtype=np.int64)
+    waiting = [row for row in steps if row < domain.vertex_count]
+    seen = set(waiting)
+    while waiting:
+        row = waiting.pop()
+        for other, step in steps[row]:
+            if other not in seen:
+                seen.add(other)
+                offsets[other] = offsets[row] + step
+                waiting.append(other)
+    return offsets

@@ -1,0 +1,51 @@
+"""The unit sphere: its tangent projection, its exponential map, the degree of a map into it. Arrays are (n, 3)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def dot(a: Array, b: Array) -> Array:
+    """<a_i, b_i>, (n, 1) so that it multiplies rows.
+
+    einsum, not matrix products: those wake BLAS threads, which on a busy machine cost more than they give.
+    """
+    return np.einsum("ij,ij->i", a, b)[:, None]
+
+
+def inner(a: Array, b: Array) -> float:
+    """Σ_i <a_i, b_i>."""
+    return float(np.einsum("ij,ij->", a, b))
+
+
+def project(N: Array, X: Array) -> Array:
+    """The tangent part of X at N: X - <X, N> N."""
+    return X - dot(X, N) * N
+
+
+def normalize(X: Array) -> Array:
+    """X / |X|, row by row; rows must not vanish."""
+    return X / np.sqrt(dot(X, X))
+
+
+def exp(N: Array, d: Array) -> Array:
+    """Follow the great circles from N along the tangent vectors d: cos|d| N + sin|d| d/|d|."""
+    length = np.sqrt(dot(d, d))
+    # np.sinc(x) = sin(πx) / (πx), finite at 0
+    return normalize(np.cos(length) * N + np.sinc(length / np.pi) * d)
+
+
+def solid_angles(N: Array, faces: NDArray[np.integer]) -> Array:
+    """Signed areas (F,) of the spherical triangles spanned by the normals of each face (Van Oosterom and Strackee)."""
+    a, b, c = (N[faces[:, k]] for k in range(3))
+    volume = np.einsum("ij,ij->i", a, np.cross(b, c))
+    ab, bc, ca = (np.einsum("ij,ij->i", x, y) for x, y in ((a, b), (b, c), (c, a)))
+    return 2.0 * np.arctan2(volume, 1.0 + ab + bc + ca)
+
+
+def degree(N: Array, faces: NDArray[np.integer]) -> float:
+    """Signed area covered by the map, as a part of the sphere: an integer where each boundary loop maps to a point."""
+    return float(solid_angles(N, faces).sum() / (4.0 * np.pi))
