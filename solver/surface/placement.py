@@ -1,8 +1,8 @@
 """Size and place a surface over the plan it was drawn from.
 
 The Gauss map knows neither size nor place, so both are chosen here: one positive scale and one translation, a
-mirror image in the plan's plane where the shell is flipped, and a turn about the plan's normal only where it is asked
-for, since a turn moves the planes that the boundary conditions prescribe.
+mirror image in the plan's plane where the shell is flipped, and a turn about the plan's normal only where it
+is asked for, since a turn moves the planes that the boundary conditions prescribe.
 """
 
 from __future__ import annotations
@@ -26,11 +26,13 @@ SIZES = {
 }
 GROUNDS = {"lowest": "Lowest Point", "rim": "Rim"}
 
+_UP = np.array([0.0, 0.0, 1.0])
 # Cosine above which a plan counts as horizontal; single precision leaves about 1e-7 of slope in a level plan.
 _LEVEL = 1.0 - 1e-11
 # An extent below this fraction of 1/H is no extent: a point, or a flat rim that should have had a rise.
 _NO_EXTENT = 1e-9
-# All pairs of up to this many rim points are compared for their largest distance; of more, this many directions.
+# All pairs of up to this many rim points are compared for their largest distance; of more, this many
+# directions.
 _SPAN_POINTS = 2000
 
 
@@ -42,8 +44,9 @@ class PlacementError(CmcError):
 class Rule:
     """How a surface is sized and placed.
 
-    size: one of `SIZES`; `value` is the span, the rise, the radius 1/H (lengths) or H (1/length), unused by match_plan.
-    ground: "lowest" puts the lowest point of the surface on the plan's plane, "rim" the mean height of its boundary;
+    size: one of `SIZES`; `value` is the span, the rise, the radius 1/H (lengths) or H (1/length), unused by
+    match_plan. ground: "lowest" puts the lowest point of the surface on the plan's plane, "rim" the mean
+    height of its boundary;
         both hold after a flip as well.
     rotate: allow the turn about the plan's normal that brings the boundary nearest the drawn one.
     flip: take the mirror image in the plan's plane, up for down.
@@ -61,7 +64,9 @@ class Rule:
         if self.ground not in GROUNDS:
             raise PlacementError(f'There is no ground "{self.ground}"; choose one of {", ".join(GROUNDS)}.')
         if self.size != "match_plan" and not (np.isfinite(self.value) and self.value > 0):
-            raise PlacementError(f"The {SIZES[self.size].lower()} must be a positive number, not {self.value}.")
+            raise PlacementError(
+                f"The {SIZES[self.size].lower()} must be a positive number, not {self.value}."
+            )
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +88,10 @@ class Plane:
 
 @dataclass(frozen=True, eq=False)
 class Similarity:
-    """x ↦ scale · linear x + translation, `linear` (3, 3) orthogonal: a mirror image where its determinant is -1."""
+    """x ↦ scale · linear x + translation.
+
+    linear (3, 3) is orthogonal; the image is a mirror image where its determinant is -1.
+    """
 
     scale: float = 1.0
     linear: Array = field(default_factory=lambda: np.eye(3))
@@ -104,24 +112,25 @@ class Similarity:
 def plan_plane(positions: ArrayLike, faces: ArrayLike, rim: ArrayLike, weights: ArrayLike) -> Plane:
     """The plane in which the outline encloses the largest area, through the outline's centre.
 
-    Its normal is the area vector ½ ∮ x × dx of the boundary, which equals the sum of the faces' area vectors; where
-    that vanishes (an open tube) the vertical. A flat plan lies in its plane; a level one gives exactly e_z.
-    positions (V, 3), faces (F, 3), rim (b,) boundary vertices and their weights (b,).
+    Its normal is the area vector ½ ∮ x × dx of the boundary, which equals the sum of the faces' area vectors;
+    where that vanishes (an open tube) the vertical. A flat plan lies in its plane; a level one gives exactly
+    e_z. positions (V, 3), faces (F, 3), rim (b,) boundary vertices and their weights (b,).
     """
     points = np.asarray(positions, dtype=np.float64)
     a, b, c = (points[np.asarray(faces)[:, k]] for k in range(3))
     areas = 0.5 * np.cross(b - a, c - a)
     vector, area = areas.sum(axis=0), np.linalg.norm(areas, axis=1).sum()
-    normal = vector / np.linalg.norm(vector) if np.linalg.norm(vector) > 1e-9 * area else np.array([0.0, 0.0, 1.0])
+    length = np.linalg.norm(vector)
+    normal = vector / length if length > 1e-9 * area else _UP
     if normal[2] < -1e-6:
         normal = -normal
     if normal[2] > _LEVEL:
-        normal = np.array([0.0, 0.0, 1.0])
+        normal = _UP
     return Plane(np.average(points[np.asarray(rim)], axis=0, weights=weights), normal)
 
 
 def rim_weights(positions: ArrayLike, edges: ArrayLike) -> tuple[NDArray[np.int32], Array]:
-    """Boundary vertices (b,), sorted, and half the length of the boundary edges at each: ∮ as a sum over vertices.
+    """Boundary vertices (b,), sorted, and half the length of the boundary edges at each (trapezoidal ∮).
 
     positions (V, 3), edges (K, 2) vertex pairs of the boundary.
     """
@@ -137,10 +146,11 @@ def procrustes(
 ) -> tuple[float, Array, Array]:
     """Scale s, rotation R (3, 3) about `axis` and translation t that minimise Σ w_i |s R p_i + t - q_i|².
 
-    With p̃, q̃ taken from the weighted means, R turns about the unit axis n by the angle θ = atan2(b, a) where
-    a = Σ w (p̃·q̃ - (n·p̃)(n·q̃)), b = Σ w n·(p̃ × q̃); then s = Σ w (R p̃)·q̃ / Σ w |p̃|² and t = q̄ - s R p̄
-    (weighted Procrustes, closed form). Without an axis R is the identity. s may come out zero or negative, where the
-    points run against their targets; it is nan where all points coincide. points, targets (n, 3), weights (n,).
+    With p̃, q̃ taken from the weighted means, R turns about the unit axis n by the angle θ = atan2(b, a)
+    where a = Σ w (p̃·q̃ - (n·p̃)(n·q̃)), b = Σ w n·(p̃ × q̃); then s = Σ w (R p̃)·q̃ / Σ w |p̃|² and t = q̄ -
+    s R p̄ (weighted Procrustes, closed form). Without an axis R is the identity. s may come out zero or
+    negative, where the points run against their targets; it is nan where all points coincide. points, targets
+    (n, 3), weights (n,).
     """
     p, q = np.asarray(points, dtype=np.float64), np.asarray(targets, dtype=np.float64)
     w = np.asarray(weights, dtype=np.float64)
@@ -176,10 +186,11 @@ def place(
 
     points (n, 3): the sheet, of mean curvature H = `mean_curvature`; a scale s makes it H/s.
     rim (b,): the rows of `points` on its boundary; drawn (b, 3): where each of them was drawn; weights (b,).
-    Sizes: match_plan by `procrustes` of the rim; span, the largest distance of two rim points seen along the plane's
-    normal; rise, the extent of all points along it; radius and mean_curvature through H. The translation is the best
-    one (the weighted centres meet), except along the normal, where the ground rule decides. Raises `PlacementError`
-    where the sheet has no such extent, or where the best scale is not positive.
+    Sizes: match_plan by `procrustes` of the rim; span, the largest distance of two rim points seen along the
+    plane's normal; rise, the extent of all points along it; radius and mean_curvature through H. The
+    translation is the best one (the weighted centres meet), except along the normal, where the ground rule
+    decides. Raises `PlacementError` where the sheet has no such extent, or where the best scale is not
+    positive.
     """
     linear = plane.mirror if rule.flip else np.eye(3)
     turned = np.asarray(points, dtype=np.float64) @ linear.T
@@ -198,11 +209,14 @@ def _scale(rule: Rule, points: Array, edge: Array, best: float, plane: Plane, H:
     smallest = _NO_EXTENT / H
     if rule.size == "match_plan":
         if not np.ptp(edge, axis=0).max() > smallest:
-            raise PlacementError(f"{name} shrinks to a point on its boundary, so it has no size to match with the plan.")
+            raise PlacementError(
+                f"{name} shrinks to a point on its boundary, so it has no size to match with the plan."
+            )
         if not best > 0:
             raise PlacementError(
-                f"The boundary of {name} runs against the drawn outline (best scale {best:.3g}), so it cannot be matched "
-                "with it; size it by span, rise, radius or mean curvature, or show the other sheet."
+                f"The boundary of {name} runs against the drawn outline (best scale {best:.3g}), so it "
+                "cannot be matched with it; size it by span, rise, radius or mean curvature, or show the "
+                "other sheet."
             )
         return best
     if rule.size == "radius":
@@ -218,7 +232,8 @@ def _scale(rule: Rule, points: Array, edge: Array, best: float, plane: Plane, H:
 def span(points: ArrayLike, normal: ArrayLike) -> float:
     """The largest distance of two points (n, 3), seen along the unit `normal`.
 
-    Exact up to 2000 points; of more, the largest width in 2000 directions, which is low by less than a millionth.
+    Exact up to 2000 points; of more, the largest width in 2000 directions, which is low by less than a
+    millionth.
     """
     p, n = np.asarray(points, dtype=np.float64), np.asarray(normal, dtype=np.float64)
     across = np.cross(n, np.eye(3)[np.argmin(np.abs(n))])
@@ -228,6 +243,9 @@ def span(points: ArrayLike, normal: ArrayLike) -> float:
         return 0.0
     if len(flat) <= _SPAN_POINTS:
         return float(pdist(flat).max())
-    # The width of a set in the direction of its diameter is the diameter, and in one at an angle of δ at least cos δ of it.
+    # The width of a set in the direction of its diameter is the diameter, and in one at an angle of δ at
+    # least cos δ of it.
     angles = np.arange(_SPAN_POINTS) * np.pi / _SPAN_POINTS
-    return max(float(np.ptp(flat @ direction)) for direction in np.column_stack([np.cos(angles), np.sin(angles)]))
+    return max(
+        float(np.ptp(flat @ direction)) for direction in np.column_stack([np.cos(angles), np.sin(angles)])
+    )

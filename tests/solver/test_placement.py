@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+
 from solver.surface.placement import (
     GROUNDS,
     SIZES,
@@ -109,7 +110,8 @@ def test_dome_on_a_level_plan():
 
 
 @pytest.mark.parametrize(
-    ("size", "value", "scale"), [("span", 12, 3), ("rise", 5, 2.5), ("radius", 8, 4), ("mean_curvature", 0.125, 4)]
+    ("size", "value", "scale"),
+    [("span", 12, 3), ("rise", 5, 2.5), ("radius", 8, 4), ("mean_curvature", 0.125, 4)],
 )
 def test_sizes_of_the_dome(size, value, scale):
     """The hemisphere of radius 2: span 4, rise 2, 1/H = 2, H = ½."""
@@ -121,7 +123,15 @@ def test_sizes_of_the_dome(size, value, scale):
 
 def test_size_counts_from_the_curvature_of_what_it_is_given():
     plane = Plane(np.zeros(3), E_Z)
-    placement = place(10 * dome(), np.arange(N), circle(1), np.ones(N), plane, Rule(size="radius", value=8), mean_curvature=0.05)
+    placement = place(
+        10 * dome(),
+        np.arange(N),
+        circle(1),
+        np.ones(N),
+        plane,
+        Rule(size="radius", value=8),
+        mean_curvature=0.05,
+    )
     assert_allclose(placement.scale, 0.4, rtol=1e-14)
 
 
@@ -142,7 +152,9 @@ def test_ground_under_a_rim_that_hangs_below_its_mean():
     points[:N, 2] = 0.3 * np.cos(2 * ANGLES)
     plane = Plane(np.array([0, 0, 7.0]), E_Z)
     heights = {
-        ground: place(points, np.arange(N), circle(2, 7), np.ones(N), plane, Rule("span", 4, ground)).points(points)[:, 2]
+        ground: place(points, np.arange(N), circle(2, 7), np.ones(N), plane, Rule("span", 4, ground)).points(
+            points
+        )[:, 2]
         for ground in GROUNDS
     }
     assert_allclose(heights["lowest"].min(), 7, atol=1e-13)
@@ -153,7 +165,7 @@ def test_ground_under_a_rim_that_hangs_below_its_mean():
 @pytest.mark.parametrize("flip", [False, True])
 @pytest.mark.parametrize("size", SIZES)
 def test_sloped_plan_is_the_level_one_turned(size, flip):
-    """Turning plan, surface and plane together turns the result: nothing but the plane's normal is special."""
+    """Turning plan, surface and plane together turns the result: only the plane's normal is special."""
     turned, shift = turn(np.array([0.6, 0.8, 0.0]), 0.5), np.array([3.0, -1.0, 2.0])
     rule = Rule(size=size, value=3.0, flip=flip, rotate=True)
     level = place(dome(), np.arange(N), circle(5.0), np.ones(N), Plane(np.zeros(3), E_Z), rule)
@@ -184,8 +196,18 @@ def test_a_point_is_not_blown_up():
 
 
 def test_a_boundary_that_runs_against_the_plan_is_explained():
-    with pytest.raises(PlacementError, match=r"boundary of f- runs against the drawn outline \(best scale -0.5\)"):
-        place(dome() * [-1, -1, 1], np.arange(N), circle(1), np.ones(N), Plane(np.zeros(3), E_Z), Rule(), name="f-")
+    with pytest.raises(
+        PlacementError, match=r"boundary of f- runs against the drawn outline \(best scale -0.5\)"
+    ):
+        place(
+            dome() * [-1, -1, 1],
+            np.arange(N),
+            circle(1),
+            np.ones(N),
+            Plane(np.zeros(3), E_Z),
+            Rule(),
+            name="f-",
+        )
 
 
 @pytest.mark.parametrize(
