@@ -1,0 +1,34 @@
+"""Constant mean curvature surfaces from discrete harmonic maps.
+
+The way through the package is the way through the mathematics: domain → gauss → surface → measure.
+"""
+
+# from .domain import shapes
+from .domain.domain import Domain
+from .errors import CmcError, ConditionError, JobError, MeshError, Status
+from .gauss import conditions
+from .gauss.conditions import Conditions
+from .gauss.harmonic import HarmonicMap, HarmonicSolver
+from .surface.cmc import CmcSurface
+from .surface.periods import periods
+from .surface.solve import CmcSolver, solve_cmc
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "CmcError",
+    "CmcSolver",
+    "CmcSurface",
+    "ConditionError",
+    "Conditions",
+    "Domain",
+    "HarmonicMap",
+    "HarmonicSolver",
+    "JobError",
+    "MeshError",
+    "Status",
+    "conditions",
+    "periods",
+    # "shapes",
+    "solve_cmc",
+]

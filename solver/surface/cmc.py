@@ -1,0 +1,94 @@
+"""The result: a CMC surface as plain arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..domain.domain import Domain
+from ..errors import ConditionError, Status
+from ..gauss.harmonic import HarmonicMap
+from .conjugate import Conjugate
+
+Array = NDArray[np.float64]
+
+SHEETS = ("f+", "f-", "g", "gauss")
+# A sheet smaller than this part of the other one is a point or a curve up to discretisation.
+_DEGENERATE = 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class CmcSurface:
+    """The two CMC surfaces f± = g ± N of a harmonic map, and g, in scaled units (H as asked for).
+
+    domain, harmonic, conjugate: what it was made of (conjugate at scale 1).
+    g, f_plus, f_minus: (n, 3); g is centred at the mean of its boundary.
+    faces: (F, 3) rows. source: (n,) the vertex of the domain each row comes from.
+    scale: 1 / (2 H). periods: (k, 3) translations around the holes and handles, scaled.
+    is_open: whether the surface is cut open along seams across which it jumps by the periods; then n > V.
+    """
+
+    domain: Domain
+    harmonic: HarmonicMap
+    conjugate: Conjugate
+    g: Array
+    f_plus: Array
+    f_minus: Array
+    faces: NDArray[np.int32]
+    source: NDArray[np.int32]
+    scale: float
+    periods: Array
+    is_open: bool
+
+    @property
+    def mean_curvature(self) -> float:
+        """H of f+ with the normal N, and of f- with the normal -N."""
+        return 0.5 / self.scale
+
+    @property
+    def normals(self) -> Array:
+        """N (n, 3), a row each."""
+        return self.harmonic.normals[self.source]
+
+    @property
+    def gap(self) -> float:
+        """Length of the longest period; zero on a simply connected domain."""
+        return float(np.linalg.norm(self.periods, axis=1).max(initial=0.0))
+
+    @property
+    def status(self) -> Status:
+        """How the solve ended; GAP where the map converged but the surface does not close."""
+        harmonic = self.harmonic.status
+        return Status.GAP if self.is_open and harmonic is Status.CONVERGED else harmonic
+
+    @property
+    def message(self) -> str:
+        """The status as a sentence, with the numbers that matter."""
+        parts = [self.harmonic.status.sentence]
+        if self.harmonic.status is not Status.CONVERGED:
+            parts[0] += f" (Residual {self.harmonic.residual:.1e} after {self.harmonic.iterations} steps.)"
+        if self.is_open:
+            parts.append(f"{Status.GAP.sentence} The gap is {self.gap:.4g} long ({_periods(self.periods)}).")
+        return " ".join(parts)
+
+    def sheet(self, name: str) -> Array:
+        """Points (n, 3) of "f+", "f-", "g", or "gauss" (the normals as points of a sphere of radius `scale`)."""
+        sheets = {"f+": self.f_plus, "f-": self.f_minus, "g": self.g, "gauss": self.scale * self.normals}
+        if name not in sheets:
+            raise ConditionError(f"There is no sheet {name!r}; known are {', '.join(SHEETS)}.")
+        return sheets[name]
+
+    def is_degenerate(self, name: str) -> bool:
+        """Whether a sheet has shrunk to (almost) a point: f- over a spherical f+, and the other way round."""
+        largest = max(_extent(self.f_plus), _extent(self.f_minus))
+        return _extent(self.sheet(name)) <= _DEGENERATE * largest
+
+
+def _extent(points: Array) -> float:
+    return float(np.linalg.norm(np.ptp(points, axis=0)))
+
+
+def _periods(periods: Array) -> str:
+    return "; ".join("({:.3g}, {:.3g}, {:.3g})".format(*p) for p in periods)

@@ -1,0 +1,109 @@
+"""Values at vertices from values at faces, by a linear fit around each vertex.
+
+The conjugate is known at circumcentres and at the midpoints of boundary edges. Unfold the faces around a vertex into the
+plane, their angles scaled so that those of an interior vertex sum to 2π; fit a linear function to the known values by least
+squares, and take its value at the vertex. Exact for linear functions on a flat domain, hence second order for
+smooth ones; the area average of the paper (Eq. 11) is not, since a mean of circumcentres is not the vertex.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from ..domain.domain import Domain
+from ..domain.topology import accumulate
+
+Array = NDArray[np.float64]
+Int = NDArray[np.integer]
+
+# Singular values of the fit below this part of the largest are dropped: points on a line give no slope across it.
+_RANK = 1e-6
+
+
+def fit_weights(domain: Domain, vertices: Int) -> tuple[sp.csr_array, sp.csr_array]:
+    """Matrices (n, F) and (n, B): values at `vertices` (n,) from those at faces and at `domain.boundary_edges`."""
+    row = np.full(domain.vertex_count, -1)
+    row[vertices] = np.arange(len(vertices))
+    points, at_corner = _circumcentres(domain)
+    midpoints, midpoint_vertices = _midpoints(domain)
+    corner_rows = row[domain.faces.ravel()]
+    kept, kept_mid = np.flatnonzero(corner_rows >= 0), np.flatnonzero(row[midpoint_vertices] >= 0)
+    rows = np.concatenate([corner_rows[kept], row[midpoint_vertices[kept_mid]]])
+    samples = np.concatenate([points[kept], midpoints[kept_mid]])
+    weights = _value_at_origin(rows, samples, len(vertices))
+    n_corners = len(kept)
+    faces = sp.csr_array(
+        (weights[:n_corners], (rows[:n_corners], at_corner[kept])), shape=(len(vertices), len(domain.faces))
+    )
+    rim = sp.csr_array(
+        (weights[n_corners:], (rows[n_corners:], kept_mid // 2)), shape=(len(vertices), len(domain.boundary_edges))
+    )
+    return faces, rim
+
+
+def _value_at_origin(rows: Int, samples: Array, count: int) -> Array:
+    """Weight of each sample in the value at the origin of the linear function fitted to the samples of its row."""
+    radius = np.sqrt(np.bincount(rows, np.einsum("ij,ij->i", samples, samples), count) / np.bincount(rows, minlength=count))
+    basis = np.column_stack([np.ones(len(rows)), samples / radius[rows, None]])
+    moments = np.zeros((count, 3, 3))
+    for a in range(3):
+        for b in range(3):
+            moments[:, a, b] = np.bincount(rows, basis[:, a] * basis[:, b], count)
+    first_row = np.linalg.pinv(moments, rcond=_RANK, hermitian=True)[:, 0]
+    return np.einsum("ij,ij->i", first_row[rows], basis)
+
+
+def _circumcentres(domain: Domain) -> tuple[Array, Int]:
+    """(3 F, 2) circumcentre of the face of each corner in the chart of the corner's vertex, and the face (3 F,)."""
+    angle = domain.corner_angles.ravel()
+    along = np.roll(domain.side_lengths, 1, axis=1).ravel()  # from the corner to the next one
+    back = np.roll(domain.side_lengths, -1, axis=1).ravel()  # from the corner to the one before
+    x = 0.5 * along
+    y = 0.5 * (back - along * np.cos(angle)) / np.sin(angle)
+    start, stretch = _fan_angles(domain)
+    direction = start + stretch * np.arctan2(y, x)
+    radius = np.hypot(x, y)
+    points = np.stack([radius * np.cos(direction), radius * np.sin(direction)], axis=1)
+    return points, np.repeat(np.arange(len(domain.faces)), 3)
+
+
+def _midpoints(domain: Domain) -> tuple[Array, Int]:
+    """(2 B, 2) midpoint of each boundary edge in the charts of its two ends, and those vertices (2 B,)."""
+    rim = domain.boundary_edges
+    tail, head = domain.edges[rim].T
+    total = _vertex_angles(domain)[head]
+    half = 0.5 * domain.edge_lengths[rim]
+    points = np.zeros((len(rim), 2, 2))
+    points[:, 0, 0] = half  # the edge that leaves a boundary vertex starts its fan
+    points[:, 1] = half[:, None] * np.stack([np.cos(total), np.sin(total)], axis=1)
+    return points.reshape(-1, 2), np.stack([tail, head], axis=1).ravel()
+
+
+def _vertex_angles(domain: Domain) -> Array:
+    return np.bincount(domain.faces.ravel(), domain.corner_angles.ravel(), domain.vertex_count)
+
+
+def _fan_angles(domain: Domain) -> tuple[Array, Array]:
+    """Direction (3 F,) in which the face of each corner begins, and the stretch (3 F,) of its angles.
+
+    Corners are walked counter-clockwise around a vertex, from the boundary edge that leaves it, or from any corner inside.
+    """
+    corners = np.arange(domain.faces.size)
+    vertices = domain.faces.ravel()
+    # the half-edge that leaves corner k lies opposite corner k + 2; behind it is the corner before, clockwise
+    leaving = corners - corners % 3 + (corners + 2) % 3
+    twin = domain.twins[leaving].astype(np.int64)
+    before = np.where(twin >= 0, twin - twin % 3 + (twin + 2) % 3, corners)
+    first = np.full(domain.vertex_count, domain.faces.size)
+    np.minimum.at(first, vertices, corners)
+    on_rim = np.zeros(domain.vertex_count, dtype=bool)
+    on_rim[domain.boundary_vertices] = True
+    starts = np.where(on_rim[vertices], twin < 0, first[vertices] == corners)
+    parent = np.where(starts, corners, before)
+    total = _vertex_angles(domain)
+    stretch = np.where(on_rim, 1.0, 2.0 * np.pi / total)[vertices]
+    # a corner begins where the one before ends
+    turned = (domain.corner_angles.ravel() * stretch)[before]
+    return accumulate(parent, turned[:, None])[:, 0], stretch

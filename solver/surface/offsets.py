@@ -1,0 +1,132 @@
+"""From the conjugate on the faces to g on the vertices, so that f± = g ± N share the triangles of the domain.
+
+Three averages, by name:
+
+galerkin: the conforming solution of min Σ_f A_f |∇g - τ_f|² with τ_f = N̄ × *∇N on each face; first order in H.
+linear: a linear fit around each vertex to the values at circumcentres; first order in H.
+area: the area-weighted mean of the paper (Eq. 11), which does not converge on irregular meshes.
+
+On a domain with holes all three are taken on the cover: values across a cut are shifted by its period.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from ..domain.domain import Domain
+from ..domain.topology import Homology
+from ..gauss.dirichlet import Dirichlet
+from .conjugate import Conjugate, cross
+from .fit import fit_weights
+
+Array = NDArray[np.float64]
+Int = NDArray[np.integer]
+
+
+@dataclass(frozen=True, eq=False)
+class Averaging:
+    """What an average may use: the conjugate, the normals, the cuts, and the factor the normals were solved with."""
+
+    domain: Domain
+    homology: Homology
+    conjugate: Conjugate
+    N: Array
+    dirichlet: Dirichlet
+    periods: Array  # (k, 3): those of the conjugate, or zeros to project them out
+
+    @property
+    def keeps_periods(self) -> bool:
+        return bool(self.periods.any())
+
+
+def galerkin(a: Averaging) -> Array:
+    """g (V, 3) on the first rows of the cut surface, from `L g = Σ_f ∫ <∇φ_i, τ_f - ∇(offsets)>`.
+
+    On a simply connected domain the factor of the normals serves again: g is fitted linearly at the fixed vertices and
+    solved for at the others. With holes, one vertex is held and the whole Laplacian factored.
+    """
+    load = _galerkin_load(a.domain, a.N)
+    if a.homology.is_trivial:
+        faces, rim = fit_weights(a.domain, a.dirichlet.fixed)
+        return a.dirichlet.solve(load, faces @ a.conjugate.g + rim @ a.conjugate.boundary_points)
+    if a.keeps_periods:
+        load = load - _offset_load(a.domain, a.homology, a.periods)
+    anchored = Dirichlet(a.domain.laplacian, np.zeros(1, dtype=np.int64))
+    return anchored.solve(load, np.zeros((1, 3)))
+
+
+def linear(a: Averaging) -> Array:
+    """g (V, 3) by a linear fit to the conjugate at circumcentres and boundary points around each vertex."""
+    faces, rim = fit_weights(a.domain, np.arange(a.domain.vertex_count))
+    return _on_the_cover(a, faces) + rim @ a.conjugate.boundary_points + _rim_offsets(a, rim)
+
+
+def area(a: Averaging) -> Array:
+    """g (V, 3) as the mean of the conjugate on the faces around each vertex, weighted by their areas (paper, Eq. 11)."""
+    domain = a.domain
+    face = np.repeat(np.arange(len(domain.faces)), 3)
+    totals = np.bincount(domain.faces.ravel(), domain.face_areas[face], domain.vertex_count)
+    weights = domain.face_areas[face] / totals[domain.faces.ravel()]
+    shape = (domain.vertex_count, len(domain.faces))
+    return _on_the_cover(a, sp.csr_array((weights, (domain.faces.ravel(), face)), shape=shape))
+
+
+AVERAGINGS: dict[str, Callable[[Averaging], Array]] = {"galerkin": galerkin, "linear": linear, "area": area}
+
+
+def _galerkin_load(domain: Domain, N: Array) -> Array:
+    """Σ_f ∫ <∇φ_i, τ> (V, 3): with c_k = N_{k+1} × N_{k+2}, a face adds ½ (c_k - mean of c) to its corner k.
+
+    Only the normals enter: τ is conformally invariant.
+    """
+    a, b, c = (N[domain.faces[:, k]] for k in range(3))
+    products = np.stack([cross(b, c), cross(c, a), cross(a, b)], axis=1)
+    products = 0.5 * (products - products.mean(axis=1, keepdims=True))
+    corners = domain.faces.ravel()
+    return np.stack([np.bincount(corners, x.ravel(), domain.vertex_count) for x in products.transpose(2, 0, 1)], axis=1)
+
+
+def _offset_load(domain: Domain, homology: Homology, periods: Array) -> Array:
+    """Σ_f ∫ <∇φ_i, ∇(offset of the corners)> (V, 3)."""
+    sheets = homology.sheets
+    shift = (sheets.offsets @ periods)[sheets.faces]
+    half_cotans = 0.5 * domain.corner_cotans
+    load = np.zeros((domain.vertex_count, 3))
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        pull = half_cotans[:, k, None] * (shift[:, i] - shift[:, j])
+        np.add.at(load, domain.faces[:, i], pull)
+        np.add.at(load, domain.faces[:, j], -pull)
+    return load
+
+
+def _on_the_cover(a: Averaging, weights: sp.csr_array) -> Array:
+    """Average face values (V, F) around each vertex, every face brought to the sheet of the vertex's first row."""
+    mean = weights @ a.conjugate.g
+    if not a.conjugate.periods.size:
+        return mean
+    sheets = a.homology.sheets
+    shift = sheets.offsets[sheets.faces] @ a.conjugate.periods
+    matrix = weights.tocoo()
+    corner = np.argmax(a.domain.faces[matrix.col] == matrix.row[:, None], axis=1)
+    moved = matrix.data[:, None] * shift[matrix.col, corner]
+    np.subtract.at(mean, matrix.row, moved)
+    return mean
+
+
+def _rim_offsets(a: Averaging, rim: sp.csr_array) -> Array:
+    """What `_on_the_cover` does for faces, for boundary points: their sheet is that of the face behind them."""
+    moved = np.zeros((a.domain.vertex_count, 3))
+    if a.conjugate.periods.size:
+        sheets = a.homology.sheets
+        matrix = rim.tocoo()
+        face = a.domain.edge_faces[a.domain.boundary_edges[matrix.col], 0]
+        corner = np.argmax(a.domain.faces[face] == matrix.row[:, None], axis=1)
+        shift = sheets.offsets[sheets.faces[face, corner]] @ a.conjugate.periods
+        np.subtract.at(moved, matrix.row, matrix.data[:, None] * shift)
+    return moved
