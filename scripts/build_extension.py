@@ -2,7 +2,7 @@
 
     python scripts/build_extension.py                 # for this machine, into dist/
     python scripts/build_extension.py --all           # linux-x64, windows-x64, macos-arm64
-    python scripts/build_extension.py --all --update  # after a change of the pins: rewrite the manifest's list
+    python scripts/build_extension.py --all --update  # the pins have changed: rewrite the manifest's list
 
 Run it with a Python that has bpy: building and validating are done by the tool that Blender brings
 along (`blender_ext.py`), on a copy of the sources below build/extension/, since its manifest may only
@@ -47,9 +47,9 @@ class BuildError(Exception):
 
 def this_platform() -> str:
     """Blender's name of the platform this runs on."""
-    machine = {"x86_64": "x64", "AMD64": "x64", "aarch64": "arm64"}.get(platform.machine(), platform.machine())
-    system = {"Linux": "linux", "Windows": "windows", "Darwin": "macos"}.get(platform.system(), "?")
-    name = f"{system}-{machine}"
+    name = f"{platform.system()}-{platform.machine()}".lower()
+    for theirs, blenders in {"darwin": "macos", "x86_64": "x64", "amd64": "x64", "aarch64": "arm64"}.items():
+        name = name.replace(theirs, blenders)
     if name not in PLATFORMS:
         raise BuildError(f"no extension is built for {name}; one of {', '.join(PLATFORMS)}")
     return name
@@ -163,7 +163,7 @@ def run(command: list[str]) -> None:
 def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--all", action="store_true", help="every platform, not only this machine's")
-    parser.add_argument("--update", action="store_true", help="fetch all wheels and rewrite the manifest's list")
+    parser.add_argument("--update", action="store_true", help="rewrite the manifest's list of wheels")
     parser.add_argument("--output", type=Path, default=ROOT / "dist", help="where the zips go (dist/)")
     options = parser.parse_args(arguments)
     try:

@@ -52,8 +52,10 @@ prepare()
 @pytest.fixture(autouse=True)
 def addon() -> Iterator[ModuleType]:
     """An empty scene in factory settings with the add-on enabled; the package `cmc_formfinding`."""
-    import addon_utils
     import bpy
+
+    # isort: split
+    import addon_utils  # is on the path once bpy is imported
 
     bpy.ops.wm.read_factory_settings(use_empty=True)
     failures: list[BaseException] = []

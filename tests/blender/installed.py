@@ -1,0 +1,76 @@
+"""What test_extension.py runs in each clean Blender: install the zip, enable, solve, disable.
+
+    python installed.py ZIP FACTS.json
+
+Nothing is asserted here, since exit codes of Blender say little: the facts go into a file, which the
+test reads. Only bpy and its own dependencies are here, so this file imports nothing else.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import sys
+from pathlib import Path
+
+import bpy
+
+# isort: split
+import addon_utils  # is on the path once bpy is imported
+
+MODULE = "bl_ext.user_default.cmc_formfinding"
+BUNDLED = ("scipy", "trimesh", "cholespy")
+
+
+def versions() -> dict:
+    return {"blender": bpy.app.version_string, "python": sys.version.split()[0]}
+
+
+def install(archive: str) -> dict:
+    """Install and enable the zip; where the bundled packages are before and after."""
+    before = [name for name in BUNDLED if importlib.util.find_spec(name)]
+    bpy.ops.extensions.package_install_files(
+        filepath=archive, repo="user_default", enable_on_install=True, overwrite=True
+    )
+    enabled = addon_utils.check(MODULE)
+    return {"bundled packages before": before, "enabled": list(enabled)}
+
+
+def solve() -> dict:
+    """A square plan of quads, with all settings as they come."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    addon_utils.enable(MODULE, default_set=True)
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=8, y_subdivisions=8, size=2.0)
+    plan = bpy.context.object
+    finished = bpy.ops.cmc.solve()
+    shells = [ob for ob in bpy.data.objects if ob is not plan and ob.type == "MESH"]
+    return {
+        "solve": list(finished),
+        "shells": {ob.name: [len(ob.data.vertices), len(ob.data.polygons), *ob.dimensions] for ob in shells},
+        "attributes": sorted({attribute.name for ob in shells for attribute in ob.data.attributes}),
+    }
+
+
+def origins() -> dict:
+    """The file each bundled package was imported from."""
+    modules = {name: importlib.import_module(name) for name in BUNDLED}
+    return {"origins": {name: [module.__file__, module.__version__] for name, module in modules.items()}}
+
+
+def disable() -> dict:
+    """Disable it; what is left of it in Blender."""
+    addon_utils.disable(MODULE, default_set=True)
+    left = [name for name in dir(bpy.types) if name.startswith("CMC_")]
+    left += [f"{kind.__name__}.cmc" for kind in (bpy.types.Mesh, bpy.types.Object) if hasattr(kind, "cmc")]
+    return {"disabled": not any(addon_utils.check(MODULE)), "left": left}
+
+
+def main(archive: str, output: str) -> None:
+    facts = versions()
+    for step in (lambda: install(archive), solve, origins, disable):
+        facts |= step()
+        Path(output).write_text(json.dumps(facts), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
