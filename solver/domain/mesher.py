@@ -1,0 +1,229 @@
+"""Meshing a plan: well-shaped triangles of a given edge length inside an outline with holes.
+
+The boundary is sampled first and never moves again. Inside, a lattice of equilateral triangles fills what is uniform,
+Delaunay refinement the rest; springs between neighbours even the spacing out (Persson & Strang 2004, with the boundary
+held), and the few bad angles that remain are improved one vertex at a time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..errors import MeshError
+from .outline import check_loops, inside
+from .rounding import round_corners
+from .sampling import Boundary, SizeField, sample
+from .triangulate import triangulate
+
+_LARGEST = 5_000_000  # vertices; more is a mistake in the units far more often than a wish
+_ROW = np.sqrt(0.75)
+
+
+@dataclass(frozen=True)
+class PlanMesh:
+    """A meshed plan. `positions (V, 2)` start with the boundary, loop after loop, in the order of the loops given.
+
+    `triangles (F, 3)` are counter-clockwise. `edges (B, 2)` are the boundary edges with the plan on their left;
+    `loop (B,)` is 0 for the outline and 1 + k for hole k, `segment (B,)` the segment of that loop, as given, from which
+    the edge comes. The arc at a rounded corner is divided at its middle.
+    """
+
+    positions: np.ndarray
+    triangles: np.ndarray
+    edges: np.ndarray
+    loop: np.ndarray
+    segment: np.ndarray
+
+
+def mesh_plan(
+    outline: np.ndarray,
+    holes: Sequence[np.ndarray] = (),
+    *,
+    max_edge: float,
+    corner_radius: float = 0.0,
+    keep: Sequence[Sequence[int]] = (),
+) -> PlanMesh:
+    """Mesh the plan bounded by `outline (K, 2)` and `holes`, with edges of about `max_edge` and none much longer.
+
+    Corners (turns of more than 22.5°) are rounded by `corner_radius`, less where there is no room; with radius 0 they
+    stay vertices. Other points are taken as samples of smooth curves, which are sampled anew, except points between
+    segments longer than `max_edge` and points listed in `keep[i]` (indices into loop i, the outline first). Loops may
+    run either way round and may repeat their first point. Lengths are those of the input; only narrow places, bends
+    and short sides are meshed finer. Raises `MeshError` for loops that bound no plan and lengths that do not fit.
+    """
+    loops = check_loops(outline, holes, keep)
+    everything = loops[0].points
+    low, size = everything.min(axis=0), float(np.ptp(everything, axis=0).max())
+    _check_lengths(max_edge, corner_radius, size)
+    origin = low + np.ptp(everything, axis=0) / 2
+    unit = [type(loop)(loop.name, (loop.points - origin) / max_edge, loop.segments, loop.keep) for loop in loops]
+    boundary, field = sample(round_corners(unit, corner_radius / max_edge))
+    _check_count(boundary, max_edge)
+    points, triangles = _Mesher(boundary, field).run()
+    edges = np.column_stack([np.arange(len(boundary.points)), boundary.following])
+    return PlanMesh(
+        origin + points * max_edge,
+        triangles.astype(np.int32),
+        edges.astype(np.int32),
+        boundary.loop.astype(np.int32),
+        boundary.segment.astype(np.int32),
+    )
+
+
+def _check_lengths(max_edge: float, corner_radius: float, size: float) -> None:
+    if not np.isfinite(max_edge) or max_edge <= 0:
+        raise MeshError(f"The edge length is {max_edge}; give a positive length.")
+    if not np.isfinite(corner_radius) or corner_radius < 0:
+        raise MeshError(f"The corner radius is {corner_radius}; give 0 (corners stay) or a positive length.")
+    if max_edge >= size:
+        raise MeshError(
+            f"The edge length {max_edge:.6g} is larger than the plan, which measures {size:.6g}; "
+            f"choose a shorter one, {size / 20:.2g} for example."
+        )
+
+
+def _check_count(boundary: Boundary, max_edge: float) -> None:
+    p, q = boundary.points, boundary.points[boundary.following]
+    area = 0.5 * abs(float(np.sum(p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0])))
+    if area / _ROW + len(p) > _LARGEST:
+        raise MeshError(
+            f"The edge length {max_edge:.6g} would make about {area / _ROW:.2g} vertices; "
+            f"choose one longer than {max_edge * np.sqrt(area / _ROW / _LARGEST):.2g}."
+        )
+
+
+class _Mesher:
+    """The boundary is fixed; `points` are those inside. Lengths in units of the edge length asked for."""
+
+    def __init__(self, boundary: Boundary, field: SizeField) -> None:
+        self.fixed = boundary.points
+        self.edges = np.column_stack([np.arange(len(boundary.points)), boundary.following])
+        self.field = field
+        self.ends = self.fixed[boundary.following]
+        part = np.linspace(0, 1, 6)[:-1]
+        walls = self.fixed[:, None, :] + part[None, :, None] * (self.ends - self.fixed)[:, None, :]
+        self.wall = cKDTree(walls.reshape(-1, 2))
+        self.points = np.zeros((0, 2))
+
+    def run(self) -> tuple[np.ndarray, np.ndarray]:
+        self.points = self._lattice()
+        self._fill()
+        for _ in range(2):
+            self._relax(12)
+            self._thin()
+            self._fill()
+        self._relax(12)
+        return self._finish()
+
+    def _all(self) -> np.ndarray:
+        return np.concatenate([self.fixed, self.points])
+
+    def _triangles(self) -> np.ndarray:
+        return triangulate(self._all(), self.edges)
+
+    def _lattice(self) -> np.ndarray:
+        """Equilateral lattice along the longest wall, where the full size holds and no wall is near."""
+        along = self._longest_direction()
+        frame = np.column_stack([along, [-along[1], along[0]]])
+        low, high = (self.fixed @ frame).min(axis=0), (self.fixed @ frame).max(axis=0)
+        rows = np.arange(low[1] + _ROW, high[1], _ROW)
+        columns = np.arange(low[0], high[0], 1.0)
+        x = columns[None, :] + np.where(np.arange(len(rows)) % 2 == 0, 0.5, 0.0)[:, None]
+        points = np.column_stack([x.ravel(), np.repeat(rows, len(columns))]) @ frame.T
+        points = points[inside(points, self.fixed, self.ends)]
+        sizes = self.field(points)
+        points = points[sizes > 0.9]
+        return points[self.wall.query(points)[0] > 0.55]
+
+    def _longest_direction(self) -> np.ndarray:
+        """The direction in which most of the walls run, whichever way round; to a degree, then as drawn."""
+        step = self.ends - self.fixed
+        length = np.hypot(*step.T)
+        degree = np.round(np.degrees(np.arctan2(step[:, 1], step[:, 0]))).astype(int) % 180
+        walls = np.nonzero(degree == np.argmax(np.bincount(degree, np.round(length, 6))))[0]
+        return step[walls[np.argmax(length[walls])]] / length[walls].max()
+
+    def _fill(self) -> None:
+        """Delaunay refinement: circumcentres of triangles that are too large, many at a time."""
+        for _ in range(40):
+            points = self._all()
+            corners = points[self._triangles()]
+            centre, radius = _circles(corners)
+            size = self.field(centre)
+            large = radius > 0.78 * size
+            centre, radius, size = centre[large], radius[large], size[large]
+            good = inside(centre, self.fixed, self.ends)
+            good &= self.wall.query(centre)[0] > 0.5 * size
+            centre, radius, size = centre[good], (radius / size)[good], size[good]
+            if not len(centre):
+                return
+            self.points = np.concatenate([self.points, centre[_apart(centre, 0.8 * size, radius)]])
+
+    def _relax(self, rounds: int) -> None:
+        """Springs that push where neighbours are nearer than 1.2 of the length wanted; boundary held."""
+        for _ in range(rounds):
+            points = self._all()
+            edges = _edges(self._triangles())
+            edges = edges[(edges >= len(self.fixed)).any(axis=1)]
+            bar = points[edges[:, 1]] - points[edges[:, 0]]
+            length = np.hypot(*bar.T)
+            wanted = self.field((points[edges[:, 1]] + points[edges[:, 0]]) / 2)
+            wanted *= 1.2 * np.sqrt(np.sum(length**2) / np.sum(wanted**2))
+            push = (np.maximum(wanted - length, 0.0) / length)[:, None] * bar
+            force = np.zeros_like(points)
+            for axis in (0, 1):
+                force[:, axis] = np.bincount(edges[:, 1], push[:, axis], len(points))
+                force[:, axis] -= np.bincount(edges[:, 0], push[:, axis], len(points))
+            self._move(0.2 * force[len(self.fixed) :])
+
+    def _move(self, step: np.ndarray) -> None:
+        size = self.field(self.points)
+        length = np.hypot(*step.T)
+        step = step * np.minimum(1.0, 0.3 * size / np.maximum(length, 1e-300))[:, None]
+        moved = self.points + step
+        good = inside(moved, self.fixed, self.ends) & (self.wall.query(moved)[0] > 0.45 * size)
+        self.points = np.where(good[:, None], moved, self.points)
+
+    def _thin(self) -> None:
+        """Remove one of two points that are much nearer than wanted."""
+        size = self.field(self.points)
+        keep = _apart(self.points, 0.6 * size, -np.arange(len(self.points), dtype=float))
+        self.points = self.points[keep]
+
+    def _finish(self) -> tuple[np.ndarray, np.ndarray]:
+        return self._all(), self._triangles()
+
+
+def _circles(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Circumcentres (F, 2) and circumradii (F,) of triangles (F, 3, 2)."""
+    a = corners[:, 0]
+    b, c = corners[:, 1] - a, corners[:, 2] - a
+    area = b[:, 0] * c[:, 1] - b[:, 1] * c[:, 0]
+    bb, cc = np.sum(b * b, axis=1), np.sum(c * c, axis=1)
+    centre = np.column_stack([c[:, 1] * bb - b[:, 1] * cc, b[:, 0] * cc - c[:, 0] * bb]) / (2 * area)[:, None]
+    return a + centre, np.hypot(*centre.T)
+
+
+def _apart(points: np.ndarray, distance: np.ndarray, priority: np.ndarray) -> np.ndarray:
+    """Mask of points that are the first, by priority, of all within their distance."""
+    if not len(points):
+        return np.zeros(0, dtype=bool)
+    pairs = cKDTree(points).query_pairs(float(distance.max()), output_type="ndarray")
+    i, j = pairs.T
+    near = np.hypot(*(points[i] - points[j]).T) < np.minimum(distance[i], distance[j])
+    i, j = i[near], j[near]
+    keep = np.ones(len(points), dtype=bool)
+    first = (priority[i] > priority[j]) | ((priority[i] == priority[j]) & (i < j))
+    keep[np.where(first, j, i)] = False
+    return keep
+
+
+def _edges(triangles: np.ndarray) -> np.ndarray:
+    """Each edge once, (E, 2), by sorted vertices."""
+    ends = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    key = np.unique(ends[:, 0].astype(np.int64) * (ends.max() + 1) + ends[:, 1])
+    return np.column_stack(np.divmod(key, ends.max() + 1))

@@ -1,0 +1,220 @@
+"""The outline of a plan: closed loops of points, checked before anything is built on them.
+
+A loop is `(K, 2)` points; segment k joins point k and point k + 1, the last one closes the loop. The first loop
+is the outer outline, the others are holes. Messages number points and segments within their loop; the
+`vertices` and `edges` of an error count through all loops, the outline first, the holes in their order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..errors import MeshError, listed
+
+_SAME_PLACE = 1e-9  # of the plan's size: points closer than this are one point
+_SPIKE = np.radians(0.5)  # a sharper point encloses no usable area
+
+
+@dataclass(frozen=True)
+class Loop:
+    """One checked loop with the interior of the plan on its left: the outline counter-clockwise, holes clockwise.
+
+    `points (K, 2)`; `segments (K,)` is the number, in the loop as it was given, of the segment that leaves each point.
+    """
+
+    name: str
+    points: np.ndarray
+    segments: np.ndarray
+    keep: np.ndarray
+
+
+def check_loops(
+    outline: np.ndarray, holes: Sequence[np.ndarray] = (), keep: Sequence[Sequence[int]] = ()
+) -> list[Loop]:
+    """Check outline and holes, and turn them so that the plan lies on the left of every segment.
+
+    A repeated last point is dropped. `keep[i]` lists points of loop i that are to stay vertices of a mesh. Raises
+    `MeshError` for fewer than three points, NaN, repeated points, spikes, no area, loops that cross themselves or
+    each other, and holes that are not holes.
+    """
+    names = ["the outline"] + [f"hole {k}" for k in range(len(holes))]
+    given = [_as_points(points, name) for points, name in zip([outline, *holes], names, strict=True)]
+    starts = np.cumsum([0] + [len(points) for points in given])
+    size = float(np.ptp(given[0], axis=0).max())
+    for points, name, start in zip(given, names, starts, strict=False):
+        _check_repeated(points, name, start, size)
+        _check_spikes(points, name, start)
+    _check_crossings(given, names, starts)
+    for points, name, start in zip(given, names, starts, strict=False):
+        if abs(signed_area(points)) <= 1e-12 * size * size:
+            raise MeshError(
+                f"{name} encloses no area; draw it as a closed loop around the plan".capitalize(),
+                vertices=range(start, start + len(points)),
+            )
+    _check_nesting(given, names, starts)
+    kept = [np.asarray(list(k), dtype=np.int64) for k in keep] + [np.zeros(0, np.int64)] * (len(given) - len(keep))
+    return [_oriented(p, n, k, 1 if i == 0 else -1) for i, (p, n, k) in enumerate(zip(given, names, kept, strict=True))]
+
+
+def signed_area(points: np.ndarray) -> float:
+    """Area enclosed by one loop (shoelace formula); negative for a clockwise one. Relative to the first point, so
+    that a plan far from the origin loses no digits."""
+    p = points - points[0]
+    q = np.roll(p, -1, axis=0)
+    return 0.5 * float(np.sum(p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]))
+
+
+def inside(points: np.ndarray, starts: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    """Which points (n, 2) lie inside the region bounded by segments `starts` → `ends` (m, 2), by the even-odd rule.
+
+    Points are sorted by height once, so the cost is that of the crossings and not n × m. Points on a segment may go
+    either way.
+    """
+    order = np.argsort(points[:, 1], kind="stable")
+    x, y = points[order, 0], points[order, 1]
+    low = np.searchsorted(y, np.minimum(starts[:, 1], ends[:, 1]), side="left")
+    high = np.searchsorted(y, np.maximum(starts[:, 1], ends[:, 1]), side="left")
+    segment = np.repeat(np.arange(len(starts)), high - low)
+    point = _ranges(low, high - low)
+    a, d = starts[segment], (ends - starts)[segment]
+    crossing = a[:, 0] + (y[point] - a[:, 1]) * d[:, 0] / np.where(d[:, 1] == 0, 1.0, d[:, 1])
+    odd = np.bincount(point[crossing > x[point]], minlength=len(points)) % 2 == 1
+    result = np.empty(len(points), dtype=bool)
+    result[order] = odd
+    return result
+
+
+def crossing_pairs(starts: np.ndarray, ends: np.ndarray, following: np.ndarray) -> np.ndarray:
+    """Pairs (P, 2) of segments that cross or touch, apart from segment k and `following[k]`, which share a point."""
+    left = np.minimum(starts[:, 0], ends[:, 0])
+    right = np.maximum(starts[:, 0], ends[:, 0])
+    order = np.argsort(left, kind="stable")
+    last = np.searchsorted(left[order], right[order], side="right")
+    count = np.maximum(last - np.arange(len(order)) - 1, 0)
+    found = [np.zeros((0, 2), dtype=np.int64)]
+    for block in np.array_split(np.arange(len(order)), 1 + int(count.sum()) // 2_000_000):
+        i = order[np.repeat(block, count[block])]
+        j = order[_ranges(block + 1, count[block])]
+        low, high = np.minimum(starts[:, 1], ends[:, 1]), np.maximum(starts[:, 1], ends[:, 1])
+        near = (low[i] <= high[j]) & (low[j] <= high[i]) & (following[i] != j) & (following[j] != i)
+        i, j = i[near], j[near]
+        hit = _meet(starts[i], ends[i], starts[j], ends[j])
+        found.append(np.column_stack([np.minimum(i, j), np.maximum(i, j)])[hit])
+    pairs = np.concatenate(found)
+    return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+
+
+def following_of(sizes: Sequence[int]) -> np.ndarray:
+    """The next segment of each segment, for loops of these sizes listed one after the other."""
+    starts = np.cumsum([0, *sizes])[:-1]
+    return np.concatenate([s + (np.arange(n) + 1) % n for s, n in zip(starts, sizes, strict=True)])
+
+
+def _ranges(first: np.ndarray, count: np.ndarray) -> np.ndarray:
+    """The integers first[k], first[k] + 1, … (count[k] of them) for every k, one after the other."""
+    return np.repeat(first - np.concatenate([[0], np.cumsum(count)[:-1]]), count) + np.arange(count.sum())
+
+
+def _meet(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> np.ndarray:
+    """Whether segments a-b and c-d have a point in common, rows at a time, within rounding."""
+
+    def side(p: np.ndarray, q: np.ndarray, r: np.ndarray) -> np.ndarray:
+        u, v = q - p, r - p
+        area = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+        rounding = 1e-13 * (np.abs(u).sum(1) + np.abs(v).sum(1)) ** 2
+        return np.where(np.abs(area) <= rounding, 0.0, np.sign(area))
+
+    one, two, three, four = side(a, b, c), side(a, b, d), side(c, d, a), side(c, d, b)
+    overlap = np.all((np.minimum(a, b) <= np.maximum(c, d)) & (np.minimum(c, d) <= np.maximum(a, b)), axis=1)
+    return overlap & (one * two <= 0) & (three * four <= 0)
+
+
+def _as_points(points: np.ndarray, name: str) -> np.ndarray:
+    try:
+        array = np.array(points, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise MeshError(f"The points of {name} are not numbers; give one (x, y) a point.") from error
+    if array.ndim != 2 or array.shape[1] != 2:
+        raise MeshError(f"The points of {name} have shape {array.shape}; give one (x, y) a point, shape (K, 2).")
+    bad = np.nonzero(~np.isfinite(array).all(axis=1))[0]
+    if len(bad):
+        raise MeshError(f"Point {listed(bad)} of {name} is not finite; delete it or give it a place.", vertices=bad)
+    if len(array) > 1 and np.array_equal(array[0], array[-1]):
+        array = array[:-1]
+    if len(array) < 3:
+        raise MeshError(f"{name} has {len(array)} points; a closed loop needs three or more.".capitalize())
+    return array
+
+
+def _check_repeated(points: np.ndarray, name: str, start: int, size: float) -> None:
+    pairs = cKDTree(points - points[0]).query_pairs(_SAME_PLACE * size, output_type="ndarray")
+    if len(pairs):
+        a, b = min(map(tuple, np.sort(pairs, axis=1).tolist()))
+        raise MeshError(
+            f"Points {a} and {b} of {name} are at the same place; merge them by distance, or move one.",
+            vertices=(start + a, start + b),
+        )
+
+
+def _check_spikes(points: np.ndarray, name: str, start: int) -> None:
+    back = np.roll(points, 1, axis=0) - points
+    ahead = np.roll(points, -1, axis=0) - points
+    angle = np.abs(np.arctan2(back[:, 0] * ahead[:, 1] - back[:, 1] * ahead[:, 0], np.sum(back * ahead, axis=1)))
+    spikes = np.nonzero(angle < _SPIKE)[0]
+    if len(spikes):
+        raise MeshError(
+            f"Point {listed(spikes)} of {name} is a spike: its two segments run back along each other; "
+            "delete it or open its angle.",
+            vertices=start + spikes,
+        )
+
+
+def _check_crossings(given: list[np.ndarray], names: list[str], offsets: np.ndarray) -> None:
+    centre = given[0].mean(axis=0)
+    starts = np.concatenate(given) - centre
+    ends = np.concatenate([np.roll(points, -1, axis=0) for points in given]) - centre
+    pairs = crossing_pairs(starts, ends, following_of([len(points) for points in given]))
+    if not len(pairs):
+        return
+    owner = np.searchsorted(offsets, pairs[0], side="right") - 1
+    one, two = pairs[0] - offsets[owner]
+    more = f" ({len(pairs)} such pairs)" if len(pairs) > 1 else ""
+    if owner[0] == owner[1]:
+        text = f"{names[owner[0]]} crosses or touches itself: its segments {one} and {two} meet{more}"
+    else:
+        text = f"{names[owner[0]]} and {names[owner[1]]} cross or touch: segment {one} meets segment {two}{more}"
+    ends_of = [o + (k + d) % len(given[w]) for o, k, w in zip(offsets[owner], (one, two), owner, strict=True) for d in (0, 1)]
+    raise MeshError(text[0].upper() + text[1:] + "; pull them apart.", vertices=ends_of, edges=np.unique(pairs))
+
+
+def _check_nesting(given: list[np.ndarray], names: list[str], offsets: np.ndarray) -> None:
+    """Loops that do not cross are nested or apart, so one point of each decides."""
+    for k in range(1, len(given)):
+        point = given[k][:1]
+        for j, other in enumerate(given):
+            if j == k or inside(point, other, np.roll(other, -1, axis=0))[0] == (j == 0):
+                continue
+            way_out = "lies outside the outline" if j == 0 else f"lies inside {names[j]}"
+            raise MeshError(
+                f"{names[k].capitalize()} {way_out}; delete it or move it.",
+                vertices=range(offsets[k], offsets[k + 1]),
+            )
+
+
+def _oriented(points: np.ndarray, name: str, keep: np.ndarray, sign: int) -> Loop:
+    count = len(points)
+    wrong = keep[(keep < 0) | (keep >= count)]
+    if len(wrong):
+        raise MeshError(f"Point {listed(wrong)} to keep is not a point of {name}, which has {count}.")
+    kept = np.zeros(count, dtype=bool)
+    kept[keep] = True
+    index = np.arange(count)
+    if signed_area(points) * sign > 0:
+        return Loop(name, points, index, kept)
+    # Reversed from point 0 on, so that a loop starts where it was drawn to start.
+    back = -index % count
+    return Loop(name, points[back], (back - 1) % count, kept[back])

@@ -1,0 +1,157 @@
+"""Rounding the corners of a plan.
+
+At an unrounded corner the boundary normals jump and the mean curvature diverges. A corner is a point where the loop
+turns by more than `CORNER`; the other points belong to a curve that is drawn as a polyline, and are left alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .outline import Loop, crossing_pairs, following_of
+
+CORNER = np.radians(22.5)
+_STEP = np.radians(2.0)  # an arc is drawn this finely before it is resampled: off by 1.5e-4 of its radius
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A closed polyline that stands for a loop whose corners are rounded: fine enough to be sampled by chords.
+
+    `points (M, 2)`; `segments (M,)`, the segment of the drawn loop that the piece leaving each point belongs to (an arc
+    is split at its middle); `fixed (M,)`, points that stay vertices; `sharp (M,)`, corners that are not rounded.
+    """
+
+    name: str
+    points: np.ndarray
+    segments: np.ndarray
+    fixed: np.ndarray
+    sharp: np.ndarray
+
+
+def turning(points: np.ndarray) -> np.ndarray:
+    """The angle (K,), in radians, by which a loop turns at each point; positive to the left."""
+    ahead = np.roll(points, -1, axis=0) - points
+    back = np.roll(ahead, 1, axis=0)
+    return np.arctan2(back[:, 0] * ahead[:, 1] - back[:, 1] * ahead[:, 0], np.sum(back * ahead, axis=1))
+
+
+def round_corners(loops: list[Loop], radius: float) -> list[Curve]:
+    """Replace every corner by an arc of `radius`, or of the largest radius for which its neighbours leave room.
+
+    Where an arc would run into another part of the plan (a column standing in a corner), its radius is halved until
+    it does not. Radius 0 keeps the corners.
+    """
+    radii = [np.where(np.abs(turning(loop.points)) > CORNER, radius, 0.0) for loop in loops]
+    for _ in range(8):
+        rounded = [_round_loop(loop, r) for loop, r in zip(loops, radii, strict=True)]
+        curves = [curve for curve, _, _ in rounded]
+        starts = np.concatenate([curve.points for curve in curves])
+        ends = np.concatenate([np.roll(curve.points, -1, axis=0) for curve in curves])
+        pairs = crossing_pairs(starts, ends, following_of([len(curve.points) for curve in curves]))
+        if not len(pairs):
+            return curves
+        hit = np.zeros(len(starts), dtype=bool)
+        hit[pairs] = True
+        first = 0
+        for (curve, corner, reached), r in zip(rounded, radii, strict=True):
+            touched = corner[hit[first : first + len(corner)]]
+            touched = touched[touched >= 0]
+            r[touched] = 0.5 * reached[touched]
+            first += len(curve.points)
+    return [_round_loop(loop, np.zeros(len(loop.points)))[0] for loop in loops]
+
+
+def _round_loop(loop: Loop, radii: np.ndarray) -> tuple[Curve, np.ndarray, np.ndarray]:
+    """The rounded loop, for each of its points the corner whose arc it lies on or -1, and the radii reached."""
+    points, turn = loop.points, turning(loop.points)
+    corners = np.nonzero(radii > 0)[0]
+    sharp = (np.abs(turn) > CORNER) & (radii == 0)
+    if not len(corners):
+        curve = Curve(loop.name, points, loop.segments, sharp | loop.keep, sharp)
+        return curve, np.full(len(points), -1), radii
+    length = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
+    along = np.concatenate([[0.0], np.cumsum(length)])
+    trim = _trims(corners, radii[corners] * np.tan(np.abs(turn[corners]) / 2), along, np.nonzero(sharp)[0])
+    pieces = []
+    for k, corner in enumerate(corners):
+        after = corners[(k + 1) % len(corners)]
+        pieces.append(_arc(loop, along, corner, trim[k]) + (corner,))
+        pieces.append(_between(loop, along, sharp, (corner, trim[k]), (after, trim[(k + 1) % len(corners)])) + (-1,))
+    parts = list(zip(*pieces, strict=True))
+    corner_of = np.repeat(parts[4], [len(p) for p in parts[0]])
+    curve = Curve(loop.name, *(np.concatenate(parts[i]) for i in range(4)))
+    reached = radii.copy()
+    reached[corners] = trim / np.tan(np.abs(turn[corners]) / 2)
+    return curve, corner_of, reached
+
+
+def _trims(corners: np.ndarray, wanted: np.ndarray, along: np.ndarray, sharp: np.ndarray) -> np.ndarray:
+    """How far from each corner its arc starts: as wanted, scaled down where two arcs share too short a run."""
+    total = along[-1]
+    scale = np.ones(len(corners))
+    for k, corner in enumerate(corners):
+        j = (k + 1) % len(corners)
+        room = (along[corners[j]] - along[corner]) % total or total
+        scale_here = room / max(wanted[k] + wanted[j], 1e-300)
+        for s in sharp:  # an unrounded corner in between stays where it is
+            before, after = (along[s] - along[corner]) % total, (along[corners[j]] - along[s]) % total
+            if before + after <= room * (1 + 1e-12):
+                scale_here = min(scale_here, before / wanted[k], after / wanted[j])
+        scale[[k, j]] = np.minimum(scale[[k, j]], min(1.0, scale_here * (1 - 1e-9)))
+    return wanted * scale
+
+
+def _at(loop: Loop, along: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Points, unit directions and positions in the loop (index of the segment) at arc lengths s."""
+    s = np.mod(s, along[-1])
+    k = np.clip(np.searchsorted(along, s, side="right") - 1, 0, len(loop.points) - 1)
+    step = np.roll(loop.points, -1, axis=0) - loop.points
+    length = np.diff(along)
+    direction = step[k] / length[k, None]
+    return loop.points[k] + (s - along[k])[:, None] * direction, direction, k
+
+
+def _arc(loop: Loop, along: np.ndarray, corner: int, trim: float) -> tuple[np.ndarray, ...]:
+    """The points of the arc at a corner but its last: a circle's where both neighbours are straight so far, else a
+    cubic with the tangents of the curves that it joins."""
+    ends, directions, _ = _at(loop, along, along[corner] + trim * np.array([-1.0, 1.0]) * (1 - 1e-12))
+    (p, q), (u, v) = ends, directions
+    angle = float(np.arctan2(u[0] * v[1] - u[1] * v[0], u @ v))
+    half = max(1, int(np.ceil(abs(angle) / _STEP / 2)))
+    t = np.arange(2 * half) / (2 * half)
+    if np.isclose(np.linalg.norm(p - loop.points[corner]), np.linalg.norm(q - loop.points[corner]), rtol=1e-6) and (
+        trim <= min(np.diff(along)[corner - 1], np.diff(along)[corner]) * (1 + 1e-6)
+    ):
+        normal = np.array([-u[1], u[0]])
+        radius = trim / np.tan(angle / 2)
+        swept = t[:, None] * angle
+        points = p + radius * (np.sin(swept) * u + (1 - np.cos(swept)) * normal)
+    else:
+        reach = np.linalg.norm(q - p) / (2 * max(np.sin(abs(angle) / 2), 1e-3)) * 4 / 3 * np.tan(abs(angle) / 4)
+        reach = min(reach, trim)
+        b, c, w = p + reach * u, q - reach * v, t[:, None]
+        points = (1 - w) ** 3 * p + 3 * (1 - w) ** 2 * w * b + 3 * (1 - w) * w**2 * c + w**3 * q
+    middle = (t + 0.5 / len(t)) * 2 - 1  # from -1 where the arc starts to 1 where it ends
+    _, _, k = _at(loop, along, along[corner] + trim * middle)
+    fixed = np.arange(len(t)) == half
+    return points, loop.segments[k], fixed, np.zeros(len(t), dtype=bool)
+
+
+def _between(
+    loop: Loop, along: np.ndarray, sharp: np.ndarray, start: tuple[int, float], stop: tuple[int, float]
+) -> tuple[np.ndarray, ...]:
+    """The untouched run from the end of one arc to the start of the next."""
+    count, total = len(loop.points), along[-1]
+    first, last = along[start[0]] + start[1], along[stop[0]] - stop[1]
+    last += total * (stop[0] <= start[0])
+    index = np.arange(start[0] + 1, stop[0] + (count if stop[0] <= start[0] else 0))
+    at = along[index % count] + total * (index >= count)
+    index = index[(at > first) & (at < last)] % count
+    end, _, k = _at(loop, along, np.array([first]))
+    points = np.concatenate([end, loop.points[index]])
+    segments = loop.segments[np.concatenate([k, index])]
+    keep = np.concatenate([[False], (sharp | loop.keep)[index]])
+    return points, segments, keep, np.concatenate([[False], sharp[index]])
