@@ -1,0 +1,55 @@
+"""Size and lie of a sheet in space: boundary, bounding box, rise, overhang."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .arrays import Array, Indices, double_areas, edge_vectors, points_in_space, triangles_of
+
+if TYPE_CHECKING:
+    from ..domain.domain import Domain
+
+# Sine of the angle by which a face must lean past the vertical to count as overhanging: above rounding, below
+# drawing.
+_PAST_VERTICAL = 1e-6
+
+
+def boundary_sides(domain: Domain, faces: ArrayLike | None = None) -> NDArray[np.int32]:
+    """Boundary edges as pairs of rows (K, 2), the surface on their left, in the order of the faces.
+
+    `faces` (F, 3) index the rows of a surface, face by face as the domain's. The edges along which a surface
+    was cut open are not boundary edges of its domain and are left out.
+    """
+    triangles = np.asarray(domain.faces if faces is None else faces)
+    face, corner = np.nonzero(domain.edge_faces[domain.face_edges, 1] < 0)
+    return np.stack([triangles[face, (corner + 1) % 3], triangles[face, (corner + 2) % 3]], axis=1).astype(
+        np.int32
+    )
+
+
+def face_normals(vertices: ArrayLike, faces: ArrayLike) -> Array:
+    """Unit normals (F, 3) of the triangles, counter-clockwise seen from their tips; nan where degenerate."""
+    points = points_in_space(vertices)
+    u, v = edge_vectors(points, triangles_of(faces, len(points)))
+    return (np.cross(u, v, axis=0) / double_areas(u, v)).T
+
+
+def overhanging_faces(
+    vertices: ArrayLike, faces: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0)
+) -> NDArray[np.int32]:
+    """Faces (k,) whose upper side looks below the horizon: they lean out past the vertical.
+
+    The upper side of a sheet is the one whose area vector points up. So the bowl that a flipped dome makes
+    does not overhang, whichever way its faces wind. `up` is a direction (3,). Degenerate faces do not count.
+    """
+    points = points_in_space(vertices)
+    triangles: Indices = triangles_of(faces, len(points))
+    direction = np.asarray(up, dtype=np.float64)
+    u, v = edge_vectors(points, triangles)
+    heights = direction @ np.cross(u, v, axis=0) / np.linalg.norm(direction)
+    side = -1.0 if heights.sum() < 0 else 1.0
+    with np.errstate(invalid="ignore"):
+        return np.flatnonzero(side * heights < -_PAST_VERTICAL * double_areas(u, v)).astype(np.int32)

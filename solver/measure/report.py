@@ -1,0 +1,209 @@
+"""The report: what a solve gave, in numbers, for a person and as JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, is_dataclass
+from enum import Enum
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..errors import CmcError, MeshError, Status
+from .arrays import Array
+from .sheet import SheetReport, measure_sheet
+from .words import count, measure_lines, number, size_line
+
+if TYPE_CHECKING:
+    from ..surface.cmc import CmcSurface
+
+SHEETS = ("f+", "f-")
+# Largest deviation of placed points from a similarity image of the sheet, as a fraction of its size; single
+# precision far from the origin leaves about 1e-5.
+_SIMILAR = 1e-3
+
+
+@dataclass(frozen=True)
+class Report:
+    """A solve and the sheets it gave. Lengths are those of the measured points, `scale` the factor to them.
+
+    `energy` is the Dirichlet energy of the normals, `residual` as in MATH.md §1, `closure_error` and `gap`
+    (the longest period) are lengths; `periods` one vector a hole or handle. `sheet` names the sheet that is
+    shown.
+    """
+
+    status: str
+    converged: bool
+    sentence: str
+    energy: float
+    degree: float
+    residual: float
+    iterations: int
+    vertices: int
+    faces: int
+    mean_curvature: float
+    scale: float
+    closure_error: float
+    is_open: bool
+    periods: tuple[tuple[float, float, float], ...]
+    gap: float
+    sheet: str
+    sheets: dict[str, SheetReport]
+
+    @property
+    def shown(self) -> SheetReport:
+        """The measures of the sheet that is shown."""
+        return self.sheets[self.sheet]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain dictionaries, lists, numbers and strings; what is not a finite number is None."""
+        return plain(self)
+
+    def to_json(self, indent: int | None = 2) -> str:
+        """Strict JSON: null where there is no finite number."""
+        return json.dumps(self.to_dict(), indent=indent, allow_nan=False, ensure_ascii=False)
+
+    def summary(self, unit: str = "") -> str:
+        """Five to eight lines for a person; `unit` is the name of the length unit, as "m"."""
+        steps, mesh = count(self.iterations, "iteration"), count(self.faces, "face")
+        lines = [
+            self.sentence,
+            f"Energy {self.energy:.6g}, residual {self.residual:.1e} after {steps} on {mesh}.",
+            size_line(self.shown, unit),
+        ]
+        if self.periods:
+            what = "the gap" if self.is_open else "which was taken out"
+            lines.append(f"Longest period around a hole or handle {number(self.gap, unit)}, {what}.")
+        return "\n".join(lines + measure_lines(self.shown, unit))
+
+
+def report(
+    surface: CmcSurface,
+    outline: ArrayLike | Sequence[ArrayLike] | None = None,
+    *,
+    sheet: str = "f+",
+    positions: ArrayLike | Mapping[str, ArrayLike] | None = None,
+    intersections: bool = True,
+    up: ArrayLike = (0.0, 0.0, 1.0),
+) -> Report:
+    """Measure a surface: the solve, and curvature, distortion, size, overhang, intersections of its sheets.
+
+    sheet: "f+" or "f-", the one that is shown.
+    outline: drawn positions (V, 2|3) of the domain's vertices, or a list of closed polylines, where the
+    measured points
+        lie; the distance of the shown sheet's boundary from it is reported. Two coordinates: the distance in
+        plan.
+    positions: (n, 3) points of the shown sheet where they were placed, or a mapping from "f+", "f-" to such
+    points;
+        only these sheets are measured. They must be similarity images of the surface's own (moved, turned,
+        mirrored, scaled), all by the same; normals and target curvature follow. Default: both sheets as they
+        are.
+    intersections: False leaves out self-intersections, the slowest part.
+    up: the vertical (3,), for overhang, span and rise.
+
+    Raises `MeshError` where arrays do not match the surface, `CmcError` on another sheet name.
+    """
+    if sheet not in SHEETS:
+        raise CmcError(f'There is no report on a sheet "{sheet}"; choose one of {", ".join(SHEETS)}.')
+    placed = _placed(surface, sheet, positions)
+    scale, turn = _similarity(surface, placed, sheet)
+    target = surface.mean_curvature / scale
+    sheets = {
+        name: measure_sheet(
+            name,
+            surface.domain,
+            points,
+            surface.faces,
+            (1.0 if name == "f+" else -1.0) * np.asarray(surface.normals) @ turn,
+            target,
+            degenerate=surface.is_degenerate(name),
+            outline=outline if name == sheet else None,
+            intersections=intersections,
+            up=up,
+        )
+        for name, points in placed.items()
+    }
+    return _with_solve(surface, sheet, sheets, scale, turn)
+
+
+def _placed(
+    surface: CmcSurface, sheet: str, positions: ArrayLike | Mapping[str, ArrayLike] | None
+) -> dict[str, Array]:
+    if positions is None:
+        given: Mapping[str, ArrayLike] = {name: surface.sheet(name) for name in SHEETS}
+    elif isinstance(positions, Mapping):
+        given = {name: positions[name] for name in SHEETS if name in positions}
+    else:
+        given = {sheet: positions}
+    if sheet not in given:
+        raise MeshError(f"The placed positions of {sheet} are missing; they are the sheet that is shown.")
+    placed = {name: np.asarray(points, dtype=np.float64) for name, points in given.items()}
+    for name, points in placed.items():
+        expected = np.shape(surface.sheet(name))
+        if points.shape != expected:
+            raise MeshError(f"The positions of {name} have shape {points.shape}, its points {expected}.")
+    return placed
+
+
+def _similarity(surface: CmcSurface, placed: dict[str, Array], sheet: str) -> tuple[float, Array]:
+    """Scale s and orthogonal R (3, 3), mirrors included: placed = s · points @ R + shift (Procrustes)."""
+    names = [sheet, *placed]
+    name = next((name for name in names if not surface.is_degenerate(name)), None)
+    if name is None or placed[name] is surface.sheet(name):
+        return 1.0, np.eye(3)
+    own, other = np.asarray(surface.sheet(name)), placed[name]
+    own, other = own - own.mean(axis=0), other - other.mean(axis=0)
+    left, s, right = np.linalg.svd(own.T @ other)
+    turn, spread = left @ right, float(np.einsum("ij,ij->", own, own))
+    scale = float(s.sum()) / spread if spread > 0 else 0.0
+    if not scale > 0 or np.abs(other - scale * own @ turn).max() > _SIMILAR * np.abs(other).max():
+        raise MeshError(f"The positions of {name} are not its points moved, turned, mirrored or scaled.")
+    return scale, turn
+
+
+def _with_solve(
+    surface: CmcSurface, sheet: str, sheets: dict[str, SheetReport], scale: float, turn: Array
+) -> Report:
+    harmonic = surface.harmonic
+    periods = scale * np.asarray(surface.periods, dtype=np.float64).reshape(-1, 3) @ turn
+    return Report(
+        status=surface.status.value,
+        converged=harmonic.status is Status.CONVERGED,
+        sentence=surface.message,
+        energy=float(harmonic.energy),
+        degree=float(harmonic.degree),
+        residual=float(harmonic.residual),
+        iterations=int(harmonic.iterations),
+        vertices=int(surface.domain.vertex_count),
+        faces=len(surface.faces),
+        mean_curvature=float(surface.mean_curvature / scale),
+        scale=scale,
+        closure_error=scale * surface.scale * float(surface.conjugate.closure_error),
+        is_open=surface.is_open,
+        periods=tuple((float(x), float(y), float(z)) for x, y, z in periods),
+        gap=scale * surface.gap,
+        sheet=sheet,
+        sheets=sheets,
+    )
+
+
+def plain(value: Any) -> Any:
+    """Dataclasses, arrays, enums and numpy numbers as JSON knows them; nan and infinity become None."""
+    if is_dataclass(value) and not isinstance(value, type):
+        return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray):
+        return plain(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return [plain(item) for item in value]
+    if isinstance(value, Enum):
+        return plain(value.value)
+    if isinstance(value, np.generic):
+        return plain(value.item())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

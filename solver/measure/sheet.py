@@ -1,0 +1,225 @@
+"""What was obtained on one sheet, f+ or f-: curvature, distortion, size, and where it fails as a shell."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..surface.placement import span
+from .arrays import Array, Indices, face_areas_in_space, weighted_l2, weighted_mean
+from .curvature import gauss_curvature_of, mean_curvature_of
+from .distortion import conformal_distortion, distortion_energy
+from .extent import boundary_sides, overhanging_faces
+from .intersections import self_intersections
+from .outline import distance_to_segments, outline_segments
+
+if TYPE_CHECKING:
+    from ..domain.domain import Domain
+
+Vector = tuple[float, float, float]
+_LISTED_PAIRS = 100
+
+
+@dataclass(frozen=True)
+class CurvatureReport:
+    """Mean curvature H of the faces against the target, in 1/length; means are weighted by area.
+
+    l2 is sqrt(∫ (H - target)² dA / area), linf the largest |H - target|, `relative_l2` is l2 over the target.
+    The `inside` figures leave out faces that have a vertex on the boundary. `gauss_mean` is the mean of K, in
+    1/length².
+    """
+
+    target: float
+    mean: float
+    std: float
+    l2: float
+    linf: float
+    relative_l2: float
+    inside_l2: float
+    inside_linf: float
+    gauss_mean: float
+
+
+@dataclass(frozen=True)
+class DistortionReport:
+    """Quasi-conformal distortion Q >= 1 of the faces; means are weighted by area.
+
+    l2 is sqrt(∫ (Q - 1)² dA / area), `energy_mean` the mean of ½ (Q + 1/Q) - 1, which is quadratic in Q - 1.
+    """
+
+    mean: float
+    l2: float
+    max: float
+    energy_mean: float
+    inside_l2: float
+
+
+@dataclass(frozen=True)
+class OverhangReport:
+    """Faces that lean out past the vertical, and their share of the area, 0 to 1."""
+
+    count: int
+    area_share: float
+
+
+@dataclass(frozen=True)
+class IntersectionReport:
+    """Pairs of faces that go through each other: how many, how many faces, and the first hundred pairs."""
+
+    count: int
+    face_count: int
+    pairs: tuple[tuple[int, int], ...]
+
+
+@dataclass(frozen=True)
+class OutlineReport:
+    """Distance of the boundary vertices from the drawn outline, the closed curve, in lengths.
+
+    mean and rms are weighted by boundary length. `reverse_max` is the largest distance of a drawn point from
+    the boundary: the two together bound the Hausdorff distance.
+    """
+
+    max: float
+    mean: float
+    rms: float
+    reverse_max: float
+
+
+@dataclass(frozen=True)
+class SheetReport:
+    """The measures of one sheet. Lengths are those of the points that were measured.
+
+    A degenerate sheet (a point: f- of a sphere) has no curvature, distortion or outline distance: they are
+    None. `span` is the largest horizontal distance between two boundary points, `rise` the height from lowest
+    to highest.
+    """
+
+    name: str
+    degenerate: bool
+    area: float
+    boundary_length: float
+    bounding_box: tuple[Vector, Vector]
+    span: float
+    rise: float
+    degenerate_faces: int
+    mean_curvature: CurvatureReport | None
+    distortion: DistortionReport | None
+    overhang: OverhangReport | None
+    intersections: IntersectionReport | None
+    outline: OutlineReport | None
+
+
+def measure_sheet(
+    name: str,
+    domain: Domain,
+    points: Array,
+    faces: Indices,
+    normals: Array,
+    target: float,
+    *,
+    degenerate: bool = False,
+    outline: ArrayLike | Sequence[ArrayLike] | None = None,
+    intersections: bool = True,
+    up: ArrayLike = (0.0, 0.0, 1.0),
+) -> SheetReport:
+    """Measure `points` (n, 3), `faces` (F, 3) as the domain's, unit `normals` (n, 3), against H = `target`.
+
+    `outline` as in `outline_segments`. `intersections=False` leaves out the slowest part. Raises `MeshError`
+    on arrays that do not match.
+    """
+    areas = face_areas_in_space(points, faces)
+    sides = boundary_sides(domain, faces)
+    measurable = not degenerate and bool(areas.any())
+    inside = np.logical_not(np.isin(faces, sides).any(axis=1))
+    vertical = np.asarray(up, dtype=np.float64) / np.linalg.norm(up)
+    return SheetReport(
+        name=name,
+        degenerate=not measurable,
+        area=float(areas.sum()),
+        boundary_length=float(np.linalg.norm(points[sides[:, 1]] - points[sides[:, 0]], axis=1).sum()),
+        bounding_box=(_vector(points.min(axis=0)), _vector(points.max(axis=0))),
+        span=span(points[np.unique(sides)], vertical),
+        rise=float(np.ptp(points @ vertical)),
+        degenerate_faces=int(np.count_nonzero(areas == 0)),
+        mean_curvature=_curvature(points, faces, normals, target, areas, inside) if measurable else None,
+        distortion=_distortion(domain, points, faces, areas, inside) if measurable else None,
+        overhang=_overhang(points, faces, areas, vertical) if measurable else None,
+        intersections=_intersections(points, faces) if measurable and intersections else None,
+        outline=_outline(domain, points, sides, outline) if measurable and outline is not None else None,
+    )
+
+
+def _vector(values: Array) -> Vector:
+    return float(values[0]), float(values[1]), float(values[2])
+
+
+def _max(values: Array) -> float:
+    known = values[np.isfinite(values)]
+    return float(known.max()) if len(known) else float("nan")
+
+
+def _curvature(
+    points: Array, faces: Indices, normals: Array, target: float, areas: Array, inside: NDArray[np.bool_]
+) -> CurvatureReport:
+    H = mean_curvature_of(points, faces, normals)
+    error, mean = H - target, weighted_mean(H, areas)
+    l2 = weighted_l2(error, areas)
+    return CurvatureReport(
+        target=target,
+        mean=mean,
+        std=weighted_l2(H - mean, areas),
+        l2=l2,
+        linf=_max(np.abs(error)),
+        relative_l2=l2 / abs(target) if target else float("nan"),
+        inside_l2=weighted_l2(error[inside], areas[inside]),
+        inside_linf=_max(np.abs(error[inside])),
+        gauss_mean=weighted_mean(gauss_curvature_of(points, faces, normals), areas),
+    )
+
+
+def _distortion(
+    domain: Domain, points: Array, faces: Indices, areas: Array, inside: NDArray[np.bool_]
+) -> DistortionReport:
+    Q = conformal_distortion(domain, points, faces)
+    return DistortionReport(
+        mean=weighted_mean(Q, areas),
+        l2=weighted_l2(Q - 1.0, areas),
+        max=_max(Q),
+        energy_mean=weighted_mean(distortion_energy(Q), areas),
+        inside_l2=weighted_l2(Q[inside] - 1.0, areas[inside]),
+    )
+
+
+def _overhang(points: Array, faces: Indices, areas: Array, up: Array) -> OverhangReport:
+    leaning = overhanging_faces(points, faces, up)
+    return OverhangReport(count=len(leaning), area_share=float(areas[leaning].sum() / areas.sum()))
+
+
+def _intersections(points: Array, faces: Indices) -> IntersectionReport:
+    pairs = self_intersections(points, faces)
+    first = tuple((int(i), int(j)) for i, j in pairs[:_LISTED_PAIRS])
+    return IntersectionReport(count=len(pairs), face_count=len(np.unique(pairs)), pairs=first)
+
+
+def _outline(
+    domain: Domain, points: Array, sides: NDArray[np.int32], outline: ArrayLike | Sequence[ArrayLike]
+) -> OutlineReport:
+    starts, ends = outline_segments(domain, outline)
+    flat = points[:, : starts.shape[1]]
+    lengths = np.linalg.norm(points[sides[:, 1]] - points[sides[:, 0]], axis=1)
+    weights = np.bincount(sides.ravel(), np.repeat(0.5 * lengths, 2), minlength=len(points)).astype(
+        np.float64
+    )
+    rows = np.unique(sides)
+    distances = distance_to_segments(flat[rows], starts, ends)
+    back = distance_to_segments(starts, flat[sides[:, 0]], flat[sides[:, 1]])
+    return OutlineReport(
+        max=_max(distances),
+        mean=weighted_mean(distances, weights[rows]),
+        rms=weighted_l2(distances, weights[rows]),
+        reverse_max=_max(back),
+    )

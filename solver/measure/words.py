@@ -1,0 +1,54 @@
+"""A report in words: a few lines with numbers and units."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .sheet import SheetReport
+
+
+def size_line(shown: SheetReport, unit: str) -> str:
+    """Span, rise, area and boundary length; `unit` names the lengths ("m"), or is empty."""
+    return (
+        f"{shown.name}: span {number(shown.span, unit)}, rise {number(shown.rise, unit)}, "
+        f"area {number(shown.area, unit, 2)}, boundary {number(shown.boundary_length, unit)}."
+    )
+
+
+def measure_lines(shown: SheetReport, unit: str) -> list[str]:
+    """Curvature, distortion, outline, overhang and intersections, a line each where they were measured."""
+    if shown.mean_curvature is None or shown.distortion is None:
+        return [f"{shown.name} is degenerate (a point or a line): nothing else to measure."]
+    H, Q = shown.mean_curvature, shown.distortion
+    lines = [
+        f"Mean curvature {number(H.mean, unit, -1)} for {H.target:.5g} asked, "
+        f"error {100 * H.relative_l2:.2g} % in the mean (L²), {number(H.linf, unit, -1)} at most.",
+        f"Conformal distortion Q {Q.mean:.4f} in the mean, {Q.max:.3f} at most (1 is none).",
+    ]
+    if shown.outline is not None:
+        distance = shown.outline
+        mean, largest = number(distance.mean, unit), number(distance.max, unit)
+        lines.append(f"Boundary {mean} from the drawn outline in the mean, {largest} at most.")
+    if shown.overhang is not None:
+        share = 100 * shown.overhang.area_share
+        lines.append(f"Overhang: {count(shown.overhang.count, 'face')}, {share:.1f} % of the area.")
+    if shown.intersections is not None:
+        crossing = shown.intersections
+        lines.append(
+            f"The surface goes through itself at {count(crossing.count, 'pair')} of faces."
+            if crossing.count
+            else "The surface does not go through itself."
+        )
+    return lines
+
+
+def number(value: float, unit: str, power: int = 1) -> str:
+    """Four digits and the power of the unit."""
+    suffix = {-1: f" 1/{unit}", 1: f" {unit}", 2: f" {unit}²"}[power] if unit else ""
+    return f"{value:.4g}{suffix}"
+
+
+def count(amount: int, one: str, many: str = "") -> str:
+    """ "1 face", "2 faces", "3 vertices"."""
+    return f"{amount} {one if amount == 1 else many or one + 's'}"
