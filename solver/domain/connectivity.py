@@ -76,11 +76,13 @@ def check_faces(faces: Int, vertex_count: int) -> None:
 
 
 def _repeated_faces(faces: Int, vertex_count: int) -> NDArray[np.int64]:
-    a, b, c = np.sort(faces, axis=1).astype(np.int64).T
-    # two passes keep the keys inside 64 bits
-    pairs = np.unique(a * vertex_count + b, return_inverse=True)[1].astype(np.int64)
-    _, inverse, counts = np.unique(pairs * vertex_count + c, return_inverse=True, return_counts=True)
-    return np.flatnonzero(counts[inverse] > 1)
+    # equal faces have equal sums of hashes; only if some do is the exact and slower comparison made
+    hashes = np.random.default_rng(0).integers(0, 2**62, vertex_count, dtype=np.uint64)
+    sums = np.sort(hashes[faces].sum(axis=1))
+    if (sums[1:] != sums[:-1]).all():
+        return np.zeros(0, dtype=np.int64)
+    _, inverse, counts = np.unique(np.sort(faces, axis=1), axis=0, return_inverse=True, return_counts=True)
+    return np.flatnonzero(counts[inverse.ravel()] > 1)
 
 
 def edges_by_vertex_pairs(faces: Int, vertex_count: int) -> Int:

@@ -2,7 +2,8 @@
 
 At a map N, let G = LN, λ_i = <N_i, G_i> and P the projection on the tangent planes. Then PG is the gradient and
 P (L - λ) P the Hessian. Each step solves P (L - λ) P d = -P G by conjugate gradients, preconditioned by the factor
-of L, which does not change; it stops early while N is far from critical, and where the curvature is negative.
+of L, which does not change; it stops early while N is far from critical. Where the curvature is negative the step goes
+as far along that direction as a step may: near a saddle the gradient alone would take hundreds of steps to leave.
 """
 
 from __future__ import annotations
@@ -123,7 +124,7 @@ def _direction(
         curved = project(X, problem.L @ p - multiplier * p)
         curvature = inner(p, curved)
         if curvature <= 0.0:
-            return (d if solves > 1 else z), solves
+            return d + p * (_LARGEST_ROTATION / _longest(p)), solves
         alpha = rest_z / curvature
         d = d + alpha * p
         rest = rest - alpha * curved
@@ -144,8 +145,7 @@ def _line_search(
     long before the tolerance is reached.
     """
     slope = inner(tangent, direction)
-    longest = float(np.sqrt(dot(direction, direction).max()))
-    step = min(1.0, _LARGEST_ROTATION / longest)
+    step = min(1.0, _LARGEST_ROTATION / _longest(direction))
     for _ in range(_HALVINGS):
         trial = exp(X, step * direction)
         after = problem.gradient(trial)
@@ -153,6 +153,10 @@ def _line_search(
             return trial, after, step
         step *= 0.5
     return None
+
+
+def _longest(d: Array) -> float:
+    return float(np.sqrt(dot(d, d).max()))
 
 
 METHODS: dict[str, Callable[..., Minimum]] = {"newton": newton}

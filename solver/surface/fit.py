@@ -26,20 +26,16 @@ def fit_weights(domain: Domain, vertices: Int) -> tuple[sp.csr_array, sp.csr_arr
     """Matrices (n, F) and (n, B): values at `vertices` (n,) from those at faces and at `domain.boundary_edges`."""
     row = np.full(domain.vertex_count, -1)
     row[vertices] = np.arange(len(vertices))
-    points, at_corner = _circumcentres(domain)
+    corners = np.flatnonzero(row[domain.faces.ravel()] >= 0)
     midpoints, midpoint_vertices = _midpoints(domain)
-    corner_rows = row[domain.faces.ravel()]
-    kept, kept_mid = np.flatnonzero(corner_rows >= 0), np.flatnonzero(row[midpoint_vertices] >= 0)
-    rows = np.concatenate([corner_rows[kept], row[midpoint_vertices[kept_mid]]])
-    samples = np.concatenate([points[kept], midpoints[kept_mid]])
+    kept = np.flatnonzero(row[midpoint_vertices] >= 0)
+    rows = np.concatenate([row[domain.faces.ravel()[corners]], row[midpoint_vertices[kept]]])
+    samples = np.concatenate([_circumcentres(domain, corners), midpoints[kept]])
     weights = _value_at_origin(rows, samples, len(vertices))
-    n_corners = len(kept)
-    faces = sp.csr_array(
-        (weights[:n_corners], (rows[:n_corners], at_corner[kept])), shape=(len(vertices), len(domain.faces))
-    )
-    rim = sp.csr_array(
-        (weights[n_corners:], (rows[n_corners:], kept_mid // 2)), shape=(len(vertices), len(domain.boundary_edges))
-    )
+    n, shape = len(corners), (len(vertices), len(domain.faces))
+    faces = sp.csr_array((weights[:n], (rows[:n], corners // 3)), shape=shape)
+    shape = (len(vertices), len(domain.boundary_edges))
+    rim = sp.csr_array((weights[n:], (rows[n:], kept // 2)), shape=shape)
     return faces, rim
 
 
@@ -55,18 +51,22 @@ def _value_at_origin(rows: Int, samples: Array, count: int) -> Array:
     return np.einsum("ij,ij->i", first_row[rows], basis)
 
 
-def _circumcentres(domain: Domain) -> tuple[Array, Int]:
-    """(3 F, 2) circumcentre of the face of each corner in the chart of the corner's vertex, and the face (3 F,)."""
-    angle = domain.corner_angles.ravel()
-    along = np.roll(domain.side_lengths, 1, axis=1).ravel()  # from the corner to the next one
-    back = np.roll(domain.side_lengths, -1, axis=1).ravel()  # from the corner to the one before
+def _circumcentres(domain: Domain, corners: Int) -> Array:
+    """(n, 2) circumcentre of the face of each corner, in the chart of the corner's vertex."""
+    angle = domain.corner_angles.ravel()[corners]
+    along = domain.side_lengths.ravel()[_around(corners, 2)]  # from the corner to the next one
+    back = domain.side_lengths.ravel()[_around(corners, 1)]  # from the corner to the one before
     x = 0.5 * along
     y = 0.5 * (back - along * np.cos(angle)) / np.sin(angle)
-    start, stretch = _fan_angles(domain)
+    start, stretch = _fan_angles(domain, corners)
     direction = start + stretch * np.arctan2(y, x)
     radius = np.hypot(x, y)
-    points = np.stack([radius * np.cos(direction), radius * np.sin(direction)], axis=1)
-    return points, np.repeat(np.arange(len(domain.faces)), 3)
+    return np.stack([radius * np.cos(direction), radius * np.sin(direction)], axis=1)
+
+
+def _around(corners: Int, steps: int) -> Int:
+    """The corner `steps` further around the same face."""
+    return corners - corners % 3 + (corners + steps) % 3
 
 
 def _midpoints(domain: Domain) -> tuple[Array, Int]:
@@ -85,25 +85,25 @@ def _vertex_angles(domain: Domain) -> Array:
     return np.bincount(domain.faces.ravel(), domain.corner_angles.ravel(), domain.vertex_count)
 
 
-def _fan_angles(domain: Domain) -> tuple[Array, Array]:
-    """Direction (3 F,) in which the face of each corner begins, and the stretch (3 F,) of its angles.
+def _fan_angles(domain: Domain, corners: Int) -> tuple[Array, Array]:
+    """Direction (n,) in which the face of each corner begins, and the stretch (n,) of its angles.
 
-    Corners are walked counter-clockwise around a vertex, from the boundary edge that leaves it, or from any corner inside.
+    `corners` are all those of some vertices. They are walked counter-clockwise around each vertex, from the boundary edge
+    that leaves it, or from any corner inside.
     """
-    corners = np.arange(domain.faces.size)
-    vertices = domain.faces.ravel()
+    vertices = domain.faces.ravel()[corners]
     # the half-edge that leaves corner k lies opposite corner k + 2; behind it is the corner before, clockwise
-    leaving = corners - corners % 3 + (corners + 2) % 3
-    twin = domain.twins[leaving].astype(np.int64)
-    before = np.where(twin >= 0, twin - twin % 3 + (twin + 2) % 3, corners)
-    first = np.full(domain.vertex_count, domain.faces.size)
-    np.minimum.at(first, vertices, corners)
+    twin = domain.twins[_around(corners, 2)].astype(np.int64)
+    position = np.empty(domain.faces.size, dtype=np.int64)
+    position[corners] = np.arange(len(corners))
+    before = np.where(twin >= 0, position[_around(twin, 2)], np.arange(len(corners)))
+    first = np.full(domain.vertex_count, len(corners))
+    np.minimum.at(first, vertices, np.arange(len(corners)))
     on_rim = np.zeros(domain.vertex_count, dtype=bool)
     on_rim[domain.boundary_vertices] = True
-    starts = np.where(on_rim[vertices], twin < 0, first[vertices] == corners)
-    parent = np.where(starts, corners, before)
-    total = _vertex_angles(domain)
-    stretch = np.where(on_rim, 1.0, 2.0 * np.pi / total)[vertices]
+    starts = np.where(on_rim[vertices], twin < 0, first[vertices] == np.arange(len(corners)))
+    parent = np.where(starts, np.arange(len(corners)), before)
+    stretch = np.where(on_rim, 1.0, 2.0 * np.pi / _vertex_angles(domain))[vertices]
     # a corner begins where the one before ends
-    turned = (domain.corner_angles.ravel() * stretch)[before]
+    turned = (domain.corner_angles.ravel()[corners] * stretch)[before]
     return accumulate(parent, turned[:, None])[:, 0], stretch

@@ -84,11 +84,23 @@ def _galerkin_load(domain: Domain, N: Array) -> Array:
 
     Only the normals enter: τ is conformally invariant.
     """
-    a, b, c = (N[domain.faces[:, k]] for k in range(3))
-    products = np.stack([cross(b, c), cross(c, a), cross(a, b)], axis=1)
-    products = 0.5 * (products - products.mean(axis=1, keepdims=True))
-    corners = domain.faces.ravel()
-    return np.stack([np.bincount(corners, x.ravel(), domain.vertex_count) for x in products.transpose(2, 0, 1)], axis=1)
+    i, j = domain.edges.T
+    along = cross(N[i], N[j])  # as the left face walks the edge; its other face sees the opposite
+    load = np.zeros((domain.vertex_count, 3))
+    left = domain.edge_faces[:, 0]
+    sums = np.zeros((len(domain.faces), 3))
+    for k in range(3):
+        e = domain.face_edges[:, k]
+        products = np.where((left[e] == np.arange(len(sums)))[:, None], along[e], -along[e])
+        sums += products
+        load += _summed(domain.faces[:, k], products, domain.vertex_count)
+    for k in range(3):
+        load -= _summed(domain.faces[:, k], sums / 3.0, domain.vertex_count)
+    return 0.5 * load
+
+
+def _summed(rows: Int, vectors: Array, count: int) -> Array:
+    return np.stack([np.bincount(rows, x, count) for x in vectors.T], axis=1)
 
 
 def _offset_load(domain: Domain, homology: Homology, periods: Array) -> Array:

@@ -77,7 +77,9 @@ class CmcSolver:
         period_tolerance: float,
     ) -> CmcSurface:
         domain, homology = self.domain, self.conjugation.homology
-        is_open = _longest(conjugate.periods) > period_tolerance * _diameter(domain, harmonic.normals, conjugate.g)
+        is_open = not homology.is_trivial and (
+            _longest(conjugate.periods) > period_tolerance * _diameter(domain, harmonic.normals, conjugate.g)
+        )
         sheets = homology.sheets if is_open else None
         g = AVERAGINGS[averaging](
             Averaging(
