@@ -29,6 +29,8 @@ GROUNDS = {"lowest": "Lowest Point", "rim": "Rim"}
 _UP = np.array([0.0, 0.0, 1.0])
 # Cosine above which a plan counts as horizontal; single precision leaves about 1e-7 of slope in a level plan.
 _LEVEL = 1.0 - 1e-11
+# A boundary less like the drawn one than this is matched in size only.
+ALIKE = 0.25
 # An extent below this fraction of 1/H is no extent: a point, or a flat rim that should have had a rise.
 _NO_EXTENT = 1e-9
 # All pairs of up to this many rim points are compared for their largest distance; of more, this many
@@ -91,11 +93,15 @@ class Similarity:
     """x ↦ scale · linear x + translation.
 
     linear (3, 3) is orthogonal; the image is a mirror image where its determinant is -1.
+    likeness: cosine of the boundary and the drawn one, as vectors of all points from their centres: 1 where
+    they
+        are similar, 0 where the best scale is 0, negative where it is negative.
     """
 
     scale: float = 1.0
     linear: Array = field(default_factory=lambda: np.eye(3))
     translation: Array = field(default_factory=lambda: np.zeros(3))
+    likeness: float = 1.0
 
     @property
     def mirrored(self) -> bool:
@@ -126,7 +132,7 @@ def plan_plane(positions: ArrayLike, faces: ArrayLike, rim: ArrayLike, weights: 
         normal = -normal
     if normal[2] > _LEVEL:
         normal = _UP
-    return Plane(np.average(points[np.asarray(rim)], axis=0, weights=weights), normal)
+    return Plane(_mean(points[np.asarray(rim)], weights), normal)
 
 
 def rim_weights(positions: ArrayLike, edges: ArrayLike) -> tuple[NDArray[np.int32], Array]:
@@ -154,7 +160,7 @@ def procrustes(
     """
     p, q = np.asarray(points, dtype=np.float64), np.asarray(targets, dtype=np.float64)
     w = np.asarray(weights, dtype=np.float64)
-    p_mean, q_mean = np.average(p, axis=0, weights=w), np.average(q, axis=0, weights=w)
+    p_mean, q_mean = _mean(p, w), _mean(q, w)
     cross = np.einsum("n,ni,nj->ij", w, p - p_mean, q - q_mean)
     spread = float(np.einsum("n,ni,ni->", w, p - p_mean, p - p_mean))
     rotation = np.eye(3) if axis is None else _turn(cross, np.asarray(axis, dtype=np.float64))
@@ -189,42 +195,52 @@ def place(
     Sizes: match_plan by `procrustes` of the rim; span, the largest distance of two rim points seen along the
     plane's normal; rise, the extent of all points along it; radius and mean_curvature through H. The
     translation is the best one (the weighted centres meet), except along the normal, where the ground rule
-    decides. Raises `PlacementError` where the sheet has no such extent, or where the best scale is not
-    positive.
+    decides. A boundary that does not follow the drawn one (`likeness` below ALIKE: the best scale would be
+    next to nothing, or negative) is matched in size only: as far from its centre in the mean square as the
+    outline. Raises `PlacementError` where the sheet has no such extent.
     """
     linear = plane.mirror if rule.flip else np.eye(3)
     turned = np.asarray(points, dtype=np.float64) @ linear.T
     edge = turned[np.asarray(rim)]
     best, rotation, _ = procrustes(edge, drawn, weights, plane.normal if rule.rotate else None)
-    scale = _scale(rule, turned, edge, best, plane, mean_curvature, name)
+    sizes = _radius(edge, weights), _radius(drawn, weights)
+    if not sizes[0] > _NO_EXTENT / mean_curvature:
+        raise PlacementError(
+            f"{name} shrinks to a point on its boundary, so it cannot be placed over the plan."
+        )
+    likeness = best * sizes[0] / sizes[1]
+    if rule.size == "match_plan":
+        scale = best if likeness >= ALIKE else sizes[1] / sizes[0]
+    else:
+        scale = _scale(rule, turned, edge, plane, mean_curvature, name)
     linear = rotation @ linear
-    centre, target = np.average(edge, axis=0, weights=weights), np.average(drawn, axis=0, weights=weights)
+    centre, target = _mean(edge, weights), _mean(drawn, weights)
     translation = target - scale * rotation @ centre
     heights = plane.heights(scale * (turned if rule.ground == "lowest" else edge) @ rotation.T + translation)
-    base = heights.min() if rule.ground == "lowest" else np.average(heights, weights=weights)
-    return Similarity(scale, linear, translation - base * plane.normal)
+    base = heights.min() if rule.ground == "lowest" else float(_mean(heights, weights))
+    return Similarity(scale, linear, translation - base * plane.normal, likeness)
 
 
-def _scale(rule: Rule, points: Array, edge: Array, best: float, plane: Plane, H: float, name: str) -> float:
-    smallest = _NO_EXTENT / H
-    if rule.size == "match_plan":
-        if not np.ptp(edge, axis=0).max() > smallest:
-            raise PlacementError(
-                f"{name} shrinks to a point on its boundary, so it has no size to match with the plan."
-            )
-        if not best > 0:
-            raise PlacementError(
-                f"The boundary of {name} runs against the drawn outline (best scale {best:.3g}), so it "
-                "cannot be matched with it; size it by span, rise, radius or mean curvature, or show the "
-                "other sheet."
-            )
-        return best
+def _radius(points: ArrayLike, weights: ArrayLike) -> float:
+    """Root of the weighted mean square distance from the weighted mean."""
+    p = np.asarray(points, dtype=np.float64)
+    offsets = p - _mean(p, weights)
+    return float(np.sqrt(_mean(np.einsum("ni,ni->n", offsets, offsets), weights)))
+
+
+def _mean(values: ArrayLike, weights: ArrayLike) -> Array:
+    return np.average(
+        np.asarray(values, dtype=np.float64), axis=0, weights=np.asarray(weights, dtype=np.float64)
+    )
+
+
+def _scale(rule: Rule, points: Array, edge: Array, plane: Plane, H: float, name: str) -> float:
     if rule.size == "radius":
         return H * rule.value
     if rule.size == "mean_curvature":
         return H / rule.value
     extent = span(edge, plane.normal) if rule.size == "span" else float(np.ptp(points @ plane.normal))
-    if not extent > smallest:
+    if not extent > _NO_EXTENT / H:
         raise PlacementError(f"{name} has no {rule.size}, so it cannot be sized by it; choose another size.")
     return rule.value / extent
 

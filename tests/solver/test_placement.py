@@ -191,23 +191,27 @@ def test_a_point_is_not_blown_up():
     plane = Plane(np.zeros(3), E_Z)
     point = np.zeros((N + 1, 3)) + 1e-12 * np.random.default_rng(0).normal(size=(N + 1, 3))
     for size in ("match_plan", "span", "rise"):
-        with pytest.raises(PlacementError, match=r"f- (shrinks to a point|has no)"):
+        with pytest.raises(PlacementError, match=r"f- shrinks to a point on its boundary"):
             place(point, np.arange(N), circle(1), np.ones(N), plane, Rule(size=size), name="f-")
 
 
-def test_a_boundary_that_runs_against_the_plan_is_explained():
-    with pytest.raises(
-        PlacementError, match=r"boundary of f- runs against the drawn outline \(best scale -0.5\)"
-    ):
-        place(
-            dome() * [-1, -1, 1],
-            np.arange(N),
-            circle(1),
-            np.ones(N),
-            Plane(np.zeros(3), E_Z),
-            Rule(),
-            name="f-",
-        )
+@pytest.mark.parametrize("factors", [[-1, -1, 1], [1, -1, 1]])
+def test_a_boundary_that_does_not_follow_the_plan_is_matched_in_size_only(factors):
+    """Opposite to the outline (best scale -½), or run through the other way round (best scale 0)."""
+    plane = Plane(np.zeros(3), E_Z)
+    points = dome() * factors
+    placement = place(points, np.arange(N), circle(3), np.ones(N), plane, Rule())
+    assert_allclose(placement.scale, 1.5, rtol=1e-12)
+    assert_allclose(placement.likeness, min(factors[0], 0), atol=1e-12)
+    turned = place(dome() * [-1, -1, 1], np.arange(N), circle(3), np.ones(N), plane, Rule(rotate=True))
+    assert_allclose(turned.likeness, 1, rtol=1e-12)
+    assert_allclose(turned.points(dome() * [-1, -1, 1])[:N], circle(3), atol=1e-12)
+
+
+def test_a_flat_surface_has_no_rise():
+    with pytest.raises(PlacementError, match="f- has no rise, so it cannot be sized by it"):
+        flat = circle(2)
+        place(flat, np.arange(N), flat, np.ones(N), Plane(np.zeros(3), E_Z), Rule(size="rise"), name="f-")
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,222 @@
+"""From a plan to a shell over it, measured: the one way that job files and Blender go."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import Status
+from .measure.curvature import mean_curvature_of
+from .measure.report import Report, report
+from .plan import Group, Plan, Settings, matches, plan_conditions, plan_domain, plan_warnings
+from .surface.cmc import CmcSurface
+from .surface.placement import ALIKE, PlacementError, Plane, Similarity, place, plan_plane, rim_weights
+from .surface.solve import CmcSolver
+
+Array = NDArray[np.float64]
+Int = NDArray[np.int32]
+Progress = Callable[[int, float], bool | None]
+
+__all__ = ["Formed", "Group", "Plan", "Settings", "form", "sheet_polygons"]
+
+# Share of the shell's area that may overhang before it is worth a warning: a vertical rim leans by rounding.
+_OVERHANG = 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class Formed:
+    """A shell over its plan, in world units.
+
+    surface: what the solver gave, at H = ½. similarity: from its points to the placed ones.
+    placed: points (n, 3) of "f+", "f-", "g" and "gauss"; a sheet that degenerates to a point is not in it.
+    normals: unit vectors (n, 3) on each of them, on the side from which `faces` are counter-clockwise on f+
+    and f-. source (n,): the plan's vertex of each row; faces (F, 3): rows, in the order of the plan's
+    triangles. There is one row a vertex, unless the surface is cut open. mean_curvature (n,): of the sheet
+    that is shown, measured, positive on a sphere; its target is in the report. message: the status in a
+    sentence. warnings: what the user should know besides. solver: to hand in again.
+    """
+
+    surface: CmcSurface
+    similarity: Similarity
+    placed: dict[str, Array]
+    normals: dict[str, Array]
+    source: Int
+    faces: Int
+    mean_curvature: Array
+    report: Report
+    message: str
+    warnings: list[str] = field(default_factory=list)
+    solver: CmcSolver | None = None
+
+    @property
+    def converged(self) -> bool:
+        """Whether the shell is what was asked for: harmonic to the tolerance, and without a gap."""
+        return self.surface.status is Status.CONVERGED
+
+
+def form(
+    plan: Plan,
+    settings: Settings | None = None,
+    *,
+    solver: CmcSolver | None = None,
+    initial: ArrayLike | None = None,
+    progress: Progress | None = None,
+    intersections: bool = True,
+) -> Formed:
+    """Solve for the shell over a plan, size and place it, and measure it.
+
+    solver: one that an earlier call returned in `Formed.solver`; it is used if it belongs to this plan,
+    which saves building the domain and factoring. initial (V, 3): normals to start from.
+    progress(iteration, residual) is called every step; False cancels. intersections=False leaves out the
+    slowest measure. Raises `CmcError` (`MeshError`, `ConditionError`, `PlacementError`) on input that
+    cannot be used; a solve that does not converge is told by `Formed.converged` and `message`.
+    """
+    settings = settings or Settings()
+    plan.positions = np.asarray(plan.positions, dtype=np.float64)
+    if solver is None or not matches(solver.domain, plan):
+        solver = CmcSolver(plan_domain(plan), sites=settings.sites, energy=settings.energy)
+    surface = solver.solve(
+        plan_conditions(plan, settings, solver.domain),
+        initial=initial,
+        method=settings.method,
+        averaging=settings.averaging,
+        tolerance=settings.tolerance,
+        period_tolerance=settings.period_tolerance,
+        side=settings.side,
+        degree=settings.degree,
+        progress=progress,
+    )
+    plane, similarity = _place(plan, settings, surface)
+    placed, normals = _placed(surface, similarity, plane, settings.sheet)
+    measured = report(
+        surface,
+        plan.positions,
+        sheet=settings.sheet,
+        positions={name: placed[name] for name in ("f+", "f-") if name in placed},
+        intersections=intersections,
+        up=plane.normal,
+    )
+    return Formed(
+        surface=surface,
+        similarity=similarity,
+        placed=placed,
+        normals=normals,
+        source=surface.source,
+        faces=surface.faces,
+        mean_curvature=_row_curvature(surface, similarity, placed, settings.sheet),
+        report=measured,
+        message=surface.message,
+        warnings=plan_warnings(plan, solver.domain) + _warnings(surface, settings, similarity, measured),
+        solver=solver,
+    )
+
+
+def _place(plan: Plan, settings: Settings, surface: CmcSurface) -> tuple[Plane, Similarity]:
+    sheet, domain = settings.sheet, surface.domain
+    if surface.is_degenerate(sheet):
+        other = "f-" if sheet == "f+" else "f+"
+        raise PlacementError(
+            f"{sheet} degenerates to a point for these boundary conditions, so there is no shell to place; "
+            f"show {other}, or change a tilt."
+        )
+    vertices, weights = rim_weights(plan.positions, domain.edges[domain.boundary_edges])
+    plane = plan_plane(plan.positions, domain.faces, vertices, weights)
+    rows = np.flatnonzero(np.isin(surface.source, vertices))
+    place_of = np.searchsorted(vertices, surface.source[rows])
+    # A vertex where the surface is cut has several rows, which share its weight.
+    shared = weights[place_of] / np.bincount(place_of, minlength=len(vertices))[place_of]
+    similarity = place(
+        surface.sheet(sheet),
+        rows,
+        plan.positions[surface.source[rows]],
+        shared,
+        plane,
+        settings.rule(),
+        mean_curvature=surface.mean_curvature,
+        name=sheet,
+    )
+    return plane, similarity
+
+
+def _placed(
+    surface: CmcSurface, similarity: Similarity, plane: Plane, shown: str
+) -> tuple[dict[str, Array], dict[str, Array]]:
+    placed = {
+        name: similarity.points(surface.sheet(name))
+        for name in ("f+", "f-", "g")
+        if name == "g" or not surface.is_degenerate(name)
+    }
+    N = similarity.directions(surface.normals)
+    placed["gauss"] = plane.origin + 0.5 * similarity.scale / surface.mean_curvature * N
+    outside = -N if similarity.mirrored else N
+    normals = {"f+": outside, "f-": -outside, "g": outside, "gauss": outside}
+    return placed, {name: normals[name] for name in placed}
+
+
+def _row_curvature(
+    surface: CmcSurface, similarity: Similarity, placed: dict[str, Array], sheet: str
+) -> Array:
+    """(n,) area-weighted mean of H of the faces around each row."""
+    points, faces = placed[sheet], surface.faces
+    N = similarity.directions(surface.normals)
+    H = mean_curvature_of(points, faces, N if sheet == "f+" else -N)
+    a, b, c = (points[faces[:, k]] for k in range(3))
+    areas = np.where(np.isfinite(H), np.linalg.norm(np.cross(b - a, c - a), axis=1), 0.0)
+    weights = np.repeat(areas, 3)
+    total = np.bincount(faces.ravel(), weights, len(points))
+    sums = np.bincount(faces.ravel(), np.repeat(areas * np.nan_to_num(H), 3), len(points))
+    target = surface.mean_curvature / similarity.scale
+    return np.divide(sums, total, out=np.full(len(points), target), where=total > 0)
+
+
+def _warnings(surface: CmcSurface, settings: Settings, similarity: Similarity, measured: Report) -> list[str]:
+    notes = []
+    if surface.status is not Status.CONVERGED:
+        notes.append(surface.message)
+    if settings.size == "match_plan" and similarity.likeness < ALIKE:
+        notes.append(
+            f"The boundary of {settings.sheet} does not follow the drawn outline, so its size alone is "
+            "matched; allow it to rotate, or size it by span, rise or radius."
+        )
+    shown = measured.shown
+    twin = "f-" if measured.sheet == "f+" else "f+"
+    if surface.is_degenerate(twin):
+        notes.append(f"{twin} degenerates to a point for these boundary conditions and is left out.")
+    if shown.intersections is not None and shown.intersections.count:
+        pair = shown.intersections.pairs[0]
+        notes.append(
+            f"{shown.name} goes through itself: {shown.intersections.count} pairs of faces cross, the "
+            "first of them "
+            f"{pair[0]} and {pair[1]}."
+        )
+    if shown.overhang is not None and shown.overhang.area_share > _OVERHANG:
+        share = 100 * shown.overhang.area_share
+        notes.append(f"{share:.0f} % of {shown.name} overhangs: its faces lean out past the vertical.")
+    return notes
+
+
+def sheet_polygons(
+    polygons: Sequence[ArrayLike], triangle_polygons: ArrayLike, triangles: ArrayLike, faces: ArrayLike
+) -> tuple[list[Int], Int]:
+    """The plan's polygons in the rows of a surface, and the polygon each of them is of.
+
+    triangles (F, 3) are the plan's and faces (F, 3) the rows of their corners. A polygon that the cut of an
+    open surface runs through falls into its triangles.
+    """
+    owner, drawn, rows = (np.asarray(array) for array in (triangle_polygons, triangles, faces))
+    if np.array_equal(drawn, rows):
+        return [np.asarray(p, dtype=np.int32) for p in polygons], np.arange(len(polygons), dtype=np.int32)
+    order = np.argsort(owner, kind="stable")
+    parts = np.split(order, np.searchsorted(owner[order], np.arange(1, len(polygons))))
+    found: list[Int] = []
+    index: list[int] = []
+    for number, (polygon, part) in enumerate(zip(polygons, parts, strict=True)):
+        row_of = dict(zip(drawn[part].ravel().tolist(), rows[part].ravel().tolist(), strict=True))
+        whole = len(set(rows[part].ravel().tolist())) == len(row_of)
+        pieces = [[row_of[v] for v in np.asarray(polygon).tolist()]] if whole else rows[part].tolist()
+        found += [np.array(piece, dtype=np.int32) for piece in pieces]
+        index += [number] * len(pieces)
+    return found, np.array(index, dtype=np.int32)

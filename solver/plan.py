@@ -1,0 +1,191 @@
+"""The plan as it comes from a user, a mesh with groups of boundary edges, and what the solver makes of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .domain.domain import Domain
+from .errors import CmcError, ConditionError, JobError, MeshError, listed
+from .gauss import conditions as boundary
+from .gauss.conditions import KINDS, Conditions
+from .surface.placement import Rule
+
+Array = NDArray[np.float64]
+Int = NDArray[np.int32]
+
+SHEETS = ("f+", "f-")
+
+
+@dataclass(eq=False)
+class Group:
+    """Boundary edges (K, 2), vertex pairs, and their condition: kind and parameters (radians) of `KINDS`."""
+
+    name: str
+    edges: NDArray[np.integer]
+    kind: str = "binormal"
+    parameters: Mapping[str, object] = field(default_factory=dict)
+
+
+@dataclass(eq=False)
+class Plan:
+    """A drawn plan: positions (V, 3) in world units, triangles (T, 3), and groups of its boundary edges.
+
+    polygons: the faces as they were drawn, with triangle_polygons (T,) the polygon each triangle is a part
+    of; only output uses them.
+    """
+
+    positions: Array
+    triangles: NDArray[np.integer]
+    polygons: Sequence[NDArray[np.integer]] | None = None
+    groups: Sequence[Group] = ()
+    triangle_polygons: NDArray[np.integer] | None = None
+
+
+@dataclass
+class Settings:
+    """How a plan is solved and its shell placed.
+
+    default_kind, default_tilt (radians): the condition of boundary edges in no group.
+    size, value, ground, rotate, flip: see `placement.Rule`; `sheet`, "f+" or "f-", is the one they speak of.
+    The rest goes to the solver as it is: see `solve_cmc`.
+    """
+
+    default_kind: str = "binormal"
+    default_tilt: float = 0.0
+    size: str = "match_plan"
+    value: float = 1.0
+    ground: str = "lowest"
+    rotate: bool = False
+    flip: bool = False
+    sheet: str = "f+"
+    sites: str = "vertices"
+    energy: str = "cotan"
+    method: str = "newton"
+    averaging: str = "galerkin"
+    tolerance: float = 1e-6
+    period_tolerance: float = 1e-3
+    side: int = +1
+    degree: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.sheet not in SHEETS:
+            raise JobError(f'There is no sheet "{self.sheet}"; choose f+ or f-.')
+        if self.default_kind not in KINDS:
+            raise JobError(
+                f'There is no boundary condition "{self.default_kind}"; choose one of {", ".join(KINDS)}.'
+            )
+        self.rule()
+
+    def rule(self) -> Rule:
+        """The placement part; raises `PlacementError` on a size or ground that is none."""
+        return Rule(self.size, self.value, self.ground, self.rotate, self.flip)
+
+
+def plan_domain(plan: Plan) -> Domain:
+    """The plan's mesh as a domain. Raises `MeshError` where it is none, is closed or has no vertex inside."""
+    domain = Domain.from_positions(plan.positions, plan.triangles)
+    if not len(domain.boundary_edges):
+        raise MeshError(
+            "The mesh is closed: it has no boundary on which tangent planes could be prescribed; delete "
+            "the faces "
+            "that are not part of the plan."
+        )
+    if len(domain.boundary_vertices) == domain.vertex_count:
+        count = len(domain.faces)
+        raise MeshError(
+            f"The mesh ({count} triangle{'s' * (count > 1)}) has no vertex inside its boundary, so there "
+            "is nothing to "
+            "solve for; run Mesh Plan, or subdivide it."
+        )
+    return domain
+
+
+def matches(domain: Domain, plan: Plan) -> bool:
+    """Whether `domain` is the plan's: the same triangles and, to rounding, the same edge lengths."""
+    if not np.array_equal(domain.faces, plan.triangles) or domain.vertex_count != len(plan.positions):
+        return False
+    vectors = plan.positions[domain.edges[:, 1]] - plan.positions[domain.edges[:, 0]]
+    return bool(np.allclose(np.linalg.norm(vectors, axis=1), domain.edge_lengths, rtol=1e-12, atol=0.0))
+
+
+def plan_conditions(plan: Plan, settings: Settings, domain: Domain) -> Conditions:
+    """The groups' conditions, and the default one on boundary edges in no group.
+
+    Raises `ConditionError` naming the group and the edges that are not on the boundary, an edge in two
+    groups, or that every edge is free.
+    """
+    owner = np.full(len(domain.edges), -1)
+    total = Conditions()
+    for number, group in enumerate(plan.groups):
+        chosen = _group_edges(group, domain)
+        _check_unowned(plan.groups, number, owner, chosen, domain)
+        owner[chosen] = number
+        if len(chosen):
+            total = total + _build(group, domain, plan.positions, chosen)
+    rest = domain.boundary_edges[owner[domain.boundary_edges] < 0]
+    if len(rest):
+        parameters = {"tilt": settings.default_tilt} if settings.default_kind == "binormal" else {}
+        total = total + boundary.build(settings.default_kind, domain, plan.positions, rest, **parameters)
+    if not len(total.sites):
+        raise ConditionError(
+            "All boundary edges are free, so nothing holds the tangent planes; give some of them another "
+            "condition."
+        )
+    return total
+
+
+def _group_edges(group: Group, domain: Domain) -> NDArray[np.integer]:
+    """Indices of the group's edges, as often as they are listed once."""
+    pairs = np.asarray(group.edges, dtype=np.int64).reshape(-1, 2)
+    try:
+        return np.unique(boundary.boundary_edges(domain, pairs))
+    except ConditionError as error:
+        raise _in_group(group, error) from error
+
+
+def _build(group: Group, domain: Domain, positions: Array, edges: NDArray[np.integer]) -> Conditions:
+    try:
+        return boundary.build(group.kind, domain, positions, edges, **dict(group.parameters))
+    except ConditionError as error:
+        raise _in_group(group, error) from error
+
+
+def _in_group(group: Group, error: CmcError) -> ConditionError:
+    return ConditionError(
+        f'Group "{group.name}": {error}', vertices=error.vertices, edges=error.edges, faces=error.faces
+    )
+
+
+def _check_unowned(
+    groups: Sequence[Group],
+    number: int,
+    owner: NDArray[np.int64],
+    chosen: NDArray[np.integer],
+    domain: Domain,
+) -> None:
+    taken = chosen[owner[chosen] >= 0]
+    if len(taken):
+        other = groups[int(owner[taken[0]])].name
+        pair = domain.edges[taken[0]]
+        raise ConditionError(
+            f"The edge between vertices {listed(pair)} is in two groups, "
+            f'"{other}" and "{groups[number].name}"; take it out of one of them.',
+            vertices=np.unique(domain.edges[taken]),
+            edges=taken,
+        )
+
+
+def plan_warnings(plan: Plan, domain: Domain) -> list[str]:
+    """What is likely not meant: groups without edges, a plan whose faces look down."""
+    notes = [f'Group "{group.name}" has no edges.' for group in plan.groups if not np.size(group.edges)]
+    a, b, c = (plan.positions[domain.faces[:, k]] for k in range(3))
+    areas = 0.5 * np.cross(b - a, c - a)
+    if areas[:, 2].sum() < -0.5 * np.linalg.norm(areas, axis=1).sum():
+        notes.append(
+            "The plan's faces look down, so the shell hangs below it; flip their normals, or flip the shell."
+        )
+    return notes
