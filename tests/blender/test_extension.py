@@ -70,6 +70,15 @@ def not_run(version: str) -> None:
     pytest.skip(sentence)
 
 
+def test_a_blender_that_cannot_run_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("CI", raising=False)
+    with pytest.raises(pytest.skip.Exception, match=r"Blender 5\.2 was not run: no Python 3\.13"):
+        not_run("5.2")
+    monkeypatch.setenv("CI", "true")
+    with pytest.raises(pytest.fail.Exception, match=r"Blender 5\.2 was not run: no Python 3\.13"):
+        not_run("5.2")
+
+
 def test_is_the_blender_asked_for(facts: dict) -> None:
     assert facts["blender"].startswith(facts["version"] + ".")
 
