@@ -106,6 +106,14 @@ def count_boundary(mesh: bpy.types.Mesh, uids: frozenset[int]) -> tuple[int, int
     return len(edges), sum(edge[layer] not in uids for edge in edges)
 
 
+def mend_selection(mesh: bpy.types.Mesh) -> None:
+    """Drop an edge selection of the wrong type, which Blender 5.0 makes where it calculates edges (from_pydata
+    does); writing a selection into it crashes Blender."""
+    attribute = mesh.attributes.get(".select_edge")
+    if attribute is not None and attribute.data_type != "BOOLEAN":
+        mesh.attributes.remove(attribute)
+
+
 # --- how it is done ------------------------------------------------------------------------
 
 def _boundary(mesh: bpy.types.Mesh) -> np.ndarray:
@@ -146,6 +154,7 @@ def _read_bmesh(bm: bmesh.types.BMesh) -> EdgeState:
 
 def _write_stored_selection(mesh: bpy.types.Mesh, edges: np.ndarray, select: bool) -> None:
     """Edge and vertex flags together: on entering edit mode Blender flushes from one to the other."""
+    mend_selection(mesh)
     count = len(mesh.edges)
     flags, hidden = np.empty(count, dtype=bool), np.empty(count, dtype=bool)
     mesh.edges.foreach_get("select", flags)

@@ -1,8 +1,9 @@
 """Blender meshes to arrays and back; the files named *_bridge are the only ones that touch mesh data.
 
 Positions and topology are read and written through the attributes that Blender itself stores them in
-("position", ".edge_verts", ".corner_vert", …), which costs a hundredth of `vertices` and `loops`. In edit mode these
-have no data: the edit mesh is flushed and a copy is read, so that neither the mode nor the selection changes.
+("position", ".edge_verts", ".corner_vert", …), which costs a hundredth of `vertices` and `loops`. In edit
+mode these have no data: the edit mesh is flushed and a copy is read, so that neither the mode nor the
+selection changes.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..solver.errors import MeshError, plural
-from .properties import GROUP_ATTRIBUTE
+from .edge_bridge import group_values
 
 Int = NDArray[np.int32]
 
@@ -29,9 +30,10 @@ MEAN_CURVATURE_ATTRIBUTE = "cmc_mean_curvature"
 class PlanMesh:
     """A mesh as the solver sees it, in Blender's own numbering.
 
-    positions (V, 3) world coordinates; corners (C,) vertex of each polygon corner and starts (P + 1,) first corner of
-    each polygon; edges (E, 2); groups (E,) identifiers of boundary groups, 0 where in none; selected (E,).
-    mirrored: the object's scale turns the mesh inside out, so that polygons are to be walked backwards.
+    positions (V, 3) in world coordinates; corners (C,) vertex of each polygon corner, corner_edges (C,) the
+    edge from it to the next, starts (P + 1,) the first corner of each polygon; edges (E, 2); groups (E,)
+    identifiers of boundary groups, 0 where in none; selected (E,). mirrored: the object's scale turns the
+    mesh inside out, so that polygons are to be walked backwards.
     """
 
     positions: NDArray[np.float64]
@@ -71,7 +73,7 @@ def read_plan(ob: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None = None
 def readable_mesh(
     ob: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None = None
 ) -> Iterator[bpy.types.Mesh]:
-    """A mesh with attribute data: the object's own, or a copy that is removed at the end where its own has none."""
+    """A mesh with attribute data: the object's own, or where that has none a copy, removed at the end."""
     if depsgraph is None and not ob.data.is_editmode:
         yield ob.data
         return
@@ -93,20 +95,28 @@ def copy_mesh(ob: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None = None
 
 
 def _read(mesh: bpy.types.Mesh, matrix: NDArray[np.float64]) -> PlanMesh:
+    local = read(mesh, "position", len(mesh.vertices), np.float32, 3)
     starts = np.empty(len(mesh.polygons) + 1, dtype=np.int32)
     starts[-1] = len(mesh.loops)
     mesh.polygons.foreach_get("loop_start", starts[:-1])
     edge_count = len(mesh.edges)
     return PlanMesh(
-        positions=read(mesh, "position", len(mesh.vertices), np.float32, 3) @ matrix[:3, :3].T + matrix[:3, 3],
+        positions=local @ matrix[:3, :3].T + matrix[:3, 3],
         corners=read(mesh, ".corner_vert", len(mesh.loops), np.int32),
         starts=starts,
         edges=read(mesh, ".edge_verts", edge_count, np.int32, 2),
         corner_edges=read(mesh, ".corner_edge", len(mesh.loops), np.int32),
-        groups=read(mesh, GROUP_ATTRIBUTE, edge_count, np.int32),
-        selected=read(mesh, ".select_edge", edge_count, np.bool_),
+        groups=group_values(mesh),
+        selected=_selected(mesh),
         mirrored=bool(np.linalg.det(matrix[:3, :3]) < 0),
     )
+
+
+def _selected(mesh: bpy.types.Mesh) -> NDArray[np.bool_]:
+    """Not by `read`: Blender 5.0 makes ".select_edge" with a wrong type where it calculates edges."""
+    selected = np.empty(len(mesh.edges), dtype=np.bool_)
+    mesh.edges.foreach_get("select", selected)
+    return selected
 
 
 def _check(name: str, plan: PlanMesh) -> None:
@@ -121,7 +131,7 @@ def _check(name: str, plan: PlanMesh) -> None:
         )
 
 
-# --- one attribute ---------------------------------------------------------------------------------------------
+# --- one attribute -------------------------------------------------------------------------
 
 _FIELDS = {
     "FLOAT": ("value", np.float32, 1),
@@ -161,7 +171,9 @@ def attribute_values(attribute: bpy.types.Attribute) -> NDArray | list[bytes]:
     return values
 
 
-def set_attribute(mesh: bpy.types.Mesh, name: str, kind: str, domain: str, values: NDArray | list[bytes]) -> None:
+def set_attribute(
+    mesh: bpy.types.Mesh, name: str, kind: str, domain: str, values: NDArray | list[bytes]
+) -> None:
     """Write an attribute of a mesh that is not in edit mode; one of another type or domain is replaced."""
     attribute = mesh.attributes.get(name)
     if attribute is not None and (attribute.data_type, attribute.domain) != (kind, domain):

@@ -7,6 +7,7 @@
 `Object.cmc`               how a plan is solved, links to its results, and on a result what
                            it is and which plan it came from (`CmcObject`)
 `Scene.cmc`                settings of Mesh Plan (`CmcScene`)
+`Collection.cmc_plan`      on the collection that results were put in: their plan
 `WindowManager.cmc`        what is running now (`CmcRun`), never saved
 =========================  ==================================================================
 
@@ -162,6 +163,28 @@ def setting_annotations(options=frozenset()) -> dict:
     return {name: make(options=set(options)) for name, make in _SETTINGS.items()}
 
 
+# --- how a plan is meshed ------------------------------------------------------------------
+
+_PLAN_SETTINGS = {
+    "edge_length": partial(
+        FloatProperty, name="Edge Length", description="Length of the edges; 0 chooses a fortieth of the plan's size",
+        default=0.0, min=0.0, subtype="DISTANCE"),
+    "round_corners": partial(
+        BoolProperty, name="Round Corners", default=True,
+        description="At a sharp corner the normals of the rim jump and the curvature diverges"),
+    "corner_radius": partial(
+        FloatProperty, name="Corner Radius", description="0 chooses twice the edge length; less where there is no room",
+        default=0.0, min=0.0, subtype="DISTANCE"),
+}
+PLAN_SETTINGS = tuple(_PLAN_SETTINGS)
+"""Names of the settings shared by `Scene.cmc` and Mesh Plan."""
+
+
+def plan_annotations(options=frozenset()) -> dict:
+    """The settings of Mesh Plan as property annotations."""
+    return {name: make(options=set(options)) for name, make in _PLAN_SETTINGS.items()}
+
+
 # --- what is stored ------------------------------------------------------------------------
 
 class CmcGroup(bpy.types.PropertyGroup):
@@ -198,6 +221,10 @@ class CmcObject(bpy.types.PropertyGroup):
         "collection": PointerProperty(name="Results", type=bpy.types.Collection),
         "report": StringProperty(name="Report", description="Report of the last solve, as JSON"),
         "message": StringProperty(name="Message", description="What the last solve said"),
+        # Mesh Plan: on an outline its plan, on a plan its outline (counted as the links above are).
+        "plan": PointerProperty(name="Plan", type=bpy.types.Object, poll=_is_mesh_object),
+        "outline": PointerProperty(name="Outline", type=bpy.types.Object),
+        "meshed": BoolProperty(name="Meshed", description="This plan was made by Mesh Plan"),
         # On a result.
         "role": EnumProperty(name="Role", items=[("NONE", "None", "Not a result")] + [
             (role, sheet, "Result of a solve") for role, sheet in ROLES.items()]),
@@ -208,17 +235,9 @@ class CmcObject(bpy.types.PropertyGroup):
 
 
 class CmcScene(bpy.types.PropertyGroup):
-    """Settings of Mesh Plan."""
+    """Settings of Mesh Plan, as last used."""
 
-    edge_length: FloatProperty(
-        name="Edge Length", description="Length of the edges of the mesh; 0 chooses a fortieth of the plan",
-        default=0.0, min=0.0, subtype="DISTANCE")
-    round_corners: BoolProperty(
-        name="Round Corners", default=True,
-        description="At a sharp corner the normals of the rim jump and the curvature diverges")
-    corner_radius: FloatProperty(
-        name="Corner Radius", description="0 chooses twice the edge length",
-        default=0.0, min=0.0, subtype="DISTANCE")
+    __annotations__ = plan_annotations()
 
 
 class CmcRun(bpy.types.PropertyGroup):
@@ -244,9 +263,12 @@ def register() -> None:
         bpy.utils.register_class(cls)
     for owner, cls in ATTACHED:
         owner.cmc = PointerProperty(type=cls)
+    bpy.types.Collection.cmc_plan = PointerProperty(name="Plan", type=bpy.types.Object)
 
 
 def unregister() -> None:
+    if hasattr(bpy.types.Collection, "cmc_plan"):
+        del bpy.types.Collection.cmc_plan
     for owner, _ in reversed(ATTACHED):
         if hasattr(owner, "cmc"):
             del owner.cmc

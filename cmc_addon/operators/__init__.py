@@ -6,7 +6,7 @@ import importlib
 
 import bpy
 
-MODULES = ("boundary",)
+MODULES = ("boundary", "solve")
 """Files with a tuple CLASSES of operator (and list) classes."""
 
 

@@ -1,0 +1,185 @@
+"""One solve of one plan: from the plan object to arrays, and from arrays to result objects.
+
+Between the two lies the work itself, which sees no Blender data and may run in a thread (`session.steps`).
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from types import SimpleNamespace
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..solver import pipeline
+from ..solver.errors import CmcError, Status
+from ..solver.plan import SHEETS
+from . import session
+from .mesh_bridge import PlanMesh, read_plan
+from .messages import in_plan_numbers
+from .properties import ROLES, SETTINGS, SIZE_PROPERTY, parameter_values
+from .result_bridge import Cut, find_cut
+from .results import Writer, delete_result, result_of, results_of, show_wanted, wanted_roles, write_report
+
+
+@dataclass(frozen=True, eq=False)
+class Order:
+    """All that a solve needs, without any Blender data: safe in a thread."""
+
+    name: str
+    mesh: PlanMesh
+    groups: list[pipeline.Group]
+    settings: SimpleNamespace
+    warnings: list[str]
+
+    def work(self, progress: session.Progress) -> Outcome:
+        """Solve. Raises `CmcError` in the plan's own numbering."""
+        prepared = session.prepare(self.mesh)
+        plan = pipeline.Plan(
+            self.mesh.positions,
+            prepared.triangles,
+            groups=self.groups,
+            triangle_polygons=prepared.owners,
+        )
+        try:
+            formed = pipeline.form(
+                plan, solver_settings(self.settings), solver=prepared.solver, progress=progress
+            )
+        except CmcError as error:
+            raise in_plan_numbers(error, self.mesh, prepared.triangles, prepared.owners) from error
+        cut = find_cut(self.mesh, prepared.triangles, prepared.owners, formed.faces, formed.source)
+        return Outcome(formed, cut)
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What the work gave: the surface, placed, and where it is cut open."""
+
+    formed: pipeline.Formed
+    cut: Cut | None
+
+    @property
+    def converged(self) -> bool:
+        return self.formed.converged
+
+    @property
+    def cancelled(self) -> bool:
+        return self.formed.surface.status is Status.CANCELLED
+
+
+def take_order(
+    context: bpy.types.Context,
+    plan: bpy.types.Object,
+    settings: SimpleNamespace,
+    selection: dict | None = None,
+) -> Order:
+    """Read the plan, its groups and, with `selection` (kind and parameters), its selected boundary edges.
+
+    Raises `CmcError` where the plan cannot be read or nothing suitable is selected.
+    """
+    mesh = read_plan(plan, plan_depsgraph(context, settings))
+    chosen = np.zeros(len(mesh.edges), dtype=bool)
+    if selection is not None:
+        chosen = mesh.selected & mesh.boundary
+        if not chosen.any():
+            raise CmcError(
+                f"No boundary edge of '{plan.name}' is selected; select edges of its outline in edit mode."
+            )
+    groups, warnings = _groups(plan.data.cmc.groups, mesh, chosen)
+    if selection is not None:
+        kind = selection["kind"].lower()
+        groups.append(pipeline.Group("Selection", mesh.edges[chosen], kind, selection["parameters"]))
+    return Order(plan.name, mesh, groups, settings, warnings)
+
+
+def plan_depsgraph(context: bpy.types.Context, settings: SimpleNamespace) -> bpy.types.Depsgraph | None:
+    """The depsgraph to read the plan with, if its modifiers are to be applied."""
+    return context.evaluated_depsgraph_get() if settings.apply_modifiers else None
+
+
+def _groups(
+    groups, mesh: PlanMesh, taken: NDArray[np.bool_]
+) -> tuple[list[pipeline.Group], list[str]]:
+    """The plan's groups with their boundary edges, less those taken otherwise; and what was left out."""
+    found, warnings = [], []
+    for group in groups:
+        mine = mesh.groups == group.uid
+        inside = int((mine & ~mesh.boundary).sum())
+        if inside:
+            warnings.append(f"{inside} edges of group '{group.name}' are not on the boundary: ignored.")
+        edges = mesh.edges[mine & mesh.boundary & ~taken]
+        if len(edges):
+            parameters = parameter_values(group.kind, group)
+            found.append(pipeline.Group(group.name, edges, group.kind.lower(), parameters))
+    return found, warnings
+
+
+def settings_of(owner) -> SimpleNamespace:
+    """The solve settings of an object or an operator, as plain values."""
+    return SimpleNamespace(**{name: getattr(owner, name) for name in SETTINGS})
+
+
+def solver_settings(settings: SimpleNamespace) -> pipeline.Settings:
+    """Settings as the pipeline takes them."""
+    value_name = SIZE_PROPERTY[settings.size]
+    return pipeline.Settings(
+        size=settings.size.lower(),
+        value=getattr(settings, value_name) if value_name else 1.0,
+        ground=settings.ground.lower(),
+        rotate=settings.rotate,
+        flip=settings.flip,
+        sheet=ROLES[settings.sheet],
+        averaging=settings.averaging.lower(),
+        tolerance=settings.tolerance,
+    )
+
+
+def _curvature(formed: pipeline.Formed, sheet: str) -> NDArray | None:
+    """Mean curvature of each row; None on what has none, g and the Gauss image."""
+    return formed.mean_curvature if sheet in SHEETS else None
+
+
+def _report(context: bpy.types.Context, plan: bpy.types.Object, outcome: Outcome) -> dict:
+    """The solver's report, with what only Blender knows: the plan's name and the scene's unit."""
+    return {
+        "plan": plan.name,
+        "unit_scale": context.scene.unit_settings.scale_length,
+        "message": outcome.formed.message,
+        **outcome.formed.report.to_dict(),
+    }
+
+
+def deliver(
+    context: bpy.types.Context, plan: bpy.types.Object, order: Order, outcome: Outcome
+) -> list[str]:
+    """Write the results of a plan and return what the user should be warned of.
+
+    Raises `CmcError`, with nothing changed, where the plan is not what it was when the order was taken.
+    """
+    settings, formed = order.settings, outcome.formed
+    depsgraph = plan_depsgraph(context, settings)
+    if session.fingerprint(read_plan(plan, depsgraph)) != session.fingerprint(order.mesh):
+        raise CmcError(f"'{plan.name}' was changed while it was being solved; solve again.")
+    wanted = wanted_roles(settings)
+    warnings = [*order.warnings, *formed.warnings]
+    writer = Writer(context, plan, depsgraph, order.mesh, outcome.cut)
+    for role, sheet in ROLES.items():
+        existing = result_of(plan, role)
+        if role not in wanted and existing is None:
+            continue
+        if sheet not in formed.placed:  # a single point; the pipeline's warnings say so
+            if existing is not None:
+                delete_result(existing)
+            continue
+        writer.write(role, formed.placed[sheet], formed.normals.get(sheet), _curvature(formed, sheet))
+    report = _report(context, plan, outcome)
+    for result in results_of(plan).values():
+        write_report(result, report)
+    plan.cmc.report = json.dumps(report, ensure_ascii=False)
+    show_wanted(plan, wanted)
+    for name in SETTINGS:
+        setattr(plan.cmc, name, getattr(settings, name))
+    plan.cmc.message = formed.message
+    return warnings

@@ -1,0 +1,223 @@
+"""Solve, Solve from Selection, Flip, Cancel.
+
+The three that solve are one generator, `Solving.steps`. A script, the redo panel and Blender without a window
+run it to its end; a click runs it a little further twenty times a second, so that the window goes on drawing
+and Esc is heard.
+"""
+
+from collections.abc import Generator
+
+import bpy
+
+from ...solver.errors import CmcError
+from .. import session
+from ..forming import deliver, settings_of, take_order
+from ..properties import (
+    SETTINGS,
+    SIZE_PROPERTY,
+    condition_annotations,
+    kind_parameters,
+    parameter_values,
+    setting_annotations,
+)
+from ..results import check_writable, plan_of
+
+_TICK = 0.05
+
+
+class Solving:
+    """What the operators that solve have in common."""
+
+    bl_options = {"REGISTER", "UNDO"}
+    _work: Generator | None = None
+    _timer = None
+
+    # --- what they do differently
+
+    def order_settings(self, plan: bpy.types.Object):
+        """The settings to solve with."""
+        for name in SETTINGS:
+            if not self.properties.is_property_set(name):
+                setattr(self, name, getattr(plan.cmc, name))
+        return settings_of(self)
+
+    def selection(self) -> dict | None:
+        """Kind and parameters for the selected boundary edges, if the selection counts."""
+        return None
+
+    # --- the one way
+
+    def steps(self, context: bpy.types.Context, wait: float) -> Generator:
+        """Solve and write the results; yields updates, or None after `wait` seconds without one."""
+        context.view_layer.update()
+        plan = plan_of(context.view_layer.objects.active)
+        check_writable(plan)
+        order = take_order(context, plan, self.order_settings(plan), self.selection())
+        uid = plan.session_uid
+        outcome = yield from session.steps(order.work, order.settings.tolerance, wait)
+        if outcome.cancelled:
+            raise CmcError("The solve was cancelled; nothing was changed.")
+        plan = _by_uid(uid)
+        if plan is None:
+            raise CmcError(f"The plan '{order.name}' was deleted while it was being solved.")
+        check_writable(plan)
+        for warning in deliver(context, plan, order, outcome):
+            self.report({"WARNING"}, warning)
+        self.report({"INFO" if outcome.converged else "WARNING"}, f"{plan.name}: {outcome.formed.message}")
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        try:
+            for _ in self.steps(context, wait=_TICK):
+                pass
+        except CmcError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        if bpy.app.background:  # there timers never fire
+            return self.execute(context)
+        self._work = self.steps(context, wait=0.0)
+        window_manager = context.window_manager
+        window_manager.cmc.running = True
+        window_manager.cmc.progress = 0.0
+        window_manager.cmc.message = "Preparing"
+        self._timer = window_manager.event_timer_add(_TICK, window=context.window)
+        window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        if event.type == "ESC" and event.value == "PRESS":
+            self._cleanup(context)
+            self.report({"INFO"}, "The solve was cancelled; nothing was changed.")
+            return {"CANCELLED"}
+        if event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        try:
+            return self._advance(context)
+        except CmcError as error:
+            self._cleanup(context)
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        except BaseException:
+            self._cleanup(context)
+            raise
+
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Blender ends the operator: a file is opened, the window is closed."""
+        self._cleanup(context)
+
+    def _advance(self, context: bpy.types.Context) -> set[str]:
+        """Take in what the thread has sent since the last tick."""
+        try:
+            update = next(self._work)
+            while update is not None:
+                context.window_manager.cmc.progress = update.part
+                context.window_manager.cmc.message = (
+                    f"Step {update.iteration}, residual {update.residual:.1e}"
+                )
+                update = next(self._work)
+        except StopIteration:
+            self._cleanup(context)
+            return {"FINISHED"}
+        _redraw(context)
+        return {"RUNNING_MODAL"}
+
+    def _cleanup(self, context: bpy.types.Context) -> None:
+        if self._work is not None:
+            self._work.close()
+            self._work = None
+        if self._timer is not None:
+            context.window_manager.event_timer_remove(self._timer)
+            self._timer = None
+        context.window_manager.cmc.running = False
+        context.window_manager.cmc.message = ""
+        _redraw(context)
+
+
+def _by_uid(uid: int) -> bpy.types.Object | None:
+    """An object by the number that survives undo and renaming; Python's own references do not survive."""
+    return next((ob for ob in bpy.data.objects if ob.session_uid == uid), None)
+
+
+def _redraw(context: bpy.types.Context) -> None:
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+
+
+def draw_settings(layout: bpy.types.UILayout, owner) -> None:
+    """Rows for the settings of a solve, of an object or an operator; only the ones that count now."""
+    layout.prop(owner, "size")
+    value = SIZE_PROPERTY[owner.size]
+    if value:
+        layout.prop(owner, value)
+    elif owner.size == "MATCH_PLAN":
+        layout.prop(owner, "rotate")
+    for name in ("ground", "sheet", "flip", "apply_modifiers"):
+        layout.prop(owner, name)
+    column = layout.column(heading="Also Make")
+    for name in ("want_twin", "want_g", "want_gauss"):
+        column.prop(owner, name)
+    layout.prop(owner, "averaging")
+    layout.prop(owner, "tolerance")
+
+
+class CMC_OT_solve(Solving, bpy.types.Operator):
+    """Form the shell of constant mean curvature over the active plan (or the plan of the active result)"""
+
+    bl_idname = "cmc.solve"
+    bl_label = "Solve"
+    __annotations__ = setting_annotations({"SKIP_SAVE"})
+
+    def draw(self, context: bpy.types.Context) -> None:
+        self.layout.use_property_split = True
+        draw_settings(self.layout, self)
+
+
+class CMC_OT_solve_selection(Solving, bpy.types.Operator):
+    """Solve with one condition on the selected boundary edges; the others keep their groups or the default"""
+
+    bl_idname = "cmc.solve_selection"
+    bl_label = "Solve from Selection"
+    __annotations__ = {**condition_annotations({"SKIP_SAVE"}), **setting_annotations({"SKIP_SAVE"})}
+
+    def selection(self) -> dict:
+        return {"kind": self.kind, "parameters": parameter_values(self.kind, self)}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        self.layout.use_property_split = True
+        self.layout.prop(self, "kind")
+        for name in kind_parameters(self.kind):
+            self.layout.prop(self, name)
+        draw_settings(self.layout, self)
+
+
+class CMC_OT_flip(Solving, bpy.types.Operator):
+    """Turn the shell upside down: standing or hanging"""
+
+    bl_idname = "cmc.flip"
+    bl_label = "Flip"
+
+    def order_settings(self, plan: bpy.types.Object):
+        settings = settings_of(plan.cmc)
+        settings.flip = not settings.flip
+        return settings
+
+
+class CMC_OT_cancel(bpy.types.Operator):
+    """Stop the running solve; nothing is changed"""
+
+    bl_idname = "cmc.cancel"
+    bl_label = "Cancel"
+    bl_options = {"INTERNAL"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        if not session.cancel():
+            self.report({"INFO"}, "No solve is running.")
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+CLASSES = (CMC_OT_solve, CMC_OT_solve_selection, CMC_OT_flip, CMC_OT_cancel)

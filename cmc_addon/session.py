@@ -1,0 +1,154 @@
+"""What is kept between two solves, and how a solve runs beside Blender.
+
+A plan that has not moved keeps its triangles, its domain and the solver's factorisation, found by a
+fingerprint of positions and polygons, so that changing a boundary condition costs no new factorisation. The
+work itself runs in a thread that never touches Blender's data; `steps` is the one way to run it, for a script
+that waits and for a window that goes on drawing.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import queue
+import threading
+from collections import OrderedDict
+from collections.abc import Callable, Generator
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..solver.errors import CmcError
+from ..solver.plan import Plan, plan_domain
+from ..solver.polygons import triangulate_polygons
+from ..solver.surface.solve import CmcSolver
+from .mesh_bridge import PlanMesh
+from .messages import in_plan_numbers
+
+T = TypeVar("T")
+Progress = Callable[[int, float], bool]
+
+_KEPT = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A plan made ready: triangles (T, 3), the polygon (T,) each is part of, and the solver of its domain."""
+
+    triangles: NDArray[np.int32]
+    owners: NDArray[np.int32]
+    solver: CmcSolver
+
+
+_prepared: OrderedDict[bytes, Prepared] = OrderedDict()
+
+
+def fingerprint(plan: PlanMesh) -> bytes:
+    """Changes with the positions or the polygons of a plan, and with nothing else."""
+    digest = hashlib.blake2b(digest_size=16)
+    for array in (plan.positions, plan.corners, plan.starts):
+        digest.update(np.ascontiguousarray(array))
+    digest.update(bytes([plan.mirrored]))
+    return digest.digest()
+
+
+def prepare(plan: PlanMesh) -> Prepared:
+    """Triangles and solver of a plan, from the last few plans if it is one of them.
+
+    Raises `MeshError` in the plan's own numbering.
+    """
+    key = fingerprint(plan)
+    prepared = _prepared.pop(key, None) or _prepare(plan)
+    _prepared[key] = prepared
+    while len(_prepared) > _KEPT:
+        _prepared.popitem(last=False)
+    return prepared
+
+
+def _prepare(plan: PlanMesh) -> Prepared:
+    triangles, owners = triangulate_polygons(plan.positions, plan.polygons())
+    try:
+        domain = plan_domain(Plan(plan.positions, triangles))
+    except CmcError as error:
+        raise in_plan_numbers(error, plan, triangles, owners) from error
+    return Prepared(triangles, owners, CmcSolver(domain))
+
+
+def forget() -> None:
+    """Drop what is kept (when the add-on is disabled)."""
+    _prepared.clear()
+
+
+@dataclass(frozen=True)
+class Update:
+    """How far a solve is: `part` goes from 0 to 1 as the residual falls to the tolerance."""
+
+    iteration: int
+    residual: float
+    part: float
+
+
+class Running:
+    """The solve that runs now, if any: `cmc.cancel` stops it."""
+
+    stop: threading.Event | None = None
+
+
+def cancel() -> bool:
+    """Ask the running solve to stop after its present step; False where none runs."""
+    if Running.stop is None:
+        return False
+    Running.stop.set()
+    return True
+
+
+def steps(
+    work: Callable[[Progress], T], tolerance: float, wait: float
+) -> Generator[Update | None, None, T]:
+    """Run `work(progress)` in a thread; yield each update, or None after `wait` seconds without one.
+
+    Returns what the work returns and raises what it raises. Closing the generator stops the work.
+    """
+    stop = threading.Event()
+    news: queue.SimpleQueue = queue.SimpleQueue()
+    thread = threading.Thread(target=_run, args=(work, stop, news), name="cmc-solve", daemon=True)
+    Running.stop = stop
+    thread.start()
+    first = 0.0
+    try:
+        while True:
+            try:
+                kind, value = news.get(timeout=wait)
+            except queue.Empty:
+                yield None
+                continue
+            if kind == "done":
+                return value
+            if kind == "error":
+                raise value
+            iteration, residual = value
+            first = first or residual
+            yield Update(iteration, residual, _part(first, residual, tolerance))
+    finally:
+        Running.stop = None
+        stop.set()
+        thread.join()
+
+
+def _run(work: Callable[[Progress], object], stop: threading.Event, news: queue.SimpleQueue) -> None:
+    def progress(iteration: int, residual: float) -> bool:
+        news.put(("update", (iteration, residual)))
+        return not stop.is_set()
+
+    try:
+        news.put(("done", work(progress)))
+    except BaseException as error:  # handed over whole: `steps` raises it in the thread that asked
+        news.put(("error", error))
+
+
+def _part(first: float, residual: float, tolerance: float) -> float:
+    if not (first > tolerance and residual > 0 and math.isfinite(residual)):
+        return 0.0
+    return min(max(math.log(first / residual) / math.log(first / tolerance), 0.0), 1.0)
