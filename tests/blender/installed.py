@@ -8,6 +8,7 @@ test reads. Only bpy and its own dependencies are here, so this file imports not
 
 from __future__ import annotations
 
+import importlib.metadata
 import importlib.util
 import json
 import sys
@@ -46,15 +47,21 @@ def solve() -> dict:
     shells = [ob for ob in bpy.data.objects if ob is not plan and ob.type == "MESH"]
     return {
         "solve": list(finished),
-        "shells": {ob.name: [len(ob.data.vertices), len(ob.data.polygons), *ob.dimensions] for ob in shells},
+        "shells": [[len(ob.data.vertices), len(ob.data.polygons), *size(ob)] for ob in shells],
         "attributes": sorted({attribute.name for ob in shells for attribute in ob.data.attributes}),
     }
 
 
+def size(ob: bpy.types.Object) -> list[float]:
+    """Width, depth and height, in the object's own axes."""
+    columns = zip(*(vertex.co for vertex in ob.data.vertices), strict=True)
+    return [max(column) - min(column) for column in columns]
+
+
 def origins() -> dict:
-    """The file each bundled package was imported from."""
-    modules = {name: importlib.import_module(name) for name in BUNDLED}
-    return {"origins": {name: [module.__file__, module.__version__] for name, module in modules.items()}}
+    """The file each bundled package was imported from, and its version."""
+    files = {name: importlib.import_module(name).__file__ for name in BUNDLED}
+    return {"origins": {name: [file, importlib.metadata.version(name)] for name, file in files.items()}}
 
 
 def disable() -> dict:
