@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from .arrays import Array
 
 Pairs = NDArray[np.int64]
+Nodes = NDArray[np.int32]
 
 # Pairs of tree nodes looked at together: enough to make numpy's overhead small, little enough for memory.
-_BLOCK = 1 << 20
+_BLOCK = 1 << 16
 
 
 def overlapping_boxes(low: Array, high: Array) -> Iterator[Pairs]:
@@ -26,19 +27,27 @@ def overlapping_boxes(low: Array, high: Array) -> Iterator[Pairs]:
         return
     order = usable[_tree_order(0.5 * (low[usable] + high[usable]))]
     levels = _levels(low[order], high[order])
-    pending = [(0, np.zeros((1, 2), dtype=np.int64))]
+    root = np.zeros(1, dtype=np.int32)
+    pending = [(0, root, root)]
     while pending:
-        depth, pairs = pending.pop()
-        lows, highs = levels[depth]
-        a, b = pairs[:, 0], pairs[:, 1]
-        pairs = pairs[((lows[a] <= highs[b]) & (lows[b] <= highs[a])).all(axis=1)]
+        depth, a, b = pending.pop()
+        a, b = _overlapping(*levels[depth], a, b)
         if depth == len(levels) - 1:
-            pairs = pairs[pairs[:, 0] != pairs[:, 1]]
-            if len(pairs):
-                yield order[pairs]
+            apart = a != b
+            if apart.any():
+                yield np.stack([order[a[apart]], order[b[apart]]], axis=1)
             continue
-        for start in range(0, len(pairs), _BLOCK):
-            pending.append((depth + 1, _children(pairs[start : start + _BLOCK])))
+        for start in range(0, len(a), _BLOCK):
+            pending.append((depth + 1, *_children(a[start : start + _BLOCK], b[start : start + _BLOCK])))
+
+
+def _overlapping(low: Array, high: Array, a: Nodes, b: Nodes) -> tuple[Nodes, Nodes]:
+    """The pairs of nodes whose boxes, `low` and `high` (3, n), overlap: dropped axis by axis."""
+    for axis in range(3):
+        keep = low[axis][a] <= high[axis][b]
+        keep &= low[axis][b] <= high[axis][a]
+        a, b = a[keep], b[keep]
+    return a, b
 
 
 def _tree_order(centres: Array) -> NDArray[np.int64]:
@@ -58,25 +67,21 @@ def _tree_order(centres: Array) -> NDArray[np.int64]:
 
 
 def _levels(low: Array, high: Array) -> list[tuple[Array, Array]]:
-    """Boxes of the nodes, root first; filled up to a power of two with boxes that overlap nothing."""
+    """Boxes (3, n) of the nodes, root first; filled up to a power of two with boxes that overlap nothing."""
     size = 1 << (len(low) - 1).bit_length()
-    empty = np.full((size - len(low), 3), np.inf)
-    levels = [(np.concatenate([low, empty]), np.concatenate([high, -empty]))]
-    while len(levels[-1][0]) > 1:
+    empty = np.full((3, size - len(low)), np.inf)
+    levels = [(np.concatenate([low.T, empty], axis=1), np.concatenate([high.T, -empty], axis=1))]
+    while levels[-1][0].shape[1] > 1:
         low, high = levels[-1]
-        levels.append((np.minimum(low[0::2], low[1::2]), np.maximum(high[0::2], high[1::2])))
+        levels.append((np.minimum(low[:, 0::2], low[:, 1::2]), np.maximum(high[:, 0::2], high[:, 1::2])))
     return levels[::-1]
 
 
-def _children(pairs: Pairs) -> Pairs:
-    """Pairs of children of pairs of nodes (i <= j), each unordered pair once."""
-    left, right = 2 * pairs[:, 0], 2 * pairs[:, 1]
-    apart = pairs[:, 0] != pairs[:, 1]
-    return np.concatenate(
-        [
-            np.column_stack([left, right]),
-            np.column_stack([left, right + 1]),
-            np.column_stack([left + 1, right + 1]),
-            np.column_stack([left[apart] + 1, right[apart]]),
-        ]
+def _children(a: Nodes, b: Nodes) -> tuple[Nodes, Nodes]:
+    """Pairs of children of pairs of nodes (a <= b), each unordered pair once."""
+    left, right = 2 * a, 2 * b
+    apart = a != b
+    return (
+        np.concatenate([left, left, left + 1, left[apart] + 1]),
+        np.concatenate([right, right + 1, right + 1, right[apart]]),
     )

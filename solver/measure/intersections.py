@@ -32,21 +32,41 @@ def self_intersections(vertices: ArrayLike, faces: ArrayLike) -> NDArray[np.int3
     if len(triangles) == 0:
         return np.zeros((0, 2), dtype=np.int32)
     corners = points[triangles]
-    corners[_without_area(corners)] = np.nan
+    normals = _normals(corners)
+    corners[np.isnan(normals[:, 0])] = np.nan
     found = [np.zeros((0, 2), dtype=np.int64)]
     for pairs in overlapping_boxes(corners.min(axis=1), corners.max(axis=1)):
         shared = _shared_vertices(triangles, pairs)
         apart, joined = pairs[shared == 0], pairs[shared == 1]
+        for a, b in ((0, 1), (1, 0)):
+            apart = apart[_meets_plane(corners, normals, apart[:, a], apart[:, b], +_TOUCHING)]
+            joined = joined[_meets_plane(corners, normals, joined[:, a], joined[:, b], -_TOUCHING)]
         found.append(apart[_overlap(corners[apart[:, 0]], corners[apart[:, 1]])])
         found.append(joined[_pierce(points, triangles, joined)])
     pairs = np.sort(np.concatenate(found), axis=1)
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))].astype(np.int32)
 
 
-def _without_area(corners: Array) -> NDArray[np.bool_]:
+def _normals(corners: Array) -> Array:
+    """Unit normals (F, 3); nan where a face has no area."""
     u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    area = np.linalg.norm(np.cross(u, v), axis=1)
-    return ~(area > _TOUCHING * np.maximum(_square(u), _square(v)))
+    normal = np.cross(u, v)
+    length = np.sqrt(_square(normal))
+    length[~(length > _TOUCHING * np.maximum(_square(u), _square(v)))] = np.nan
+    return normal / length[:, None]
+
+
+def _meets_plane(
+    corners: Array, normals: Array, face: NDArray[np.int64], other: NDArray[np.int64], margin: float
+) -> NDArray[np.bool_]:
+    """Whether `other` is not all on one side of the plane of `face`: a quick look that few pairs pass.
+
+    Faces that lie in the plane pass with a positive margin and fail with a negative one.
+    """
+    offset = corners[other] - corners[face, :1]
+    heights = np.einsum("kvc,kc->kv", offset, normals[face])
+    height = margin * np.abs(offset).max(axis=(1, 2))
+    return (heights.min(axis=1) < height) & (heights.max(axis=1) > -height)
 
 
 def _square(v: Array) -> Array:
@@ -120,8 +140,6 @@ def _separated(axis: Array, a: Array, b: Array) -> NDArray[np.bool_]:
 
 def _pierce(points: Array, triangles: Indices, pairs: Pairs) -> NDArray[np.bool_]:
     """Whether of two faces with one common vertex either's far edge goes through the other."""
-    if len(pairs) == 0:
-        return np.zeros(0, dtype=bool)
     a, b = triangles[pairs[:, 0]], triangles[pairs[:, 1]]
     i, j = np.nonzero(a[:, :, None] == b[:, None, :])[1:]
     a, b = points[_turned(a, i)], points[_turned(b, j)]
@@ -146,8 +164,5 @@ def _through(p: Array, q: Array, face: Array) -> NDArray[np.bool_]:
 
 
 def _volume(a: Array, b: Array, c: Array) -> Array:
-    return _square_product(np.cross(a, b), c)
-
-
-def _square_product(a: Array, b: Array) -> Array:
-    return np.einsum("kc,kc->k", a, b)
+    """Six times the signed volumes (k,) of the tetrahedra with these edges (k, 3)."""
+    return np.einsum("kc,kc->k", np.cross(a, b), c)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import CmcError, MeshError, Status
+from ..errors import CmcError, MeshError, Status, listed
 from .arrays import Array
 from .sheet import SheetReport, measure_sheet
 from .words import count, measure_lines, number, size_line
@@ -145,6 +145,11 @@ def _placed(
         expected = np.shape(surface.sheet(name))
         if points.shape != expected:
             raise MeshError(f"The positions of {name} have shape {points.shape}, its points {expected}.")
+        wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))
+        if len(wrong):
+            raise MeshError(
+                f"The positions of {name} at rows {listed(wrong)} are not finite.", vertices=wrong
+            )
     return placed
 
 

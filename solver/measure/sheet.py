@@ -80,13 +80,16 @@ class OutlineReport:
     """Distance of the boundary vertices from the drawn outline, the closed curve, in lengths.
 
     mean and rms are weighted by boundary length. `reverse_max` is the largest distance of a drawn point from
-    the boundary: the two together bound the Hausdorff distance.
+    the boundary: the two together bound the Hausdorff distance. The `plan` figures leave heights out of
+    account.
     """
 
     max: float
     mean: float
     rms: float
     reverse_max: float
+    plan_max: float
+    plan_mean: float
 
 
 @dataclass(frozen=True)
@@ -149,7 +152,9 @@ def measure_sheet(
         distortion=_distortion(domain, points, faces, areas, inside) if measurable else None,
         overhang=_overhang(points, faces, areas, vertical) if measurable else None,
         intersections=_intersections(points, faces) if measurable and intersections else None,
-        outline=_outline(domain, points, sides, outline) if measurable and outline is not None else None,
+        outline=_outline(domain, points, sides, outline, vertical)
+        if measurable and outline is not None
+        else None,
     )
 
 
@@ -206,20 +211,27 @@ def _intersections(points: Array, faces: Indices) -> IntersectionReport:
 
 
 def _outline(
-    domain: Domain, points: Array, sides: NDArray[np.int32], outline: ArrayLike | Sequence[ArrayLike]
+    domain: Domain,
+    points: Array,
+    sides: NDArray[np.int32],
+    outline: ArrayLike | Sequence[ArrayLike],
+    up: Array,
 ) -> OutlineReport:
     starts, ends = outline_segments(domain, outline)
-    flat = points[:, : starts.shape[1]]
     lengths = np.linalg.norm(points[sides[:, 1]] - points[sides[:, 0]], axis=1)
-    weights = np.bincount(sides.ravel(), np.repeat(0.5 * lengths, 2), minlength=len(points)).astype(
-        np.float64
-    )
-    rows = np.unique(sides)
-    distances = distance_to_segments(flat[rows], starts, ends)
-    back = distance_to_segments(starts, flat[sides[:, 0]], flat[sides[:, 1]])
+    rows, place = np.unique(sides, return_inverse=True)
+    weights = np.bincount(place.ravel(), np.repeat(0.5 * lengths, 2)).astype(np.float64)
+    distances = distance_to_segments(points[rows], starts, ends)
+    back = distance_to_segments(starts, *(points[sides[:, k], : starts.shape[1]] for k in (0, 1)))
+    in_plan = distances
+    if starts.shape[1] == 3:
+        level = np.eye(3) - np.outer(up, up)
+        in_plan = distance_to_segments(points[rows] @ level, starts @ level, ends @ level)
     return OutlineReport(
         max=_max(distances),
-        mean=weighted_mean(distances, weights[rows]),
-        rms=weighted_l2(distances, weights[rows]),
+        mean=weighted_mean(distances, weights),
+        rms=weighted_l2(distances, weights),
         reverse_max=_max(back),
+        plan_max=_max(in_plan),
+        plan_mean=weighted_mean(in_plan, weights),
     )

@@ -29,7 +29,10 @@ def measure_lines(shown: SheetReport, unit: str) -> list[str]:
     if shown.outline is not None:
         distance = shown.outline
         mean, largest = number(distance.mean, unit), number(distance.max, unit)
-        lines.append(f"Boundary {mean} from the drawn outline in the mean, {largest} at most.")
+        lines.append(
+            f"Boundary {mean} from the drawn outline in the mean, {largest} at most "
+            f"({number(distance.plan_max, unit)} seen from above)."
+        )
     if shown.overhang is not None:
         share = 100 * shown.overhang.area_share
         lines.append(f"Overhang: {count(shown.overhang.count, 'face')}, {share:.1f} % of the area.")

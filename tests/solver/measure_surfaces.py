@@ -85,7 +85,7 @@ def cylinder(t: Array, s: Array) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class Delaunay:
-    """The Delaunay surface of MATH.md §7 with constant c, from ψ(0) = `start`; `sign` +1 for f+, -1 for f-."""
+    """The Delaunay surface of MATH.md §7 with constant c and ψ(0) = `start`; `sign` +1 for f+, -1 for f-."""
 
     c: float
     start: float
