@@ -10,12 +10,13 @@ import os
 import tempfile
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from .errors import JobError, MeshError
 from .obj import MeshData, obj_text, read_obj
@@ -113,7 +114,7 @@ def _read_by_trimesh(file: Path) -> MeshData:
     import trimesh  # half a second, which a job with OBJ files need not wait for
 
     try:
-        loaded = trimesh.load(file, force="mesh", process=False)
+        loaded: Any = trimesh.load(file, force="mesh", process=False)
         positions = np.asarray(loaded.vertices, dtype=np.float64).reshape(-1, 3)
         faces = np.asarray(loaded.faces, dtype=np.int32).reshape(-1, 3)
     except OSError:
@@ -130,7 +131,7 @@ def _merged(positions: Array, faces: Int) -> tuple[Array, Int]:
     if not len(positions):
         return positions, faces
     reach = _MERGE * float(np.linalg.norm(np.ptp(positions, axis=0)))
-    pairs = cKDTree(positions).query_pairs(reach, output_type="ndarray")
+    pairs = KDTree(positions).query_pairs(reach, output_type="ndarray")
     count = len(positions)
     links = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
     _, label = connected_components(links, directed=False)
@@ -143,9 +144,12 @@ def _merged(positions: Array, faces: Int) -> tuple[Array, Int]:
 
 def _trimesh_bytes(mesh: MeshData, normals: Array | None, suffix: str) -> bytes:
     import trimesh
+    from trimesh.visual import TextureVisuals
+    from trimesh.visual.material import PBRMaterial
 
-    triangles, polygon = triangulate_polygons(mesh.positions, mesh.polygons)
-    positions, options = mesh.positions, {}
+    triangles, polygon = _triangles(mesh)
+    options: dict[str, Any] = {}
+    positions = mesh.positions
     if suffix == ".glb" and len(mesh.uvs) and all(len(rows) for rows in mesh.uv_corners):
         rows = _corner_rows(mesh.polygons, mesh.uv_corners, triangles, polygon)
         # glTF has one UV a vertex: a vertex on a seam is written once for each of its UVs.
@@ -154,12 +158,19 @@ def _trimesh_bytes(mesh: MeshData, normals: Array | None, suffix: str) -> bytes:
         )
         triangles, positions = index.reshape(-1, 3), positions[pairs[:, 0]]
         normals = None if normals is None else normals[pairs[:, 0]]
-        material = trimesh.visual.material.PBRMaterial(name="plan", doubleSided=True)
-        options["visual"] = trimesh.visual.TextureVisuals(uv=mesh.uvs[pairs[:, 1]], material=material)
+        material = PBRMaterial(name="plan", doubleSided=True)
+        options["visual"] = TextureVisuals(uv=mesh.uvs[pairs[:, 1]], material=material)
     if normals is not None:
         options["vertex_normals"] = normals
     data = trimesh.Trimesh(positions, triangles, process=False, **options).export(file_type=suffix[1:])
     return data if isinstance(data, bytes) else str(data).encode()
+
+
+def _triangles(mesh: MeshData) -> tuple[Int, Int]:
+    """Triangles are taken as they are, whatever their shape: a sheet that folds is written all the same."""
+    if all(len(polygon) == 3 for polygon in mesh.polygons):
+        return np.array(mesh.polygons, dtype=np.int32), np.arange(len(mesh.polygons), dtype=np.int32)
+    return triangulate_polygons(mesh.positions, mesh.polygons)
 
 
 def _corner_rows(polygons: list[Int], uv_corners: list[Int], triangles: Int, polygon: Int) -> Int:

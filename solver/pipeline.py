@@ -106,7 +106,7 @@ def form(
         normals=normals,
         source=surface.source,
         faces=surface.faces,
-        mean_curvature=_row_curvature(surface, similarity, placed, settings.sheet),
+        mean_curvature=row_curvature(surface, similarity, placed, settings.sheet),
         report=measured,
         message=surface.message,
         warnings=plan_warnings(plan, solver.domain) + _warnings(surface, settings, similarity, measured),
@@ -156,10 +156,11 @@ def _placed(
     return placed, {name: normals[name] for name in placed}
 
 
-def _row_curvature(
+def row_curvature(
     surface: CmcSurface, similarity: Similarity, placed: dict[str, Array], sheet: str
 ) -> Array:
-    """(n,) area-weighted mean of H of the faces around each row."""
+    """(n,) area-weighted mean of the measured H of the faces around each row, of "f+" or "f-"; its target where
+    there is none."""
     points, faces = placed[sheet], surface.faces
     N = similarity.directions(surface.normals)
     H = mean_curvature_of(points, faces, N if sheet == "f+" else -N)

@@ -142,7 +142,7 @@ def rim_weights(positions: ArrayLike, edges: ArrayLike) -> tuple[NDArray[np.int3
     """
     points, pairs = np.asarray(positions, dtype=np.float64), np.asarray(edges)
     lengths = np.linalg.norm(points[pairs[:, 1]] - points[pairs[:, 0]], axis=1)
-    sums = np.bincount(pairs.ravel(), np.repeat(0.5 * lengths, 2), len(points))
+    sums = np.bincount(pairs.ravel(), np.repeat(0.5 * lengths, 2), len(points)).astype(np.float64)
     vertices = np.unique(pairs).astype(np.int32)
     return vertices, sums[vertices]
 

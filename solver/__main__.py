@@ -1,0 +1,83 @@
+"""`python -m solver job.toml`: forms the shells of job files, without Blender."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from . import __version__
+from .errors import CmcError
+from .job import EXAMPLE, load_job, run_job
+
+OK, FAILED, BAD_JOB = 0, 1, 2
+
+_EPILOG = f"""\
+exit code: 0 done; 1 the solve failed or did not converge, or a file could not be written; 2 a job or its mesh
+cannot be used
+
+a job:
+
+{EXAMPLE}"""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit code (argparse exits with 2 by itself on bad arguments)."""
+    arguments = _parser().parse_args(argv)
+    return max(run(job, verbose=arguments.verbose, quiet=arguments.quiet) for job in arguments.jobs)
+
+
+def run(job_file: str, *, verbose: bool = False, quiet: bool = False) -> int:
+    """Run one job; what it gave goes to stdout, what went wrong to stderr in one sentence."""
+    path = str(Path(job_file))
+    try:
+        job = load_job(path)
+    except CmcError as error:
+        return _complain(path, error, BAD_JOB)
+    try:
+        formed = run_job(job, progress=_show if verbose else None)
+    except CmcError as error:
+        return _complain(path, error, FAILED)
+    except KeyboardInterrupt:
+        return _complain(path, "interrupted.", FAILED)
+    for warning in formed.warnings:
+        print(f"{path}: {warning}", file=sys.stderr)
+    if not quiet:
+        print(formed.report.summary())
+        for name, file in job.outputs.items():
+            print(f"{name} → {file}")
+    return OK if formed.converged else FAILED
+
+
+def _complain(path: str, error: object, code: int) -> int:
+    """Name the job, unless the message does already."""
+    text = str(error)
+    print(text if text.startswith(path) else f"{path}: {text}", file=sys.stderr)
+    return code
+
+
+def _show(iteration: int, residual: float) -> None:
+    print(f"step {iteration}: residual {residual:.2e}", file=sys.stderr)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="python -m solver",
+        description="Form shells of constant mean curvature from job files.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument(
+        "jobs", nargs="+", metavar="job.toml", help="job files; one that fails does not stop the rest"
+    )
+    parser.add_argument(
+        "-v", "--verbose", action="store_true", help="show every step of the solver on stderr"
+    )
+    parser.add_argument("-q", "--quiet", action="store_true", help="print errors and warnings only")
+    parser.add_argument("--version", action="version", version=f"cmc-formfinding {__version__}")
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

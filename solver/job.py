@@ -1,0 +1,234 @@
+"""A job file: a plan, conditions on its boundary, a size, and the files to write (TOML, see `EXAMPLE`).
+
+Lengths are in the units of the mesh, angles in degrees, paths relative to the job file.
+"""
+
+from __future__ import annotations
+
+import inspect
+import os
+import tomllib
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+import numpy as np
+
+from .domain import shapes
+from .domain.domain import Domain
+from .errors import CmcError, JobError
+from .files import FORMATS, MeshData, read_mesh
+from .gauss.conditions import KINDS, Parameter
+from .outputs import SHEET_KEYS, write_results
+from .pipeline import Formed, form
+from .plan import SHEETS, Group, Plan, Settings, plan_conditions, plan_domain
+from .polygons import triangulate_polygons
+from .selection import Pairs, select
+from .surface.placement import GROUNDS, SIZES
+from .tables import Table, suggestion
+
+EXAMPLE = """\
+mesh = "plan.obj"        # OBJ, PLY, STL or GLB; or a [shape] with kind = "disc", n = 2000
+
+[[conditions]]           # on edges in no condition: kind = "binormal", tilt = 0, or what [default] says
+group = "supports"       # a polyline group of the OBJ, or the rim of the faces in a group or material;
+                         # or loop = 0, side = "top" (of a shape), edges = [[0, 1]], vertices = [0, 1, 2]
+kind = "binormal"        # or "plane" (normal), "twisted" (m), "gauss_map", "free"
+tilt = 20                # degrees: 0 is a vertical rim, 90 flat
+
+[size]                   # without it, the shell is brought nearest the drawn outline
+span = 12.0              # or rise, radius (1/H), mean_curvature
+ground = "lowest"        # or "rim"; also rotate, flip = true, sheet = "f-"
+
+[output]
+f_plus = "shell.obj"     # also f_minus, g, gauss; .obj keeps polygons, UVs and materials
+report = "report.json"
+"""
+
+SHAPES: dict[str, Callable[..., shapes.Shape]] = {
+    "disc": shapes.disc,
+    "polygon": shapes.polygon,
+    "rectangle": shapes.rectangle,
+    "strip": shapes.strip,
+    "annulus": shapes.annulus,
+}
+
+
+@dataclass(eq=False)
+class Job:
+    """A job that has been read and checked: what to solve, and where to write it.
+
+    mesh: what was drawn, with all it carries. outputs: sheet ("f+", "f-", "g", "gauss") or "report" → file.
+    up: the up axis of the mesh files, None for each format's own.
+    """
+
+    path: Path
+    plan: Plan
+    settings: Settings
+    mesh: MeshData
+    outputs: dict[str, Path]
+    up: str | None = None
+
+
+def load_job(path: str | os.PathLike[str]) -> Job:
+    """Read a job file and the mesh it names, and check that they make a plan with conditions.
+
+    Raises `CmcError` saying what is wrong and where: `JobError` for the job, `MeshError` and `ConditionError`
+    for what is in the mesh.
+    """
+    file = Path(path)
+    root = Table(_parse(file), str(file))
+    mesh, sides, up = _read_plan(root, file.parent)
+    triangles, owner = triangulate_polygons(mesh.positions, mesh.polygons)
+    plan = Plan(mesh.positions, triangles, mesh.polygons, triangle_polygons=owner)
+    domain = plan_domain(plan)
+    plan.groups = [_group(table, domain, mesh, sides) for table in root.tables("conditions")]
+    settings = _settings(root)
+    outputs = _outputs(root.table("output"), file.parent)
+    root.finish()
+    plan_conditions(plan, settings, domain)
+    return Job(file, plan, settings, mesh, outputs, up)
+
+
+def run_job(job: Job, progress: Callable[[int, float], bool | None] | None = None) -> Formed:
+    """Solve a job and write its files; raises `CmcError` where that is not possible."""
+    formed = form(job.plan, job.settings, progress=progress)
+    write_results(formed, job.plan, job.mesh, job.outputs, up=job.up)
+    return formed
+
+
+def _parse(file: Path) -> dict[str, object]:
+    try:
+        with file.open("rb") as stream:
+            return tomllib.load(stream)
+    except OSError as error:
+        raise JobError(f"{file} cannot be read: {error.strerror or error}.") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise JobError(f"{file} is not valid TOML: {error}.") from error
+
+
+def _read_plan(root: Table, folder: Path) -> tuple[MeshData, dict[str, Pairs], str | None]:
+    """The mesh, the named sides of a shape, and the up axis of files."""
+    up = root.text("up", among=("y", "z")) or None
+    name, shape = root.text("mesh"), root.table("shape")
+    if ("mesh" in root) == ("shape" in root):
+        raise root.fail('a job needs either mesh = "file" or a [shape].')
+    if name:
+        return read_mesh(folder / name, up=up), {}, up
+    made, scale = _make_shape(shape)
+    flat = scale * made.positions
+    positions = np.column_stack([flat, np.zeros(len(flat))])
+    faces = list(made.domain.faces)
+    sides: dict[str, Pairs] = {side: made.domain.edges[edges] for side, edges in made.sides.items()}
+    return MeshData(positions, faces, uvs=flat, uv_corners=faces), sides, up
+
+
+def _make_shape(table: Table) -> tuple[shapes.Shape, float]:
+    """The shape of a [shape] table: `kind`, the arguments of that function in `shapes`, and a `scale`."""
+    make = SHAPES.get(table.text("kind"))
+    if make is None:
+        name = table.text("kind")
+        raise table.fail(f'there is no shape "{name}"{suggestion(name, SHAPES)}')
+    scale = table.number("scale", 1.0)
+    if not scale > 0:
+        raise table.fail(f'"scale" must be positive, not {scale}.')
+    arguments = {}
+    for name, parameter in inspect.signature(make).parameters.items():
+        if name in table:
+            arguments[name] = _SHAPE_VALUES.get(name, Table.number)(table, name)
+        elif parameter.default is inspect.Parameter.empty:
+            raise table.fail(f'a {table.text("kind")} needs "{name}".')
+        table.known.append(name)
+    table.finish()
+    try:
+        return make(**arguments), scale
+    except CmcError as error:
+        raise table.fail(str(error)) from error
+
+
+def _holes(table: Table, key: str) -> list[np.ndarray]:
+    holes = table.data[key]
+    if not isinstance(holes, list):
+        raise table.fail(f'"{key}" must be a list of outlines.')
+    return [Table({key: hole}, table.where).rows(key, 2, "points, [[0, 0], [1, 0]]") for hole in holes]
+
+
+_SHAPE_VALUES: dict[str, Callable[[Table, str], object]] = {
+    "n": Table.integer,
+    "columns": Table.integer,
+    "outline": lambda table, key: table.rows(key, 2, "points, [[0, 0], [1, 0]]"),
+    "holes": _holes,
+}
+
+
+def _group(table: Table, domain: Domain, mesh: MeshData, sides: dict[str, Pairs]) -> Group:
+    name, edges = select(table, domain, mesh, sides)
+    kind = table.text("kind", "binormal", among=list(KINDS))
+    parameters = {p.name: _parameter(table, p) for p in KINDS[kind].parameters if p.name in table}
+    table.known.extend(p.name for p in KINDS[kind].parameters)
+    table.finish()
+    return Group(name, edges, kind, parameters)
+
+
+def _parameter(table: Table, parameter: Parameter) -> float | tuple[float, ...]:
+    if isinstance(parameter.default, tuple):
+        return table.vector(parameter.name, parameter.default)
+    value = table.number(parameter.name, parameter.default)
+    return float(np.radians(value)) if parameter.unit == "radians" else value
+
+
+def _settings(root: Table) -> Settings:
+    default, size, solver = root.table("default"), root.table("size"), root.table("solver")
+    values: dict[str, object] = {"default_kind": default.text("kind", "binormal", among=list(KINDS))}
+    values["default_tilt"] = float(np.radians(default.number("tilt")))
+    default.finish()
+    chosen = [name for name in SIZES if name in size and name != "match_plan"]
+    if len(chosen) > 1:
+        raise size.fail(f"give one size, not {' and '.join(chosen)}.")
+    for name in SIZES:
+        if name != "match_plan":
+            value = size.number(name, 1.0)
+            if name in chosen:
+                values |= {"size": name, "value": value}
+    values["ground"] = size.text("ground", "lowest", among=list(GROUNDS))
+    values["sheet"] = size.text("sheet", "f+", among=SHEETS)
+    values |= {name: size.flag(name) for name in ("rotate", "flip")}
+    size.finish()
+    values |= _solver_settings(solver)
+    try:
+        return Settings(**values)  # type: ignore[arg-type]
+    except CmcError as error:
+        raise size.fail(str(error)) from error
+
+
+def _solver_settings(table: Table) -> dict[str, object]:
+    readers: dict[str, Callable[[Table, str], object]] = {
+        "sites": Table.text,
+        "energy": Table.text,
+        "method": Table.text,
+        "averaging": Table.text,
+        "tolerance": Table.number,
+        "period_tolerance": Table.number,
+        "side": Table.integer,
+        "degree": Table.number,
+    }
+    assert set(readers) <= {field.name for field in fields(Settings)}
+    values = {name: read(table, name) for name, read in readers.items() if name in table}
+    table.known.extend(readers)
+    table.finish()
+    return values
+
+
+def _outputs(table: Table, folder: Path) -> dict[str, Path]:
+    outputs = {}
+    for key, name in {**SHEET_KEYS, "report": "report"}.items():
+        value = table.text(key)
+        if key in table:
+            outputs[name] = folder / value
+            suffix = outputs[name].suffix.lower()
+            if name != "report" and suffix not in FORMATS:
+                raise table.fail(
+                    f'"{key}" has no format known here ("{suffix}"); use one of {", ".join(FORMATS)}.'
+                )
+    table.finish()
+    return outputs
