@@ -18,6 +18,8 @@ import numpy as np
 from ..solver.errors import MeshError
 from .properties import GROUP_ATTRIBUTE
 
+_SELECTION = ".select_edge"
+
 
 @dataclass(frozen=True)
 class EdgeState:
@@ -32,9 +34,7 @@ def read_edges(mesh: bpy.types.Mesh) -> EdgeState:
     """The state of every edge, whatever the mode. Raises MeshError if the attribute's name is taken."""
     if mesh.is_editmode:
         return _read_bmesh(bmesh.from_edit_mesh(mesh))
-    selected = np.empty(len(mesh.edges), dtype=bool)
-    mesh.edges.foreach_get("select", selected)
-    return EdgeState(_boundary(mesh), group_values(mesh), selected)
+    return EdgeState(_boundary(mesh), group_values(mesh), _stored_selection(mesh))
 
 
 def write_groups(mesh: bpy.types.Mesh, edges: np.ndarray, uid: int) -> None:
@@ -84,6 +84,14 @@ def write_group_values(mesh: bpy.types.Mesh, values: np.ndarray) -> None:
     _check_attribute(attribute)
     attribute.data.foreach_set("value", np.ascontiguousarray(values, dtype=np.int32))
     mesh.update()
+
+
+def repair_selection(mesh: bpy.types.Mesh) -> None:
+    """Where Blender 5.0 calculates edges it stores their selection with a wrong type; writing would crash."""
+    attribute = mesh.attributes.get(_SELECTION)
+    if attribute is not None and attribute.data_type != "BOOLEAN":
+        mesh.attributes.remove(attribute)
+        mesh.attributes.new(_SELECTION, "BOOLEAN", "EDGE")
 
 
 def count_boundary(mesh: bpy.types.Mesh, uids: frozenset[int]) -> tuple[int, int]:
@@ -152,12 +160,19 @@ def _read_bmesh(bm: bmesh.types.BMesh) -> EdgeState:
     return EdgeState(boundary, group, selected)
 
 
+def _stored_selection(mesh: bpy.types.Mesh) -> np.ndarray:
+    selected = np.zeros(len(mesh.edges), dtype=bool)
+    attribute = mesh.attributes.get(_SELECTION)
+    if attribute is not None and attribute.data_type == "BOOLEAN":
+        attribute.data.foreach_get("value", selected)
+    return selected
+
+
 def _write_stored_selection(mesh: bpy.types.Mesh, edges: np.ndarray, select: bool) -> None:
     """Edge and vertex flags together: on entering edit mode Blender flushes from one to the other."""
     mend_selection(mesh)
     count = len(mesh.edges)
-    flags, hidden = np.empty(count, dtype=bool), np.empty(count, dtype=bool)
-    mesh.edges.foreach_get("select", flags)
+    flags, hidden = _stored_selection(mesh), np.empty(count, dtype=bool)
     mesh.edges.foreach_get("hide", hidden)
     ends = np.empty(2 * count, dtype=np.int32)
     mesh.edges.foreach_get("vertices", ends)
@@ -168,6 +183,7 @@ def _write_stored_selection(mesh: bpy.types.Mesh, edges: np.ndarray, select: boo
     mesh.vertices.foreach_get("select", vertices)
     vertices[ends[edges]] = False
     vertices[ends[flags]] = True
+    repair_selection(mesh)
     mesh.edges.foreach_set("select", flags)
     mesh.vertices.foreach_set("select", vertices)
     mesh.update()

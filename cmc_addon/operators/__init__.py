@@ -6,7 +6,7 @@ import importlib
 
 import bpy
 
-MODULES = ("boundary", "solve")
+MODULES = ("boundary", "plan", "solve")
 """Files with a tuple CLASSES of operator (and list) classes."""
 
 

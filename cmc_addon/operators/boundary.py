@@ -72,7 +72,7 @@ class CMC_OT_group_add(GroupOperator, bpy.types.Operator):
     __annotations__ = {
         "name": StringProperty(name="Name", default="Group", options={"SKIP_SAVE"}),
         "assign": BoolProperty(
-            name="Assign", description="Put the selected boundary edges into the new group", options={"SKIP_SAVE"}),
+            name="Assign", description="Put the selected boundary edges into it", options={"SKIP_SAVE"}),
         **condition_annotations({"SKIP_SAVE"}),
     }
 
@@ -205,9 +205,10 @@ def selected_boundary(operator: bpy.types.Operator, mesh: bpy.types.Mesh) -> np.
     state = edge_bridge.read_edges(mesh)
     inner = np.nonzero(state.selected & ~state.boundary)[0]
     edges = np.nonzero(state.selected & state.boundary)[0]
+    verb = "is" if inner.size == 1 else "are"
     if not edges.size and inner.size:
         raise MeshError(
-            f"The {count(inner.size)} selected {'is' if inner.size == 1 else 'are'} not on the boundary. Select edges "
+            f"The {count(inner.size)} selected {verb} not on the boundary. Select edges "
             "of the rim: they have one face.",
             edges=inner,
         )

@@ -203,6 +203,20 @@ def test_an_outline_without_faces_can_be_grouped() -> None:
     assert ungrouped(ob) == (3, 2)
 
 
+def test_selection_on_a_mesh_made_by_a_script() -> None:
+    """Blender 5.0 stores the selection of calculated edges with a wrong type: a crash if it is not mended."""
+    mesh = bpy.data.meshes.new("plan")
+    mesh.from_pydata([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [], [(0, 1, 2, 3)])
+    ob = bpy.data.objects.new("plan", mesh)
+    bpy.context.collection.objects.link(ob)
+    bpy.context.view_layer.objects.active = ob
+    bpy.ops.cmc.select_ungrouped()
+    bpy.ops.cmc.group_add(assign=True)
+    assert members(ob, 1) == {0, 1, 2, 3}
+    bpy.ops.cmc.group_deselect()
+    assert selected(ob) == set()
+
+
 def test_face_select_mode_changes_to_edges(grid) -> None:
     select(grid, on_side(grid, 0, -1.0))
     bpy.ops.cmc.group_add(assign=True)

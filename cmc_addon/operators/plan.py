@@ -1,0 +1,190 @@
+"""Mesh Plan: from an outline to a plan of well-shaped triangles.
+
+**The outline** is the active object: a mesh, whose faces are bounded by an outer loop and holes, or which has
+only edges that close up to such loops; or a curve object of closed splines, nested ones being holes. It may
+lie in any plane; what leaves its best plane is flattened, and the report says by how much.
+
+**The plan** is an object of its own called "<outline> Plan", made once and updated by every further run; the
+drawn outline is never changed. If it has faces, which would lie in the plan's, it is hidden (Alt H shows it).
+Run with the plan active, Mesh Plan meshes its outline anew. A plan whose outline has been deleted is meshed
+anew from its own rim. The plan lies over its outline, with that object's location and rotation and unit
+scale; name, materials and solve settings of the plan stay.
+
+**Links** are like those of results: a duplicated outline gets a plan of its own, a duplicated plan is
+updated when it is active, and a plan deleted from the scene is made anew.
+
+**Groups.** A piece of an edge is in the group of that edge. The outline's groups are made on the plan, where
+a group of that name already there keeps its kind and angle. Groups made on the plan itself stay where they
+are as long as the outline says nothing about that place.
+"""
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+from ...solver.domain.mesher import PlanMesh, mesh_plan
+from ...solver.errors import CmcError, MeshError
+from .. import group_list, outline_bridge
+from ..outline import Outline, check_count, default_edge_length, explained, is_flat, make_outline
+from ..properties import PLAN_SETTINGS, kind_parameters, plan_annotations
+
+RADIUS_IN_EDGES = 2.0
+
+
+def outline_of(ob: bpy.types.Object) -> bpy.types.Object:
+    """The object whose outline is meshed when this one is active."""
+    return ob.cmc.outline if ob.cmc.meshed and ob.cmc.outline is not None else ob
+
+
+def plan_of(ob: bpy.types.Object) -> bpy.types.Object | None:
+    """The plan that Mesh Plan would update when this object is active; None where it would make one."""
+    if ob.cmc.meshed:
+        return ob
+    plan = ob.cmc.plan
+    if plan is not None and plan.cmc.meshed and plan.cmc.outline == ob and plan.users_scene:
+        return plan
+    return None
+
+
+class CMC_OT_mesh_plan(bpy.types.Operator):
+    """Make a mesh of well-shaped triangles inside the outline, or update the one made before"""
+
+    bl_idname = "cmc.mesh_plan"
+    bl_label = "Mesh Plan"
+    bl_options = {"REGISTER", "UNDO"}
+
+    __annotations__ = plan_annotations({"SKIP_SAVE"})
+
+    @classmethod
+    def poll(cls, context):
+        ob = context.object
+        if ob is None or ob.type not in {"MESH", "CURVE"}:
+            cls.poll_message_set("Select an outline: a mesh or a closed curve")
+        elif ob.cmc.role != "NONE":
+            cls.poll_message_set("This is a result; select the outline or the plan it comes from")
+        elif ob.mode not in {"OBJECT", "EDIT"}:
+            cls.poll_message_set("Go to object mode or edit mode first")
+        elif ob.cmc.meshed and not ob.data.is_editable:
+            cls.poll_message_set("This plan is linked from another file; make it local to mesh it anew")
+        else:
+            return True
+        return False
+
+    def execute(self, context):
+        ob = context.object
+        self._take_settings(context.scene.cmc)
+        try:
+            outline, meshed = self._mesh(outline_of(ob))
+        except CmcError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        if context.mode != "OBJECT":
+            bpy.ops.object.mode_set(mode="OBJECT")
+        plan = plan_of(ob) or _new_plan(ob)
+        _write(plan, outline_of(ob), outline, meshed)
+        _show(context, plan, outline_of(ob))
+        for name in PLAN_SETTINGS:
+            setattr(context.scene.cmc, name, getattr(self, name))
+        self._tell(plan, outline, meshed)
+        return {"FINISHED"}
+
+    def draw(self, context):
+        column = self.layout.column()
+        column.use_property_split = True
+        column.prop(self, "edge_length")
+        column.prop(self, "round_corners")
+        row = column.row()
+        row.active = self.round_corners
+        row.prop(self, "corner_radius")
+
+    def _take_settings(self, stored) -> None:
+        """What a call does not say is as it was last used; the redo panel then shows all of it."""
+        for name in PLAN_SETTINGS:
+            if not self.properties.is_property_set(name):
+                setattr(self, name, getattr(stored, name))
+
+    def _mesh(self, source: bpy.types.Object) -> tuple[Outline, PlanMesh]:
+        outline = make_outline(outline_bridge.read_wire(source))
+        first, *holes = outline.loops
+        edge = self.edge_length or default_edge_length(outline.size)
+        check_count(outline, edge)
+        radius = (self.corner_radius or RADIUS_IN_EDGES * edge) if self.round_corners else 0.0
+        try:
+            meshed = mesh_plan(first, holes, max_edge=edge, corner_radius=radius, keep=outline.borders())
+        except MeshError as error:
+            raise explained(error, outline) from error
+        return outline, meshed
+
+    def _tell(self, plan: bpy.types.Object, outline: Outline, meshed: PlanMesh) -> None:
+        text = f"'{plan.name}': {len(meshed.triangles)} triangles, {len(meshed.edges)} boundary edges"
+        if is_flat(outline):
+            self.report({"INFO"}, text)
+        else:
+            self.report({"WARNING"}, f"{text}; the outline leaves its plane by {outline.off:.3g} and was flattened")
+
+
+def _new_plan(ob: bpy.types.Object) -> bpy.types.Object:
+    """An empty plan object beside the outline, in its collections, with its materials; linked both ways."""
+    name = f"{ob.name} Plan"
+    plan = bpy.data.objects.new(name, bpy.data.meshes.new(name))
+    for collection in ob.users_collection:
+        collection.objects.link(plan)
+    for slot in ob.material_slots:
+        plan.data.materials.append(slot.material)
+    plan.cmc.meshed, plan.cmc.outline = True, ob
+    ob.cmc.plan = plan
+    return plan
+
+
+def _write(plan: bpy.types.Object, source: bpy.types.Object, outline: Outline, meshed: PlanMesh) -> None:
+    middles = outline.plane.raised(meshed.positions[meshed.edges].mean(axis=1))
+    before = outline_bridge.groups_nearby(plan, middles)
+    own = plan == source
+    groups = before if own else _merged(plan.data, source, outline, meshed, before)
+    location, rotation, _ = source.matrix_world.decompose()
+    outline_bridge.write_plan(plan, meshed, outline, Matrix.LocRotScale(location, rotation, None))
+    if groups.any() or plan.data.cmc.groups:
+        outline_bridge.write_boundary_groups(plan.data, meshed.edges, groups)
+
+
+def _merged(
+    mesh: bpy.types.Mesh, source: bpy.types.Object, outline: Outline, meshed: PlanMesh, before: np.ndarray
+) -> np.ndarray:
+    """Group of each boundary edge, in the plan's numbers; makes the groups that the plan lacks."""
+    drawn = np.concatenate(outline.groups)
+    starts = np.cumsum([0] + [len(groups) for groups in outline.groups])
+    piece = drawn[starts[meshed.loop] + meshed.segment]
+    theirs = source.data.cmc.groups if source.type == "MESH" else []
+    number = {0: 0}
+    for group in theirs:
+        number[group.uid] = _counterpart(mesh, group).uid
+    result = np.array([number.get(uid, 0) for uid in piece.tolist()], dtype=np.int32)
+    own = (result == 0) & ~np.isin(before, list(number.values()))
+    result[own] = before[own]
+    return result
+
+
+def _counterpart(mesh: bpy.types.Mesh, group):
+    """The plan's group of the same name, made with the same kind and parameters if there is none."""
+    found = mesh.cmc.groups.get(group.name)
+    if found is None:
+        found = group_list.add(mesh, group.name)
+        found.kind = group.kind
+        for name in kind_parameters(group.kind):
+            setattr(found, name, getattr(group, name))
+    return found
+
+
+def _show(context: bpy.types.Context, plan: bpy.types.Object, source: bpy.types.Object) -> None:
+    """Make the plan the one selected object; hide an outline whose faces would lie in the plan's."""
+    for other in context.selected_objects:
+        other.select_set(False)
+    plan.hide_set(False)
+    plan.select_set(True)
+    context.view_layer.objects.active = plan
+    if plan != source and source.type == "MESH" and source.data.polygons and source.name in context.view_layer.objects:
+        source.hide_set(True)
+        source.hide_render = True
+
+
+CLASSES = (CMC_OT_mesh_plan,)
