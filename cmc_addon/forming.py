@@ -137,8 +137,10 @@ def solver_settings(settings: SimpleNamespace) -> pipeline.Settings:
 
 
 def _curvature(formed: pipeline.Formed, sheet: str) -> NDArray | None:
-    """Mean curvature of each row; None on what has none, g and the Gauss image."""
-    return formed.mean_curvature if sheet in SHEETS else None
+    """Measured mean curvature of each row; None on what has none, g and the Gauss image."""
+    if sheet not in SHEETS:
+        return None
+    return pipeline.row_curvature(formed.surface, formed.similarity, formed.placed, sheet)
 
 
 def _report(context: bpy.types.Context, plan: bpy.types.Object, outcome: Outcome) -> dict:

@@ -109,8 +109,11 @@ def steps(
 ) -> Generator[Update | None, None, T]:
     """Run `work(progress)` in a thread; yield each update, or None after `wait` seconds without one.
 
-    Returns what the work returns and raises what it raises. Closing the generator stops the work.
+    Returns what the work returns and raises what it raises, and `CmcError` while another solve runs. Closing
+    the generator stops the work.
     """
+    if Running.stop is not None:
+        raise CmcError("A solve is running; wait for it, or cancel it (Esc) first.")
     stop = threading.Event()
     news: queue.SimpleQueue = queue.SimpleQueue()
     thread = threading.Thread(target=_run, args=(work, stop, news), name="cmc-solve", daemon=True)

@@ -159,8 +159,8 @@ def _placed(
 def row_curvature(
     surface: CmcSurface, similarity: Similarity, placed: dict[str, Array], sheet: str
 ) -> Array:
-    """(n,) area-weighted mean of the measured H of the faces around each row, of "f+" or "f-"; its target where
-    there is none."""
+    """(n,) area-weighted mean of the measured H of the faces around each row of "f+" or "f-"; the
+    target where there is none."""
     points, faces = placed[sheet], surface.faces
     N = similarity.directions(surface.normals)
     H = mean_curvature_of(points, faces, N if sheet == "f+" else -N)

@@ -63,7 +63,8 @@ class Solving:
         check_writable(plan)
         for warning in deliver(context, plan, order, outcome):
             self.report({"WARNING"}, warning)
-        self.report({"INFO" if outcome.converged else "WARNING"}, f"{plan.name}: {outcome.formed.message}")
+        if outcome.converged:  # otherwise the warnings say how it ended
+            self.report({"INFO"}, f"{plan.name}: {outcome.formed.message}")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         try:

@@ -116,10 +116,11 @@ def _name(block) -> str | None:
 def _properties(group) -> dict:
     """All properties of a PropertyGroup, nested ones included."""
     found = {}
-    for key in group.bl_rna.properties.keys():
-        value = getattr(group, key)
+    for rna in group.bl_rna.properties:
+        key = rna.identifier
         if key == "rna_type":
             continue
+        value = getattr(group, key)
         if isinstance(value, bpy.types.bpy_prop_collection):
             found[key] = [_properties(item) for item in value]
         elif isinstance(value, bpy.types.ID):
@@ -137,7 +138,7 @@ def _object(ob: bpy.types.Object) -> dict:
         "modifiers": [(m.name, m.type) for m in ob.modifiers],
         "slots": [(slot.link, _name(slot.material)) for slot in ob.material_slots],
         "groups": [group.name for group in ob.vertex_groups],
-        "custom": {key: repr(ob[key]) for key in ob.keys()},
+        "custom": {key: repr(value) for key, value in ob.items()},
         "hidden": (ob.hide_viewport, ob.hide_render),
         "cmc": _properties(ob.cmc),
     }
