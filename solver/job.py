@@ -224,7 +224,7 @@ def _outputs(table: Table, folder: Path) -> dict[str, Path]:
     for key, name in {**SHEET_KEYS, "report": "report"}.items():
         value = table.text(key)
         if key in table:
-            outputs[name] = folder / value
+            outputs[name] = Path(os.path.normpath(folder / value))
             suffix = outputs[name].suffix.lower()
             if name != "report" and suffix not in FORMATS:
                 raise table.fail(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import tomllib
 from pathlib import Path
 
@@ -14,6 +15,8 @@ from solver.errors import CmcError, ConditionError, JobError, MeshError
 from solver.files import MeshData, read_mesh, write_mesh
 from solver.job import EXAMPLE, SHAPES, load_job, run_job
 from solver.plan import Plan
+
+JOBS = Path(__file__).parents[2] / "assets" / "jobs"
 
 
 def quad_plan(columns: int = 6, rows: int = 4) -> MeshData:
@@ -197,6 +200,19 @@ def test_the_example_is_a_job(folder):
     assert loaded.settings.value == data["size"]["span"]
     assert_allclose(loaded.plan.groups[0].parameters["tilt"], np.radians(20))
     assert set(loaded.outputs) == {"f+", "report"}
+
+
+@pytest.mark.parametrize("name", sorted(path.name for path in JOBS.glob("*.toml")))
+def test_the_jobs_that_come_with_the_project(tmp_path, name):
+    shutil.copytree(JOBS, tmp_path / "assets" / "jobs")
+    loaded = load_job(tmp_path / "assets" / "jobs" / name)
+    formed = run_job(loaded)
+    assert formed.converged
+    assert formed.report.shown.rise > 0.1 * formed.report.shown.span
+    assert len(loaded.outputs) >= 2
+    for file in loaded.outputs.values():
+        assert file.parent == tmp_path / "build" / "jobs"
+        assert file.exists()
 
 
 PLAN = 'mesh = "plan.obj"\n'
