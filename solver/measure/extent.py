@@ -25,9 +25,7 @@ def boundary_sides(domain: Domain, faces: ArrayLike | None = None) -> NDArray[np
     """
     triangles = np.asarray(domain.faces if faces is None else faces)
     face, corner = np.nonzero(domain.edge_faces[domain.face_edges, 1] < 0)
-    return np.stack([triangles[face, (corner + 1) % 3], triangles[face, (corner + 2) % 3]], axis=1).astype(
-        np.int32
-    )
+    return np.stack([triangles[face, (corner + 1) % 3], triangles[face, (corner + 2) % 3]], axis=1).astype(np.int32)
 
 
 def face_normals(vertices: ArrayLike, faces: ArrayLike) -> Array:
@@ -37,9 +35,7 @@ def face_normals(vertices: ArrayLike, faces: ArrayLike) -> Array:
     return (np.cross(u, v, axis=0) / double_areas(u, v)).T
 
 
-def overhanging_faces(
-    vertices: ArrayLike, faces: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0)
-) -> NDArray[np.int32]:
+def overhanging_faces(vertices: ArrayLike, faces: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0)) -> NDArray[np.int32]:
     """Faces (k,) whose upper side looks below the horizon: they lean out past the vertical.
 
     The upper side of a sheet is the one whose area vector points up. So the bowl that a flipped dome makes

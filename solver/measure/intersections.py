@@ -4,7 +4,7 @@ Two faces without a common vertex intersect when no axis separates them (the sep
 plane normals, the products of edge directions, and the in-plane normals for parallel faces are all the axes
 there are). Faces that touch in a point or along an edge do not intersect, faces that lie on each other do.
 Two faces with one common vertex intersect when the far edge of one goes through the other. Faces that share
-an edge are not looked at.
+an edge are not looked at. A mesh that is a graph over a plane needs no search.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .arrays import Array, Indices, points_in_space, triangles_of
 from .boxes import Pairs, overlapping_boxes
+from .graph import is_graph
 
 # Overlap along an axis, as a fraction of the two triangles' extent, below which they only touch.
 _TOUCHING = 1e-9
@@ -29,8 +30,12 @@ def self_intersections(vertices: ArrayLike, faces: ArrayLike) -> NDArray[np.int3
     """
     points = points_in_space(vertices)
     triangles = triangles_of(faces, len(points))
-    if len(triangles) == 0:
+    if len(triangles) == 0 or is_graph(points, triangles):
         return np.zeros((0, 2), dtype=np.int32)
+    return _search(points, triangles)
+
+
+def _search(points: Array, triangles: Indices) -> NDArray[np.int32]:
     corners = points[triangles]
     normals = _normals(corners)
     corners[np.isnan(normals[:, 0])] = np.nan

@@ -27,12 +27,7 @@ def outline_segments(domain: Domain, outline: ArrayLike | Sequence[ArrayLike]) -
     """
     loops = _polylines(domain, outline)
     for loop in loops:
-        if (
-            loop.ndim != 2
-            or loop.shape[1] not in (2, 3)
-            or loop.shape[1] != loops[0].shape[1]
-            or len(loop) < 2
-        ):
+        if loop.ndim != 2 or loop.shape[1] not in (2, 3) or loop.shape[1] != loops[0].shape[1] or len(loop) < 2:
             raise MeshError(
                 f"A polyline of the outline has shape {loop.shape}; give at least two points of "
                 "two or three coordinates, as many in every polyline."

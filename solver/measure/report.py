@@ -129,9 +129,7 @@ def report(
     return _with_solve(surface, sheet, sheets, scale, turn)
 
 
-def _placed(
-    surface: CmcSurface, sheet: str, positions: ArrayLike | Mapping[str, ArrayLike] | None
-) -> dict[str, Array]:
+def _placed(surface: CmcSurface, sheet: str, positions: ArrayLike | Mapping[str, ArrayLike] | None) -> dict[str, Array]:
     if positions is None:
         given: Mapping[str, ArrayLike] = {name: surface.sheet(name) for name in SHEETS}
     elif isinstance(positions, Mapping):
@@ -147,9 +145,7 @@ def _placed(
             raise MeshError(f"The positions of {name} have shape {points.shape}, its points {expected}.")
         wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))
         if len(wrong):
-            raise MeshError(
-                f"The positions of {name} at rows {listed(wrong)} are not finite.", vertices=wrong
-            )
+            raise MeshError(f"The positions of {name} at rows {listed(wrong)} are not finite.", vertices=wrong)
     return placed
 
 
@@ -169,9 +165,7 @@ def _similarity(surface: CmcSurface, placed: dict[str, Array], sheet: str) -> tu
     return scale, turn
 
 
-def _with_solve(
-    surface: CmcSurface, sheet: str, sheets: dict[str, SheetReport], scale: float, turn: Array
-) -> Report:
+def _with_solve(surface: CmcSurface, sheet: str, sheets: dict[str, SheetReport], scale: float, turn: Array) -> Report:
     harmonic = surface.harmonic
     periods = scale * np.asarray(surface.periods, dtype=np.float64).reshape(-1, 3) @ turn
     return Report(

@@ -152,9 +152,7 @@ def measure_sheet(
         distortion=_distortion(domain, points, faces, areas, inside) if measurable else None,
         overhang=_overhang(points, faces, areas, vertical) if measurable else None,
         intersections=_intersections(points, faces) if measurable and intersections else None,
-        outline=_outline(domain, points, sides, outline, vertical)
-        if measurable and outline is not None
-        else None,
+        outline=_outline(domain, points, sides, outline, vertical) if measurable and outline is not None else None,
     )
 
 

@@ -47,9 +47,7 @@ def grid(
     x[1:-1, 1:-1] += move[0] / columns
     y[1:-1, 1:-1] += move[1] / rows
     index = np.arange(x.size, dtype=np.int32).reshape(x.shape)
-    a, b, c, d = (
-        corner.ravel() for corner in (index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:])
-    )
+    a, b, c, d = (corner.ravel() for corner in (index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]))
     turned = random.random(len(a)) < (0.5 if jitter else 0.0)
     first = np.where(turned[:, None], np.stack([a, b, d], axis=1), np.stack([a, b, c], axis=1))
     second = np.where(turned[:, None], np.stack([b, c, d], axis=1), np.stack([a, c, d], axis=1))

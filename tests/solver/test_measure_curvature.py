@@ -60,8 +60,7 @@ def paper_shape_operator(points, normals):
     for k in range(3):
         i, j = (k + 1) % 3, (k + 2) % 3
         t_jk, t_ki, t_ij = (
-            (points[b] - points[a]) / np.linalg.norm(points[b] - points[a])
-            for a, b in ((j, k), (k, i), (i, j))
+            (points[b] - points[a]) / np.linalg.norm(points[b] - points[a]) for a, b in ((j, k), (k, i), (i, j))
         )
         n_jk, n_ki = np.cross(normal, t_jk), np.cross(normal, t_ki)
         sines = np.linalg.norm(np.cross(t_ij, t_ki)) * np.linalg.norm(np.cross(t_ij, t_jk))
@@ -89,18 +88,14 @@ def test_interpolates_the_normal_curvature_of_the_edges():
         i, j = m.faces[:, (k + 1) % 3], m.faces[:, (k + 2) % 3]
         edge, turn = m.points[j] - m.points[i], m.normals[j] - m.normals[i]
         t = np.einsum("fac,fc->fa", frames, edge)
-        assert_allclose(
-            np.einsum("fa,fab,fb->f", t, shape, t), (edge * turn).sum(axis=1), rtol=1e-9, atol=1e-13
-        )
+        assert_allclose(np.einsum("fa,fab,fb->f", t, shape, t), (edge * turn).sum(axis=1), rtol=1e-9, atol=1e-13)
 
 
 def test_trace_determinant_and_eigenvectors_belong_together():
     m = mesh(UNDULOID, 12)
     shape = shape_operator(*arguments(m))
     p = principal_curvatures(*arguments(m))
-    assert_allclose(
-        mean_curvature_of(*arguments(m)), 0.5 * np.trace(shape, axis1=1, axis2=2), rtol=1e-10, atol=1e-12
-    )
+    assert_allclose(mean_curvature_of(*arguments(m)), 0.5 * np.trace(shape, axis1=1, axis2=2), rtol=1e-10, atol=1e-12)
     assert_allclose(gauss_curvature_of(*arguments(m)), np.linalg.det(shape), rtol=1e-9, atol=1e-11)
     assert_allclose(np.stack([p.k2, p.k1], axis=1), np.linalg.eigvalsh(shape), rtol=1e-9, atol=1e-11)
     frames = face_frames(m.points, m.faces)

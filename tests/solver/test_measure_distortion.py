@@ -55,9 +55,7 @@ def test_an_isometry_has_none():
     Q = conformal_distortion(Domain.from_positions(points, faces), points)
     assert_allclose(Q, 1.0, atol=1e-12)
     m = sample(cylinder, 64, 4, (2.0, 2.0), 0.0)
-    assert_allclose(
-        conformal_distortion(Domain.from_positions(m.parameters, m.faces), m.points), 1.0, atol=1e-3
-    )
+    assert_allclose(conformal_distortion(Domain.from_positions(m.parameters, m.faces), m.points), 1.0, atol=1e-3)
 
 
 def test_a_cut_surface_brings_its_own_faces():

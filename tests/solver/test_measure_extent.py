@@ -78,9 +78,7 @@ def test_distance_is_to_the_curve_and_not_to_its_points():
     points = [(0.5, -0.25), (0.5, 0.4), (2.0, 2.0), (0.0, 0.7), (1.3, 0.5)]
     assert_allclose(distance_to_segments(points, starts, ends), [0.25, 0.4, np.sqrt(2), 0.0, 0.3], atol=1e-15)
     in_space = [(*p, 7.0) for p in points]
-    assert_allclose(
-        distance_to_segments(in_space, starts, ends), [0.25, 0.4, np.sqrt(2), 0.0, 0.3], atol=1e-15
-    )
+    assert_allclose(distance_to_segments(in_space, starts, ends), [0.25, 0.4, np.sqrt(2), 0.0, 0.3], atol=1e-15)
 
 
 def test_distance_in_many_blocks_and_with_a_repeated_point():

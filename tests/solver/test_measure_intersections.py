@@ -26,11 +26,7 @@ def crossing(*triangles):
 def volume(a, b, c, d):
     """Six times the signed volume, in Python's integers: exact."""
     u, v, w = ([int(q[k]) - int(p[k]) for k in range(3)] for p, q in ((a, b), (a, c), (a, d)))
-    return (
-        u[0] * (v[1] * w[2] - v[2] * w[1])
-        - u[1] * (v[0] * w[2] - v[2] * w[0])
-        + u[2] * (v[0] * w[1] - v[1] * w[0])
-    )
+    return u[0] * (v[1] * w[2] - v[2] * w[1]) - u[1] * (v[0] * w[2] - v[2] * w[0]) + u[2] * (v[0] * w[1] - v[1] * w[0])
 
 
 def exactly_through(p, q, face):
@@ -42,9 +38,7 @@ def exactly_through(p, q, face):
 
 def exactly_crossing(a, b):
     return any(
-        exactly_through(first[k], first[(k + 1) % 3], second)
-        for first, second in ((a, b), (b, a))
-        for k in range(3)
+        exactly_through(first[k], first[(k + 1) % 3], second) for first, second in ((a, b), (b, a)) for k in range(3)
     )
 
 
@@ -63,9 +57,7 @@ def test_agrees_with_exact_arithmetic_where_faces_share_a_vertex():
     points = random.integers(-1000, 1000, size=(81, 3))
     points[0] = (30, 20, 10)
     faces = np.column_stack([np.zeros(40, int), 1 + np.arange(80).reshape(40, 2)])
-    faces = np.array(
-        [np.roll(face, shift) for face, shift in zip(faces, random.integers(0, 3, 40), strict=True)]
-    )
+    faces = np.array([np.roll(face, shift) for face, shift in zip(faces, random.integers(0, 3, 40), strict=True)])
 
     def pierced(i, j):
         (p, q), (r, s) = ([points[v] for v in faces[f] if v] for f in (i, j))
@@ -135,9 +127,7 @@ def test_a_figure_eight_crosses_along_one_line():
 
 
 def test_a_fold_over_the_far_edge_of_a_neighbour_is_found():
-    points = np.array(
-        [(0, 0, 0), (2, -1, 0), (2, 1, 0), (1, 0, -1), (3, 0, 2), (-1, 1, 5), (-1, -1, 5)], dtype=float
-    )
+    points = np.array([(0, 0, 0), (2, -1, 0), (2, 1, 0), (1, 0, -1), (3, 0, 2), (-1, 1, 5), (-1, -1, 5)], dtype=float)
     assert_array_equal(self_intersections(points, [[0, 1, 2], [0, 3, 4]]), [[0, 1]])
     assert len(self_intersections(points, [[0, 1, 2], [0, 5, 6]])) == 0
 

@@ -84,9 +84,7 @@ def test_a_degenerate_sheet_is_named_and_not_measured(hemisphere):
 def test_errors_of_curvature_and_distortion_fall(twisted):
     fine = solved_disc(8000, m=1)
     for sheet in ("f+", "f-"):
-        coarse_errors, fine_errors = (
-            errors_of(report(s, intersections=False).sheets[sheet]) for s in (twisted, fine)
-        )
+        coarse_errors, fine_errors = (errors_of(report(s, intersections=False).sheets[sheet]) for s in (twisted, fine))
         rates = np.log2(coarse_errors / fine_errors)
         assert (rates > (0.9, 0.75, 0.9, 1.8)).all(), rates
 
@@ -212,9 +210,7 @@ def boundary_length(surface):
 
 def test_json_is_strict_and_whole(twisted, hemisphere, open_ring):
     for surface in (twisted, hemisphere, open_ring):
-        result = report(
-            surface, surface.domain.boundary_loops and surface.f_plus[: surface.domain.vertex_count]
-        )
+        result = report(surface, surface.domain.boundary_loops and surface.f_plus[: surface.domain.vertex_count])
         read = json.loads(result.to_json(), parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
         assert read == result.to_dict()
         assert read["energy"] == result.energy
