@@ -171,7 +171,7 @@ def _with_solve(surface: CmcSurface, sheet: str, sheets: dict[str, SheetReport],
     return Report(
         status=surface.status.value,
         converged=harmonic.status is Status.CONVERGED,
-        sentence=surface.message,
+        sentence=_sentence(surface, scale),
         energy=float(harmonic.energy),
         degree=float(harmonic.degree),
         residual=float(harmonic.residual),
@@ -187,6 +187,13 @@ def _with_solve(surface: CmcSurface, sheet: str, sheets: dict[str, SheetReport],
         sheet=sheet,
         sheets=sheets,
     )
+
+
+def _sentence(surface: CmcSurface, scale: float) -> str:
+    """The surface's message, with the gap as long as it is where the surface was placed."""
+    if not surface.is_open or scale == 1.0:
+        return surface.message
+    return f"{surface.harmonic.status.sentence} {Status.GAP.sentence} The gap is {scale * surface.gap:.4g} long."
 
 
 def plain(value: Any) -> Any:
