@@ -138,7 +138,7 @@ def _object(ob: bpy.types.Object) -> dict:
         "modifiers": [(m.name, m.type) for m in ob.modifiers],
         "slots": [(slot.link, _name(slot.material)) for slot in ob.material_slots],
         "groups": [group.name for group in ob.vertex_groups],
-        "custom": {key: repr(value) for key, value in ob.items()},
+        "custom": {key: value for key, value in ob.items() if isinstance(value, (int, float, str))},
         "hidden": (ob.hide_viewport, ob.hide_render),
         "cmc": _properties(ob.cmc),
     }
