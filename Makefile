@@ -6,6 +6,7 @@
 .PHONY: demo test lint test-solver test-blender extension gui-test bench gallery clean
 
 PYTHON := .venv/bin/python
+PYTEST := $(PYTHON) -m pytest --timeout=300
 SETUP := pyproject.toml scripts/setup_env.sh scripts/requirements.py scripts/system_libraries.sh
 SHIPPED := __init__.py blender_manifest.toml pyproject.toml scripts/build_extension.py \
            $(shell find solver cmc_addon -name '*.py')
@@ -23,11 +24,11 @@ lint: .venv/ready
 	$(PYTHON) -m pyright --pythonpath $(PYTHON)
 
 test-solver: .venv/ready
-	$(PYTHON) -m pytest tests/solver tests/test_layers.py
+	$(PYTEST) tests/solver tests/test_layers.py
 
 # A process of its own: in Blender the solver is a part of the extension.
 test-blender: .venv/ready dist/here $(BLENDERS)
-	$(PYTHON) -m pytest tests/blender
+	$(PYTEST) tests/blender
 
 # The zips to install in Blender, one a platform: dist/.
 extension: .venv/ready
@@ -35,7 +36,7 @@ extension: .venv/ready
 
 # The user interface in a real Blender with a window.
 gui-test: .venv/ready
-	$(PYTHON) -m pytest tests/gui
+	$(PYTEST) tests/gui
 
 bench: .venv/ready
 	$(PYTHON) -m pytest benchmarks
