@@ -3,12 +3,13 @@
 The way through the package is the way through the mathematics: domain → gauss → surface → measure.
 """
 
-# from .domain import shapes
+from .domain import shapes
 from .domain.domain import Domain
 from .errors import CmcError, ConditionError, JobError, MeshError, Status
 from .gauss import conditions
 from .gauss.conditions import Conditions
 from .gauss.harmonic import HarmonicMap, HarmonicSolver
+from .measure import conformal_distortion, mean_curvature_of, report
 from .surface.cmc import CmcSurface
 from .surface.periods import periods
 from .surface.solve import CmcSolver, solve_cmc
@@ -28,7 +29,10 @@ __all__ = [
     "MeshError",
     "Status",
     "conditions",
+    "conformal_distortion",
+    "mean_curvature_of",
     "periods",
-    # "shapes",
+    "report",
+    "shapes",
     "solve_cmc",
 ]

@@ -63,7 +63,8 @@ class Status(Enum):
 
 _SENTENCES = {
     Status.CONVERGED: "The normals are harmonic to the tolerance asked for.",
-    Status.STALLED: "No step lowers the energy any more, though the tolerance is not reached; refine or improve the mesh.",
+    Status.STALLED: "No step lowers the energy any more, though the tolerance is not reached; "
+    "refine or improve the mesh.",
     Status.ITERATION_LIMIT: "The iteration limit was reached before the tolerance; allow more iterations.",
     Status.UNDER_RESOLVED: "Neighbouring normals differ by more than 90°, so the mesh does not resolve the map; "
     "refine it, or round the corners of the plan.",

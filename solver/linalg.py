@@ -1,4 +1,4 @@
-"""Sparse factorisation of symmetric positive definite matrices, in one place.
+"""Sparse linear algebra, in one place: the factorisation of symmetric positive definite matrices.
 
 cholespy (a supernodal Cholesky factorisation) is used where it is installed; SciPy's SuperLU otherwise.
 """
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
 Array = NDArray[np.float64]
+Sparse = Any  # scipy.sparse ships no types
 
 
 class Factor(Protocol):
@@ -25,7 +26,14 @@ class Factor(Protocol):
         ...
 
 
-def factorize(A: sp.sparray | sp.spmatrix, backend: str = "auto") -> Factor:
+def sum_rows(rows: NDArray[np.integer], values: Array, count: int) -> Array:
+    """Add the rows of `values` (n, k), or (n,), into a table of `count` rows: `table[rows[i]] += values[i]`."""
+    if values.ndim == 1:
+        return np.asarray(np.bincount(rows, values, count), dtype=np.float64)
+    return np.stack([sum_rows(rows, column, count) for column in values.T], axis=1)
+
+
+def factorize(A: Sparse, backend: str = "auto") -> Factor:
     """Factor the symmetric positive definite sparse matrix A (n, n).
 
     `backend` is "cholespy", "superlu" or "auto" (cholespy where it is installed). Raises `ImportError` when
@@ -43,10 +51,10 @@ def factorize(A: sp.sparray | sp.spmatrix, backend: str = "auto") -> Factor:
 
 
 class _Cholespy:
-    def __init__(self, A: sp.sparray | sp.spmatrix, cholespy: Any) -> None:
-        coo = sp.coo_array(A)
+    def __init__(self, A: Sparse, cholespy: Any) -> None:
+        coo = A.tocoo()
         self._solver = cholespy.CholeskySolverD(
-            coo.shape[0],
+            A.shape[0],
             coo.row.astype(np.int32),
             coo.col.astype(np.int32),
             coo.data.astype(np.float64),
@@ -63,7 +71,7 @@ class _Cholespy:
 class _SuperLU:
     """The ordering and the symmetric mode matter: with SciPy's defaults this takes minutes, not seconds."""
 
-    def __init__(self, A: sp.sparray | sp.spmatrix) -> None:
+    def __init__(self, A: Sparse) -> None:
         self._solve: Callable[[Array], Array] = lambda b: b
         if A.shape[0]:
             self._solve = splu(

@@ -1,7 +1,7 @@
 """Edges from faces, and everything that must be true of them before a mesh is a surface.
 
-A half-edge is the side of a face opposite one of its corners: half-edge `3 f + k` is opposite corner `k` of face
-`f` and runs counter-clockwise, from `faces[f, k + 1]` to `faces[f, k + 2]`.
+A half-edge is the side of a face opposite one of its corners: half-edge `3 f + k` is opposite corner `k` of
+face `f` and runs counter-clockwise, from `faces[f, k + 1]` to `faces[f, k + 2]`.
 """
 
 from __future__ import annotations
@@ -71,7 +71,8 @@ def check_faces(faces: Int, vertex_count: int) -> None:
     unused = np.flatnonzero(np.bincount(faces.ravel(), minlength=vertex_count) == 0)
     if unused.size:
         raise MeshError(
-            f"{_cap(plural('vertex', unused))} {_belong(unused)} to no face; delete loose vertices.", vertices=unused
+            f"{_cap(plural('vertex', unused))} {_belong(unused)} to no face; delete loose vertices.",
+            vertices=unused,
         )
 
 
@@ -127,17 +128,17 @@ def pair_half_edges(faces: Int, face_edges: Int) -> Edges:
 
 def _check_opposite(faces: Int, start: Int, end: Int, left: NDArray, right: NDArray, interior: NDArray) -> None:
     """Two faces at an edge walk it in opposite directions, or the mesh is not oriented (or cannot be)."""
-    l, r = left[interior], right[interior]
-    opposite = (start[l] == end[r]) & (end[l] == start[r])
+    first, second = left[interior], right[interior]
+    opposite = (start[first] == end[second]) & (end[first] == start[second])
     if opposite.all():
         return
     bad = interior[~opposite]
-    joined = (start[l] == start[r]) & (end[l] == end[r])
+    joined = (start[first] == start[second]) & (end[first] == end[second])
     if not (opposite | joined).all():
         e = interior[~(opposite | joined)]
         raise MeshError(f"{_cap(plural('edge', e))} join different vertices in their two faces.", edges=e)
-    involved = np.unique(np.stack([l[~opposite] // 3, r[~opposite] // 3]))
-    if _one_sided(len(faces), l // 3, r // 3, opposite):
+    involved = np.unique(np.stack([first[~opposite] // 3, second[~opposite] // 3]))
+    if _one_sided(len(faces), first // 3, second // 3, opposite):
         message = "The mesh is one-sided, like a Möbius strip: no choice of normals is consistent across"
         way_out = "cut the strip open, or untwist it"
     else:
@@ -178,8 +179,8 @@ def check_surface(faces: Int, mesh: Edges, vertex_count: int) -> None:
     pinched = np.flatnonzero(fans > 1)
     if pinched.size:
         raise MeshError(
-            f"{_cap(plural('vertex', pinched))} {'joins' if pinched.size == 1 else 'join'} parts of the mesh that share no edge "
-            "there; split the vertex, or widen the neck.",
+            f"{_cap(plural('vertex', pinched))} {'joins' if pinched.size == 1 else 'join'} parts of "
+            "the mesh that share no edge there; split the vertex, or widen the neck.",
             vertices=pinched,
         )
 
@@ -195,13 +196,14 @@ def _fan_vertices(faces: Int, mesh: Edges) -> Int:
 def corner_classes(faces: Int, mesh: Edges, joined: NDArray[np.bool_]) -> Int:
     """Classes of corners (F, 3) of a vertex that hang together across the `joined` (E,) interior edges.
 
-    With all interior edges joined, each vertex of a surface is one class; with the edges of a cut left out, each
-    vertex of the cut surface is.
+    With all interior edges joined, each vertex of a surface is one class; with the edges of a cut left out,
+    each vertex of the cut surface is.
     """
-    l, r = mesh.half_edges[joined].T
-    # the corner at the start of the left half-edge is the one at the end of the right half-edge, and vice versa
-    rows = np.concatenate([_next(l), _next(_next(l))])
-    cols = np.concatenate([_next(_next(r)), _next(r)])
+    left, right = mesh.half_edges[joined].T
+    # the corner at the start of the left half-edge is the one at the end of the right half-edge, and vice
+    # versa
+    rows = np.concatenate([_next(left), _next(_next(left))])
+    cols = np.concatenate([_next(_next(right)), _next(right)])
     graph = sp.coo_array((np.ones(rows.size), (rows, cols)), shape=(faces.size, faces.size))
     return connected_components(graph, directed=False)[1].reshape(-1, 3).astype(np.int32)
 
@@ -211,7 +213,8 @@ def _next(h: NDArray) -> NDArray:
 
 
 def boundary_loops(mesh: Edges) -> tuple[list[Int], list[Int]]:
-    """Closed boundary walks, the surface on the left: vertices of each, and its edges (edge k starts at vertex k).
+    """Closed boundary walks, the surface on the left: vertices of each, and its edges (edge k starts at
+    vertex k).
 
     A loop starts at its smallest vertex; loops are sorted by it.
     """

@@ -1,8 +1,8 @@
 """The domain of a map: triangles and edge lengths, nothing else.
 
-Everything the solver needs is intrinsic. Positions in the plane or in space are one way to get lengths; a strip
-glued into a cylinder, a torus, or an intrinsic triangulation are domains just as well. A vertex of such a domain has
-no single position, but every face has a planar layout of its own.
+Everything the solver needs is intrinsic. Positions in the plane or in space are one way to get lengths; a
+strip glued into a cylinder, a torus, or an intrinsic triangulation are domains just as well. A vertex of such
+a domain has no single position, but every face has a planar layout of its own.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import MeshError, listed, plural
+from ..linalg import sum_rows
 from . import connectivity
 from .connectivity import Edges, Int
 
@@ -31,8 +32,8 @@ _LENGTH_TOLERANCE = 1e-5
 class Domain:
     """A connected, oriented, manifold triangle mesh with a length on every edge.
 
-    Make one by `from_positions`, `from_corners` or `from_edge_lengths`, which validate; the constructor itself takes
-    arrays as they are.
+    Make one by `from_positions`, `from_corners` or `from_edge_lengths`, which validate; the constructor
+    itself takes arrays as they are.
 
     faces: (F, 3) vertex indices, counter-clockwise.
     face_edges: (F, 3) edge indices; edge k of a face is opposite its corner k.
@@ -47,9 +48,9 @@ class Domain:
     def from_positions(cls, vertices: ArrayLike, faces: ArrayLike) -> Domain:
         """Domain of a mesh in the plane or in space: vertices (V, 2) or (V, 3), faces (F, 3).
 
-        Raises `MeshError`, naming the offenders, on anything that is not a surface: NaN, indices out of range,
-        repeated or degenerate faces, loose vertices, edges with three faces, inconsistent orientation, several
-        components, vertices that join parts without a common edge.
+        Raises `MeshError`, naming the offenders, on anything that is not a surface: NaN, indices out of
+        range, repeated or degenerate faces, loose vertices, edges with three faces, inconsistent orientation,
+        several components, vertices that join parts without a common edge.
         """
         positions = _as_positions(vertices)
         triangles = connectivity.as_faces(faces)
@@ -60,15 +61,18 @@ class Domain:
 
     @classmethod
     def from_corners(cls, faces: ArrayLike, corners: ArrayLike, *, face_edges: ArrayLike | None = None) -> Domain:
-        """Domain glued from faces that each have corner positions of their own, `corners` (F, 3, 2) or (F, 3, 3).
+        """Domain glued from faces that each have corner positions of their own, `corners` (F, 3, 2) or (F, 3,
+        3).
 
-        `faces` says which corners are one vertex; the two sides of a glued edge must be equally long. Edges that
-        join the same two vertices but are different edges are told apart by `face_edges` (F, 3).
+        `faces` says which corners are one vertex; the two sides of a glued edge must be equally long. Edges
+        that join the same two vertices but are different edges are told apart by `face_edges` (F, 3).
         """
         points = np.asarray(corners, dtype=np.float64)
         triangles = connectivity.as_faces(faces)
         if points.shape not in ((len(triangles), 3, 2), (len(triangles), 3, 3)):
-            raise MeshError(f"Corners must have shape (F, 3, 2) or (F, 3, 3) with F = {len(triangles)}, not {points.shape}.")
+            raise MeshError(
+                f"Corners must have shape (F, 3, 2) or (F, 3, 3) with F = {len(triangles)}, not {points.shape}."
+            )
         bad = np.flatnonzero(~np.isfinite(points).all(axis=(1, 2)))
         if bad.size:
             raise MeshError(f"Corners of {plural('face', bad)} are not finite numbers.", faces=bad)
@@ -80,7 +84,8 @@ class Domain:
         """Domain from `lengths` (F, 3), length k of a face opposite its corner k.
 
         Sides that join the same two vertices are one edge unless `face_edges` (F, 3) says otherwise. Raises
-        `MeshError` where two sides of an edge differ, a length is not positive or a triangle inequality fails.
+        `MeshError` where two sides of an edge differ, a length is not positive or a triangle inequality
+        fails.
         """
         triangles = connectivity.as_faces(faces)
         sides = np.asarray(lengths, dtype=np.float64)
@@ -186,7 +191,7 @@ class Domain:
     @cached_property
     def vertex_areas(self) -> Array:
         """(V,): a third of the area of the faces around each vertex."""
-        return np.bincount(self.faces.ravel(), np.repeat(self.face_areas / 3.0, 3), self.vertex_count)
+        return sum_rows(self.faces.ravel(), np.repeat(self.face_areas / 3.0, 3), self.vertex_count)
 
     @cached_property
     def area(self) -> float:
@@ -195,7 +200,7 @@ class Domain:
     @cached_property
     def cotan_weights(self) -> Array:
         """(E,) w_ij = ½ (cot θ_k + cot θ_l); one cotangent on the boundary (paper, Eq. 6)."""
-        return 0.5 * np.bincount(self.face_edges.ravel(), self.corner_cotans.ravel(), len(self.edge_lengths))
+        return 0.5 * sum_rows(self.face_edges.ravel(), self.corner_cotans.ravel(), len(self.edge_lengths))
 
     @cached_property
     def laplacian(self) -> sp.csr_array:
@@ -233,7 +238,8 @@ def _as_positions(vertices: ArrayLike) -> Array:
     bad = np.flatnonzero(~np.isfinite(positions).all(axis=1))
     if bad.size:
         raise MeshError(
-            f"Coordinates of {plural('vertex', bad)} are not finite numbers; move or delete {'it' if bad.size == 1 else 'them'}.",
+            f"Coordinates of {plural('vertex', bad)} are not finite numbers; "
+            f"move or delete {'it' if bad.size == 1 else 'them'}.",
             vertices=bad,
         )
     return positions
@@ -259,7 +265,8 @@ def _common_lengths(mesh: Edges, sides: Array) -> Array:
     bad = np.unique(e[np.abs(sides.ravel() - mean[e]) > _LENGTH_TOLERANCE * mean[e]])
     if bad.size:
         raise MeshError(
-            f"The two faces at {plural('edge', bad)} (vertices {listed(mesh.edges[bad[0]])} first) give it different lengths.",
+            f"The two faces at {plural('edge', bad)} (vertices {listed(mesh.edges[bad[0]])} first) "
+            "give it different lengths.",
             edges=bad,
         )
     return mean

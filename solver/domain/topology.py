@@ -1,8 +1,8 @@
 """Trees, loops and cuts: what it takes to integrate a closed form on a domain that may have holes.
 
-A form is one value an edge, the increment of a function on the faces: `value(left) - value(right)`. It is closed when
-the increments around every interior vertex sum to zero. Then it has an integral on the cover of the domain; on the domain
-itself, cut open along edges, the integral jumps by a period across each cut.
+A form is one value an edge, the increment of a function on the faces: `value(left) - value(right)`. It is
+closed when the increments around every interior vertex sum to zero. Then it has an integral on the cover of
+the domain; on the domain itself, cut open along edges, the integral jumps by a period across each cut.
 """
 
 from __future__ import annotations
@@ -22,11 +22,14 @@ Int = NDArray[np.integer]
 
 
 def accumulate(parent: Int, increments: Array) -> Array:
-    """Sum increments along the path to the root: `x[i] = increments[i] + x[parent[i]]`; a root is its own parent.
+    """Sum increments along the path to the root: `x[i] = increments[i] + x[parent[i]]`; a root is its own
+    parent.
 
-    By pointer jumping: as many rounds as the logarithm of the depth, each over whole arrays. Roots add nothing.
+    By pointer jumping: as many rounds as the logarithm of the depth, each over whole arrays. Roots add
+    nothing.
     """
-    total = np.where((parent == np.arange(len(parent)))[:, None], 0.0, increments)
+    total = np.array(increments, dtype=np.float64)
+    total[parent == np.arange(len(parent))] = 0.0
     while True:
         above = parent[parent]
         total = total + total[parent]
@@ -49,7 +52,7 @@ class DualTree:
         n = len(domain.faces)
         rows, cols = np.concatenate([left, right]), np.concatenate([right, left])
         adjacency = sp.csr_array((np.ones(rows.size), (rows, cols)), shape=(n, n))
-        order, before = breadth_first_order(adjacency, 0, directed=True)
+        before = breadth_first_order(adjacency, 0, directed=True)[1]
         parent = np.where(before < 0, np.arange(n), before)
         neighbours = _neighbours(domain)
         across = np.argmax(neighbours == parent[:, None], axis=1)
@@ -69,7 +72,8 @@ def _neighbours(domain: Domain) -> Int:
 
 @dataclass(frozen=True)
 class Homology:
-    """Loops that cannot be contracted, and a cut across each: `2 genus + loops - 1` of them (closed: `2 genus`).
+    """Loops that cannot be contracted, and a cut across each: `2 genus + loops - 1` of them (closed: `2
+    genus`).
 
     tree: of the faces; the fundamental domain.
     generators: (k,) one edge each; loop j crosses generator j from right to left and closes in the tree.
@@ -167,8 +171,8 @@ class CutSurface:
     offsets: (n, k) integers: `value(row) = value(source) + offsets @ periods`.
     """
 
-    faces: Int
-    source: Int
+    faces: NDArray[np.int32]
+    source: NDArray[np.int32]
     offsets: Int
 
     @classmethod

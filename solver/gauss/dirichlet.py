@@ -6,7 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from ..linalg import factorize
+from ..linalg import Sparse, factorize
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -18,7 +18,7 @@ class Dirichlet:
     Unknown boundary sites get the natural condition. L: (S, S) positive semidefinite, of one component.
     """
 
-    def __init__(self, L: sp.csr_array, fixed: Int) -> None:
+    def __init__(self, L: Sparse, fixed: Int) -> None:
         unknown = np.ones(L.shape[0], dtype=bool)
         unknown[fixed] = False
         self.fixed = fixed

@@ -1,8 +1,8 @@
 """Edge energies of sphere-valued maps, as functions of c = <N_i, N_j> (paper, Sec. 4).
 
 An energy is `Σ value(c)` over the edges; `star = -d value / dc` is also the Hodge star of the conjugate,
-`tau_ij = star_ij N_i × N_j`; `dstar` is its derivative in c, which Newton's method needs. As functions of c rather than
-of the bending angle α (c = cos α, star = ε'(α) / sin α) they are smooth where normals agree.
+`tau_ij = star_ij N_i × N_j`; `dstar` is its derivative in c, which Newton's method needs. As functions of c
+rather than of the bending angle α (c = cos α, star = ε'(α) / sin α) they are smooth where normals agree.
 """
 
 from __future__ import annotations

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
@@ -31,7 +31,8 @@ _COLLAPSED = 1e-12
 class HarmonicMap:
     """A (nearly) critical point of the Dirichlet energy.
 
-    normals: (S, 3) unit vectors. energy: ½ <LN, N>. residual: `sqrt(A Σ |P_i (LN)_i|² / A_i)` at these normals.
+    normals: (S, 3) unit vectors. energy: ½ <LN, N>. residual: `sqrt(A Σ |P_i (LN)_i|² / A_i)` at these
+    normals.
     degree: signed area covered, as a part of the sphere. iterations: Newton steps taken.
     history: energy, residual, back-solves and step length, one line for each map reached.
     """
@@ -79,9 +80,10 @@ class HarmonicSolver:
     ) -> HarmonicMap:
         """A harmonic map with the prescribed normals, from `initial` (S, 3) or from a start of its own.
 
-        `side` ±1 chooses between the two sides of data that lie in one plane; `degree` asks for a homotopy class. There
-        may be many harmonic maps for the same boundary: the result is the one reached, to be judged by its energy,
-        degree and status. Raises `ConditionError` when nothing, or everything, is fixed.
+        `side` ±1 chooses between the two sides of data that lie in one plane; `degree` asks for a homotopy
+        class. There
+        may be many harmonic maps for the same boundary: the result is the one reached, to be judged by its
+        energy, degree and status. Raises `ConditionError` when nothing, or everything, is fixed.
         """
         _check_name("method", method, METHODS)
         fixed, data = self._fixed(conditions)
@@ -89,7 +91,11 @@ class HarmonicSolver:
         start = self._start(dirichlet, data, conditions.up, initial, side, degree)
         problem = _problem(self.domain, dirichlet, data)
         found = METHODS[method](
-            problem, start[dirichlet.unknown], tolerance=tolerance, max_iterations=max_iterations, progress=progress
+            problem,
+            start[dirichlet.unknown],
+            tolerance=tolerance,
+            max_iterations=max_iterations,
+            progress=progress,
         )
         normals = start
         normals[dirichlet.unknown] = found.X
@@ -116,8 +122,8 @@ class HarmonicSolver:
             raise ConditionError(f"The conditions fix vertex {fixed[-1]}, which this domain does not have.")
         if len(fixed) == self.domain.vertex_count:
             raise ConditionError(
-                f"All {len(fixed)} vertices are fixed and none is left to solve for; subdivide the mesh, so that it has "
-                "vertices inside."
+                f"All {len(fixed)} vertices are fixed and none is left to solve for; subdivide the mesh, "
+                "so that it has vertices inside."
             )
         return fixed, data
 
@@ -174,7 +180,7 @@ def _as_unit(initial: ArrayLike, count: int) -> Array:
     return given / length[:, None]
 
 
-def _check_name(what: str, name: str, known: object) -> None:
-    names = list(known)  # type: ignore[call-overload]
+def _check_name(what: str, name: str, known: Iterable[str]) -> None:
+    names = list(known)
     if name not in names:
         raise ConditionError(f"There is no {what} {name!r}; known are {', '.join(names)}.")

@@ -1,9 +1,10 @@
 """Where a minimiser starts.
 
-The harmonic extension h of the boundary normals in R³, normalised, is the natural start, but it vanishes somewhere
-more often than not. On every flat plan with outward conormals the data lie in one plane; Newton's method would stay in it
-and find a critical map that is no minimiser. Where that happens h is lifted onto the sphere: `h + s √(1 - |h|²) u` keeps
-the boundary normals (|h| = 1) and pushes the inside to the side s = ±1 of u, the oriented normal of the domain.
+The harmonic extension h of the boundary normals in R³, normalised, is the natural start, but it vanishes
+somewhere more often than not. On every flat plan with outward conormals the data lie in one plane; Newton's
+method would stay in it and find a critical map that is no minimiser. Where that happens h is lifted onto the
+sphere: `h + s √(1 - |h|²) u` keeps the boundary normals (|h| = 1) and pushes the inside to the side s = ±1 of
+u, the oriented normal of the domain.
 
 A *wound* start covers the sphere a given number of times more than that: another homotopy class.
 """
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from ..domain.domain import Domain
 from ..domain.topology import DualTree
 from ..errors import ConditionError
+from ..linalg import sum_rows
 from .dirichlet import Dirichlet
 from .sphere import degree as degree_of
 from .sphere import dot, normalize
@@ -23,9 +25,11 @@ from .sphere import dot, normalize
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
-# Data count as coplanar when the smallest singular value of the boundary normals is below this part of the largest.
+# Data count as coplanar when the smallest singular value of the boundary normals is below this part of the
+# largest.
 _COPLANAR = 1e-6
-# An extension shorter than this somewhere is not normalised: its direction there would be an accident of the mesh.
+# An extension shorter than this somewhere is not normalised: its direction there would be an accident of the
+# mesh.
 _SHORTEST = 0.2
 # Boundary normals that on average lean this much away from the side asked for want the way over the pole.
 _LEANING = 0.05
@@ -34,10 +38,12 @@ _BUBBLE = 0.5
 
 
 def harmonic_start(domain: Domain, dirichlet: Dirichlet, data: Array, up: Array, side: int) -> Array:
-    """Unit normals (V, 3) from the fixed normals `data` (n, 3); `up` (3,) is the oriented normal of the domain, or zero.
+    """Unit normals (V, 3) from the fixed normals `data` (n, 3); `up` (3,) is the oriented normal of the
+    domain, or zero.
 
-    Candidates, the first that is nowhere short winning: the extension itself (unless the data are coplanar); lifted over
-    the pole, where the data lean away from `side`; lifted along each principal axis of the data, the least one first.
+    Candidates, the first that is nowhere short winning: the extension itself (unless the data are coplanar);
+    lifted over the pole, where the data lean away from `side`; lifted along each principal axis of the data,
+    the least one first.
     """
     extension = dirichlet.extend(data)
     axes = _axes(data, up if up.any() else _winding(domain, dirichlet.fixed, data))
@@ -58,7 +64,8 @@ def harmonic_start(domain: Domain, dirichlet: Dirichlet, data: Array, up: Array,
 
 
 def wound_start(domain: Domain, dirichlet: Dirichlet, start: Array, degree: float) -> Array:
-    """A map with the boundary normals of `start` (V, 3) whose degree is the one nearest to `degree` in its class.
+    """A map with the boundary normals of `start` (V, 3) whose degree is the one nearest to `degree` in its
+    class.
 
     On a domain with two boundary loops whose normals are a and -a it winds around the axis a. On a disc it
     grafts a bubble in the middle. Other domains raise `ConditionError`.
@@ -75,8 +82,8 @@ def wound_start(domain: Domain, dirichlet: Dirichlet, start: Array, degree: floa
         other = _grafted(domain, dirichlet, start, -turns)
     else:
         raise ConditionError(
-            f"A start of degree {degree:g} is known for discs, and for cylinders whose two ends carry opposite constant "
-            "normals; give an initial map instead."
+            f"A start of degree {degree:g} is known for discs, and for cylinders whose two ends carry "
+            "opposite constant normals; give an initial map instead."
         )
     miss, other_miss = (abs(degree_of(map_, domain.faces) - degree) for map_ in (wound, other))
     return wound if miss <= other_miss else other
@@ -95,7 +102,7 @@ def _axes(data: Array, up: Array) -> list[Array]:
 
 
 def _winding(domain: Domain, fixed: Int, data: Array) -> Array:
-    """The vector area Σ N_i × N_j of the curve of normals along the longest boundary loop: positive around an outline."""
+    """The vector area Σ N_i × N_j of the normals along the longest boundary loop: positive around an outline."""
     loops = domain.boundary_loops
     if not loops:
         return np.zeros(3)
@@ -119,7 +126,7 @@ def _ends_are_antipodal(domain: Domain, start: Array) -> bool:
 
 
 def _winding_cylinder(domain: Domain, dirichlet: Dirichlet, start: Array, turns: int) -> Array:
-    """From a to -a along meridians that turn with the conformal angle v: cos(πu) a + sin(πu) (cos kv b + sin kv a × b)."""
+    """cos(πu) a + sin(πu) (cos kv b + sin kv a × b): meridians from a to -a that turn with the conformal angle v."""
     first, second = domain.boundary_loops
     values = np.zeros((domain.vertex_count, 1))
     values[second] = 1.0
@@ -130,9 +137,11 @@ def _winding_cylinder(domain: Domain, dirichlet: Dirichlet, start: Array, turns:
 
 
 def _grafted(domain: Domain, dirichlet: Dirichlet, start: Array, turns: int) -> Array:
-    """Replace the map around the deepest vertex p by one that leaves N(p) along all meridians and comes back to N.
+    """Replace the map around the deepest vertex p by one that leaves N(p) along all meridians and comes back
+    to N.
 
-    The polar coordinates around p are conformal: ρ = exp(-2πG) with Green's function G, and its conjugate angle.
+    The polar coordinates around p are conformal: ρ = exp(-2πG) with Green's function G, and its conjugate
+    angle.
     """
     source = np.zeros((domain.vertex_count, 1))
     centre = int(np.argmax(_depth(dirichlet, domain)))
@@ -158,11 +167,7 @@ def _carried(pole: Array, targets: Array, vectors: Array) -> Array:
     """Rotate each vector as the pole is rotated to its target along a great circle (not antipodal)."""
     axis = np.cross(pole, targets)
     cosine = (targets @ pole)[:, None]
-    return (
-        cosine * vectors
-        + np.cross(axis, vectors)
-        + axis * dot(axis, vectors) / np.maximum(1.0 + cosine, 1e-12)
-    )
+    return cosine * vectors + np.cross(axis, vectors) + axis * dot(axis, vectors) / np.maximum(1.0 + cosine, 1e-12)
 
 
 def _angle_around(domain: Domain, potential: Array) -> NDArray[np.complex128]:
@@ -171,10 +176,10 @@ def _angle_around(domain: Domain, potential: Array) -> NDArray[np.complex128]:
     flux = domain.cotan_weights * (potential[j] - potential[i])
     total = abs(_outflow(domain, flux))
     v = DualTree.of(domain).integrate(domain, flux[:, None])[:, 0] * (2.0 * np.pi / total)
-    spin = np.exp(1j * np.repeat(v, 3))
+    spin: NDArray[np.complex128] = np.exp(1j * np.repeat(v, 3))
     corners = domain.faces.ravel()
     n = domain.vertex_count
-    sums = np.bincount(corners, spin.real, n) + 1j * np.bincount(corners, spin.imag, n)
+    sums = sum_rows(corners, spin.real, n) + 1j * sum_rows(corners, spin.imag, n)
     return sums / np.maximum(np.abs(sums), 1e-12)
 
 

@@ -1,9 +1,12 @@
-"""Newton's method on the product of spheres, with conjugate gradients inside (MATH: the energy is ½ <LN, N>, |N_i| = 1).
+"""Newton's method on the product of spheres, with conjugate gradients inside (MATH: the energy is ½ <LN, N>,
+|N_i| = 1).
 
-At a map N, let G = LN, λ_i = <N_i, G_i> and P the projection on the tangent planes. Then PG is the gradient and
-P (L - λ) P the Hessian. Each step solves P (L - λ) P d = -P G by conjugate gradients, preconditioned by the factor
-of L, which does not change; it stops early while N is far from critical. Where the curvature is negative the step goes
-as far along that direction as a step may: near a saddle the gradient alone would take hundreds of steps to leave.
+At a map N, let G = LN, λ_i = <N_i, G_i> and P the projection on the tangent planes. Then PG is the gradient
+and P (L - λ) P the Hessian. Each step solves P (L - λ) P d = -P G by conjugate gradients, preconditioned by
+the factor of L, which does not change; it stops early while N is far from critical. Where the curvature is
+negative the step goes
+as far along that direction as a step may: near a saddle the gradient alone would take hundreds of steps to
+leave.
 """
 
 from __future__ import annotations
@@ -76,7 +79,12 @@ class Minimum:
 
 
 def newton(
-    problem: DirichletProblem, X: Array, *, tolerance: float, max_iterations: int, progress: Progress | None = None
+    problem: DirichletProblem,
+    X: Array,
+    *,
+    tolerance: float,
+    max_iterations: int,
+    progress: Progress | None = None,
 ) -> Minimum:
     """Minimise from X (U, 3). Never raises for want of convergence: the status says how it ended.
 
@@ -141,8 +149,8 @@ def _line_search(
 ) -> tuple[Array, Array, float] | None:
     """Armijo's rule along exp_N; the next map, its gradient and the step, or None.
 
-    The decrease is computed as ½ <X' - X, G' + G>, not as a difference of energies, which would drown in rounding
-    long before the tolerance is reached.
+    The decrease is computed as ½ <X' - X, G' + G>, not as a difference of energies, which would drown in
+    rounding long before the tolerance is reached.
     """
     slope = inner(tangent, direction)
     step = min(1.0, _LARGEST_ROTATION / _longest(direction))

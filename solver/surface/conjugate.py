@@ -1,8 +1,9 @@
 """From normals to the conjugate surface g of constant Gauss curvature, dg = τ = N × *dN (paper, Prop. 3.2).
 
-`tau_ij = star_ij N_i × N_j` is the edge of g dual to edge ij: `g_left - g_right` across i → j. Around an interior vertex
-these edges close exactly when N is harmonic there. So g lives on the faces, at their circumcentres; where the domain
-has holes it is integrated on the domain cut open, and jumps by a period across each cut.
+`tau_ij = star_ij N_i × N_j` is the edge of g dual to edge ij: `g_left - g_right` across i → j. Around an
+interior vertex these edges close exactly when N is harmonic there. So g lives on the faces, at their
+circumcentres; where the domain has holes it is integrated on the domain cut open, and jumps by a period
+across each cut.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from ..domain.domain import Domain
 from ..domain.topology import Homology
 from ..gauss.energies import EdgeEnergy
-from ..linalg import factorize
+from ..linalg import factorize, sum_rows
 
 Array = NDArray[np.float64]
 
@@ -26,9 +27,10 @@ Array = NDArray[np.float64]
 class Conjugate:
     """The discrete conjugate at scale 1 (H = ½), its first face at the origin.
 
-    tau: (E, 3). g: (F, 3), one point a face. boundary_points: (B, 3), one on each of `domain.boundary_edges`, which
-    complete the dual polygons of the boundary vertices (paper, Fig. 7). closure_error: the largest gap |Σ tau| around
-    an interior vertex. periods: (k, 3), the jumps across the cuts of a domain with holes or handles.
+    tau: (E, 3). g: (F, 3), one point a face. boundary_points: (B, 3), one on each of `domain.boundary_edges`,
+    which complete the dual polygons of the boundary vertices (paper, Fig. 7). closure_error: the largest gap
+    |Σ tau| around an interior vertex. periods: (k, 3), the jumps across the cuts of a domain with holes or
+    handles.
     """
 
     tau: Array
@@ -74,9 +76,9 @@ def conjugate_form(domain: Domain, N: Array, energy: EdgeEnergy) -> Array:
 def solve_dual_poisson(domain: Domain, N: Array) -> Array:
     """The conjugate (F, 3) of a simply connected domain by the dual Poisson equation, centred at its mean.
 
-    Σ w*_e (g_left - g_right) = Σ N_i × N_j around every face, w* = 1/w the dual cotangent weights, with the natural
-    condition along the boundary (paper, Eq. 10). Defined where no interior weight vanishes; a second way to g,
-    which agrees with the integral of tau as far as N is harmonic.
+    Σ w*_e (g_left - g_right) = Σ N_i × N_j around every face, w* = 1/w the dual cotangent weights, with the
+    natural condition along the boundary (paper, Eq. 10). Defined where no interior weight vanishes; a second
+    way to g, which agrees with the integral of tau as far as N is harmonic.
     """
     inside = domain.interior_edges
     left, right = domain.edge_faces[inside].T
@@ -97,7 +99,7 @@ def _closure_error(domain: Domain, tau: Array) -> float:
     """Largest |Σ_j tau_ij| around an interior vertex i."""
     i, j = domain.edges.T
     n = domain.vertex_count
-    sums = np.stack([np.bincount(i, t, n) - np.bincount(j, t, n) for t in tau.T], axis=1)
+    sums = sum_rows(i, tau, n) - sum_rows(j, tau, n)
     sums[domain.boundary_vertices] = 0.0
     return float(np.sqrt(np.einsum("ij,ij->i", sums, sums).max()))
 

@@ -1,9 +1,10 @@
 """Values at vertices from values at faces, by a linear fit around each vertex.
 
-The conjugate is known at circumcentres and at the midpoints of boundary edges. Unfold the faces around a vertex into the
-plane, their angles scaled so that those of an interior vertex sum to 2π; fit a linear function to the known values by least
-squares, and take its value at the vertex. Exact for linear functions on a flat domain, hence second order for
-smooth ones; the area average of the paper (Eq. 11) is not, since a mean of circumcentres is not the vertex.
+The conjugate is known at circumcentres and at the midpoints of boundary edges. Unfold the faces around a
+vertex into the plane, their angles scaled so that those of an interior vertex sum to 2π; fit a linear
+function to the known values by least squares, and take its value at the vertex. Exact for linear functions on
+a flat domain, hence second order for smooth ones; the area average of the paper (Eq. 11) is not, since a mean
+of circumcentres is not the vertex.
 """
 
 from __future__ import annotations
@@ -14,11 +15,13 @@ from numpy.typing import NDArray
 
 from ..domain.domain import Domain
 from ..domain.topology import accumulate
+from ..linalg import sum_rows
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
-# Singular values of the fit below this part of the largest are dropped: points on a line give no slope across it.
+# Singular values of the fit below this part of the largest are dropped: points on a line give no slope across
+# it.
 _RANK = 1e-6
 
 
@@ -41,7 +44,9 @@ def fit_weights(domain: Domain, vertices: Int) -> tuple[sp.csr_array, sp.csr_arr
 
 def _value_at_origin(rows: Int, samples: Array, count: int) -> Array:
     """Weight of each sample in the value at the origin of the linear function fitted to the samples of its row."""
-    radius = np.sqrt(np.bincount(rows, np.einsum("ij,ij->i", samples, samples), count) / np.bincount(rows, minlength=count))
+    radius = np.sqrt(
+        np.bincount(rows, np.einsum("ij,ij->i", samples, samples), count) / np.bincount(rows, minlength=count)
+    )
     basis = np.column_stack([np.ones(len(rows)), samples / radius[rows, None]])
     moments = np.zeros((count, 3, 3))
     for a in range(3):
@@ -82,14 +87,14 @@ def _midpoints(domain: Domain) -> tuple[Array, Int]:
 
 
 def _vertex_angles(domain: Domain) -> Array:
-    return np.bincount(domain.faces.ravel(), domain.corner_angles.ravel(), domain.vertex_count)
+    return sum_rows(domain.faces.ravel(), domain.corner_angles.ravel(), domain.vertex_count)
 
 
 def _fan_angles(domain: Domain, corners: Int) -> tuple[Array, Array]:
     """Direction (n,) in which the face of each corner begins, and the stretch (n,) of its angles.
 
-    `corners` are all those of some vertices. They are walked counter-clockwise around each vertex, from the boundary edge
-    that leaves it, or from any corner inside.
+    `corners` are all those of some vertices. They are walked counter-clockwise around each vertex, from the
+    boundary edge that leaves it, or from any corner inside.
     """
     vertices = domain.faces.ravel()[corners]
     # the half-edge that leaves corner k lies opposite corner k + 2; behind it is the corner before, clockwise

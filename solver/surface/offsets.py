@@ -2,7 +2,8 @@
 
 Three averages, by name:
 
-galerkin: the conforming solution of min Σ_f A_f |∇g - τ_f|² with τ_f = N̄ × *∇N on each face; first order in H.
+galerkin: the conforming solution of min Σ_f A_f |∇g - τ_f|² with τ_f = N̄ × *∇N on each face; first order in
+H.
 linear: a linear fit around each vertex to the values at circumcentres; first order in H.
 area: the area-weighted mean of the paper (Eq. 11), which does not converge on irregular meshes.
 
@@ -21,6 +22,7 @@ from numpy.typing import NDArray
 from ..domain.domain import Domain
 from ..domain.topology import Homology
 from ..gauss.dirichlet import Dirichlet
+from ..linalg import sum_rows
 from .conjugate import Conjugate, cross
 from .fit import fit_weights
 
@@ -47,8 +49,8 @@ class Averaging:
 def galerkin(a: Averaging) -> Array:
     """g (V, 3) on the first rows of the cut surface, from `L g = Σ_f ∫ <∇φ_i, τ_f - ∇(offsets)>`.
 
-    On a simply connected domain the factor of the normals serves again: g is fitted linearly at the fixed vertices and
-    solved for at the others. With holes, one vertex is held and the whole Laplacian factored.
+    On a simply connected domain the factor of the normals serves again: g is fitted linearly at the fixed
+    vertices and solved for at the others. With holes, one vertex is held and the whole Laplacian factored.
     """
     load = _galerkin_load(a.domain, a.N)
     if a.homology.is_trivial:
@@ -67,7 +69,7 @@ def linear(a: Averaging) -> Array:
 
 
 def area(a: Averaging) -> Array:
-    """g (V, 3) as the mean of the conjugate on the faces around each vertex, weighted by their areas (paper, Eq. 11)."""
+    """g (V, 3) as the area-weighted mean of the conjugate on the faces around each vertex (paper, Eq. 11)."""
     domain = a.domain
     face = np.repeat(np.arange(len(domain.faces)), 3)
     totals = np.bincount(domain.faces.ravel(), domain.face_areas[face], domain.vertex_count)
@@ -93,14 +95,10 @@ def _galerkin_load(domain: Domain, N: Array) -> Array:
         e = domain.face_edges[:, k]
         products = np.where((left[e] == np.arange(len(sums)))[:, None], along[e], -along[e])
         sums += products
-        load += _summed(domain.faces[:, k], products, domain.vertex_count)
+        load += sum_rows(domain.faces[:, k], products, domain.vertex_count)
     for k in range(3):
-        load -= _summed(domain.faces[:, k], sums / 3.0, domain.vertex_count)
+        load -= sum_rows(domain.faces[:, k], sums / 3.0, domain.vertex_count)
     return 0.5 * load
-
-
-def _summed(rows: Int, vectors: Array, count: int) -> Array:
-    return np.stack([np.bincount(rows, x, count) for x in vectors.T], axis=1)
 
 
 def _offset_load(domain: Domain, homology: Homology, periods: Array) -> Array:
@@ -112,8 +110,8 @@ def _offset_load(domain: Domain, homology: Homology, periods: Array) -> Array:
     for k in range(3):
         i, j = (k + 1) % 3, (k + 2) % 3
         pull = half_cotans[:, k, None] * (shift[:, i] - shift[:, j])
-        np.add.at(load, domain.faces[:, i], pull)
-        np.add.at(load, domain.faces[:, j], -pull)
+        load += sum_rows(domain.faces[:, i], pull, domain.vertex_count)
+        load -= sum_rows(domain.faces[:, j], pull, domain.vertex_count)
     return load
 
 

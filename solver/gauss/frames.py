@@ -1,0 +1,169 @@
+"""Boundary edges, the right angles along them, and how directions of edges are blended at their vertices."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..domain.domain import Domain
+from ..errors import ConditionError, listed, plural
+from ..linalg import sum_rows
+
+Array = NDArray[np.float64]
+Int = NDArray[np.integer]
+
+# Directions whose (weighted) sum is shorter than this part of their weights count as opposite.
+_OPPOSITE = 1e-6
+
+
+def boundary_edges(domain: Domain, edges: ArrayLike) -> Int:
+    """Indices (K,) of boundary edges, from indices or from (K, 2) vertex pairs; `ConditionError` on any other."""
+    given = np.asarray(edges)
+    if given.size == 0:
+        return np.zeros(0, dtype=np.int64)
+    if not np.issubdtype(given.dtype, np.integer) or not (given.ndim == 1 or given.shape[1:] == (2,)):
+        raise ConditionError(f"Edges must be indices (K,) or vertex pairs (K, 2), not {given.dtype} {given.shape}.")
+    if given.ndim == 2:
+        return _edges_of_pairs(domain, given.astype(np.int64))
+    check_range(given, len(domain.edges), "edge")
+    inside = np.unique(given[domain.edge_faces[given, 1] >= 0])
+    if inside.size:
+        raise ConditionError(
+            f"{plural('edge', inside).capitalize()} {_is(inside)} not on the boundary (edge {inside[0]} joins vertices "
+            f"{listed(domain.edges[inside[0]])}); choose boundary edges only.",
+            edges=inside,
+        )
+    return given.astype(np.int64)
+
+
+def _edges_of_pairs(domain: Domain, pairs: Int) -> Int:
+    n = domain.vertex_count
+    check_range(pairs.ravel(), n, "vertex")
+    boundary = domain.boundary_edges
+    keys = _pair_keys(domain.edges[boundary], n)
+    order = np.argsort(keys)
+    wanted = _pair_keys(pairs, n)
+    slot = np.searchsorted(keys[order], wanted).clip(max=max(len(keys) - 1, 0))
+    missing = pairs[keys[order][slot] != wanted] if len(keys) else pairs
+    if len(missing):
+        text = "; ".join(f"{a}, {b}" for a, b in missing[:4])
+        raise ConditionError(
+            f"No boundary edge joins vertices {text}{' and others' if len(missing) > 4 else ''}; "
+            "choose boundary edges.",
+            vertices=np.unique(missing),
+        )
+    return boundary[order[slot]].astype(np.int64)
+
+
+def _pair_keys(pairs: NDArray, n: int) -> Int:
+    low, high = np.sort(pairs.astype(np.int64), axis=1).T
+    return low * n + high
+
+
+@dataclass(frozen=True)
+class Frames:
+    """Right angles at boundary vertices (n,): outward conormals and surface normals, (n, 3) each."""
+
+    vertices: Int
+    conormals: Array
+    normals: Array
+    up: Array
+
+
+def vertex_frames(domain: Domain, positions: ArrayLike, edges: Int) -> Frames:
+    """Blend the frames of edges at their ends, each edge with the inverse of its length."""
+    points = in_space(domain, positions)
+    vectors = points[domain.edges[edges, 1]] - points[domain.edges[edges, 0]]
+    faces = domain.edge_faces[edges, 0]
+    areas = area_vectors(points, domain.faces)
+    tangents = unit_rows(vectors, "edge", "has no length in these positions", edges)
+    edge_normals = unit_rows(areas[faces], "face", "has no area in these positions", faces)
+    weights = 1.0 / np.linalg.norm(vectors, axis=1)
+    vertices, conormals = at_ends(domain, edges, np.cross(tangents, edge_normals), weights)
+    _, normals = at_ends(domain, edges, edge_normals, weights)
+    normals = normals - np.einsum("ij,ij->i", normals, conormals)[:, None] * conormals
+    normals = unit_rows(normals, "vertex", "has faces that are folded over each other", vertices)
+    return Frames(vertices, conormals, normals, areas.sum(axis=0))
+
+
+def loop_angles(domain: Domain) -> Array:
+    """θ (V,) along the boundary loops; nan inside."""
+    angles = np.full(domain.vertex_count, np.nan)
+    for loop, edges in zip(domain.boundary_loops, domain.boundary_loop_edges, strict=True):
+        lengths = domain.edge_lengths[edges]
+        angles[loop] = 2.0 * np.pi * (np.cumsum(lengths) - lengths) / lengths.sum()
+    return angles
+
+
+def at_ends(domain: Domain, edges: Int, normals: Array, weights: Array) -> tuple[Int, Array]:
+    """Vertices of the edges, and the blend there of the normals (K, 3) of the edges."""
+    ends = domain.edges[edges].ravel().astype(np.int64)
+    return blend(ends, np.repeat(normals, 2, axis=0), np.repeat(weights, 2), "edges")
+
+
+def blend(sites: Int, normals: Array, weights: Array, of_what: str) -> tuple[Int, Array]:
+    """Normalised weighted sum of the normals at each site; refuses sums that vanish."""
+    unique, inverse = np.unique(sites, return_inverse=True)
+    sums = sum_rows(inverse, weights[:, None] * normals, len(unique))
+    length = np.linalg.norm(sums, axis=1)
+    bad = unique[length <= _OPPOSITE * np.bincount(inverse, weights, len(unique))]
+    if bad.size:
+        raise ConditionError(
+            f"The normals that {of_what} prescribe at {plural('vertex', bad)} are opposite and cancel; "
+            "change one of them, or leave an edge between them free.",
+            vertices=bad,
+        )
+    return unique, sums / length[:, None]
+
+
+def in_space(domain: Domain, positions: ArrayLike) -> Array:
+    points = np.asarray(positions, dtype=np.float64)
+    if points.ndim != 2 or points.shape[0] != domain.vertex_count or points.shape[1] not in (2, 3):
+        raise ConditionError(f"Positions must be ({domain.vertex_count}, 2) or (…, 3), not {points.shape}.")
+    if points.shape[1] == 2:
+        points = np.column_stack([points, np.zeros(len(points))])
+    return points
+
+
+def area_vectors(points: Array, faces: Int) -> Array:
+    a, b, c = points[faces[:, 0]], points[faces[:, 1]], points[faces[:, 2]]
+    return 0.5 * np.cross(b - a, c - a)
+
+
+def unit(normals: ArrayLike, owners: Int, noun: str) -> Array:
+    """Unit vectors (n, 3) from one vector or one an owner."""
+    given = np.asarray(normals, dtype=np.float64)
+    if given.shape not in ((3,), (len(owners), 3)):
+        raise ConditionError(
+            f"Normals must have shape (3,) or ({len(owners)}, 3), one for each {noun}, not {given.shape}."
+        )
+    return unit_rows(np.broadcast_to(given, (len(owners), 3)), noun, "has a normal that is zero or not finite", owners)
+
+
+def unit_rows(vectors: Array, noun: str, complaint: str, owners: Iterable[int] | None = None) -> Array:
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    bad = np.flatnonzero(~(np.isfinite(length[:, 0]) & (length[:, 0] > 0.0)))
+    if bad.size:
+        names = bad if owners is None else np.asarray(list(owners))[bad]
+        raise ConditionError(
+            f"{plural(noun, names[:1]).capitalize()} {complaint}; choose another.", **{_PLURALS[noun]: names}
+        )
+    return vectors / length
+
+
+_PLURALS = {"vertex": "vertices", "edge": "edges", "face": "faces"}
+
+
+def check_range(indices: Int, count: int, noun: str) -> None:
+    bad = np.unique(indices[(indices < 0) | (indices >= count)])
+    if bad.size:
+        raise ConditionError(
+            f"There is no {plural(noun, bad)}; indices run from 0 to {count - 1}.", **{_PLURALS[noun]: bad}
+        )
+
+
+def _is(items: Int) -> str:
+    return "is" if len(items) == 1 else "are"
