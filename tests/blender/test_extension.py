@@ -149,7 +149,7 @@ def test_manifest_lists_every_pin_for_every_platform() -> None:
 
 def test_versions_agree() -> None:
     assert MANIFEST["version"] == PYPROJECT["project"]["version"]
-    assert MANIFEST["license"] == [f"SPDX:{PYPROJECT['project']['license']['text']}"]
+    assert MANIFEST["license"] == [f"SPDX:{PYPROJECT['project']['license']}"]
 
 
 def test_a_tag_blender_does_not_know_is_refused(tmp_path: Path) -> None:
