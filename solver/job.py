@@ -8,7 +8,7 @@ from __future__ import annotations
 import inspect
 import os
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 
@@ -77,7 +77,12 @@ def load_job(path: str | os.PathLike[str]) -> Job:
     for what is in the mesh.
     """
     file = Path(path)
-    root = Table(_parse(file), str(file))
+    return make_job(_parse(file), file)
+
+
+def make_job(data: Mapping[str, object], file: Path) -> Job:
+    """A job from the tables of a job file, which stands (or might stand) at `file`; raises as `load_job`."""
+    root = Table(dict(data), str(file))
     mesh, sides, up = _read_plan(root, file.parent)
     triangles, owner = triangulate_polygons(mesh.positions, mesh.polygons)
     plan = Plan(mesh.positions, triangles, mesh.polygons, triangle_polygons=owner)
@@ -227,8 +232,6 @@ def _outputs(table: Table, folder: Path) -> dict[str, Path]:
             outputs[name] = Path(os.path.normpath(folder / value))
             suffix = outputs[name].suffix.lower()
             if name != "report" and suffix not in FORMATS:
-                raise table.fail(
-                    f'"{key}" has no format known here ("{suffix}"); use one of {", ".join(FORMATS)}.'
-                )
+                raise table.fail(f'"{key}" has no format known here ("{suffix}"); use one of {", ".join(FORMATS)}.')
     table.finish()
     return outputs

@@ -29,8 +29,8 @@ def select(table: Table, domain: Domain, mesh: MeshData, sides: dict[str, Pairs]
     way = given[0]
     pairs = _SELECTORS[way](table, domain, mesh, sides)
     table.known.extend(WAYS)
-    named = table.data[way] if way in ("loop", "side", "group") else "list"
-    return f"{table.name}, {way} {named}", pairs
+    named = table.data[way] if way in ("loop", "side", "group") else f"of {table.name}"
+    return f"{way} {named}", pairs
 
 
 def loops_by_length(domain: Domain) -> list[NDArray[np.int32]]:
@@ -43,9 +43,7 @@ def loops_by_length(domain: Domain) -> list[NDArray[np.int32]]:
 def _loop(table: Table, domain: Domain, mesh: MeshData, sides: dict[str, Pairs]) -> Pairs:
     number, loops = table.integer("loop"), loops_by_length(domain)
     if not 0 <= number < len(loops):
-        raise table.fail(
-            f"there is no boundary loop {number}; there are {len(loops)}, the longest is loop 0."
-        )
+        raise table.fail(f"there is no boundary loop {number}; there are {len(loops)}, the longest is loop 0.")
     return domain.edges[loops[number]]
 
 

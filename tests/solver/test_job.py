@@ -280,12 +280,12 @@ def test_what_is_wrong_with_a_job_is_named(folder, text, message):
         (
             "edges = [[0, 8]]",
             ConditionError,
-            r'"\[\[conditions\]\] 1, edges list": No boundary edge joins vertices 0, 8',
+            r'"edges of \[\[conditions\]\] 1": No boundary edge joins vertices 0, 8',
         ),
         (
             "loop = 0\n[[conditions]]\ngroup = 'bottom'",
             ConditionError,
-            r'two groups, "\[\[conditions\]\] 1, loop 0" and "\[\[conditions\]\] 2, group bottom"',
+            r'two groups, "loop 0" and "group bottom"',
         ),
         ("loop = 0\nkind = 'free'", ConditionError, "All boundary edges are free"),
     ],
