@@ -45,7 +45,11 @@ class Order:
         )
         try:
             formed = pipeline.form(
-                plan, solver_settings(self.settings), solver=prepared.solver, progress=progress
+                plan,
+                solver_settings(self.settings),
+                solver=prepared.solver,
+                progress=progress,
+                intersections=self.settings.intersections,
             )
         except CmcError as error:
             raise in_plan_numbers(error, self.mesh, prepared.triangles, prepared.owners) from error

@@ -113,7 +113,10 @@ def _read(mesh: bpy.types.Mesh, matrix: NDArray[np.float64]) -> PlanMesh:
 
 
 def _selected(mesh: bpy.types.Mesh) -> NDArray[np.bool_]:
-    """Not by `read`: Blender 5.0 makes ".select_edge" with a wrong type where it calculates edges."""
+    """Blender 5.0 makes ".select_edge" with a wrong type where it calculates edges: then the slow way."""
+    attribute = mesh.attributes.get(".select_edge")
+    if attribute is None or attribute.data_type == "BOOLEAN":
+        return read(mesh, ".select_edge", len(mesh.edges), np.bool_)
     selected = np.empty(len(mesh.edges), dtype=np.bool_)
     mesh.edges.foreach_get("select", selected)
     return selected

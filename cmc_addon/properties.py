@@ -152,6 +152,9 @@ _SETTINGS = {
     "tolerance": partial(
         FloatProperty, name="Tolerance", description="The solve stops at this residual",
         default=1e-6, min=1e-12, max=1e-2, precision=8),
+    "intersections": partial(
+        BoolProperty, name="Self-Intersections", default=True,
+        description="Also report faces that go through each other; on large plans the slowest of the measures"),
 }
 SETTINGS = tuple(_SETTINGS)
 """Names of the settings shared by `Object.cmc` and the operators that solve."""

@@ -108,8 +108,9 @@ def form(
         faces=surface.faces,
         mean_curvature=row_curvature(surface, similarity, placed, settings.sheet),
         report=measured,
-        message=surface.message,
-        warnings=plan_warnings(plan, solver.domain) + _warnings(surface, settings, similarity, measured),
+        message=measured.sentence,
+        warnings=plan_warnings(plan, solver.domain)
+        + _warnings(plan, surface, settings, similarity, measured),
         solver=solver,
     )
 
@@ -173,10 +174,12 @@ def row_curvature(
     return np.divide(sums, total, out=np.full(len(points), target), where=total > 0)
 
 
-def _warnings(surface: CmcSurface, settings: Settings, similarity: Similarity, measured: Report) -> list[str]:
+def _warnings(
+    plan: Plan, surface: CmcSurface, settings: Settings, similarity: Similarity, measured: Report
+) -> list[str]:
     notes = []
     if surface.status is not Status.CONVERGED:
-        notes.append(surface.message)
+        notes.append(measured.sentence)
     if settings.size == "match_plan" and similarity.likeness < ALIKE:
         notes.append(
             f"The boundary of {settings.sheet} does not follow the drawn outline, so its size alone is "
@@ -187,7 +190,8 @@ def _warnings(surface: CmcSurface, settings: Settings, similarity: Similarity, m
     if surface.is_degenerate(twin):
         notes.append(f"{twin} degenerates to a point for these boundary conditions and is left out.")
     if shown.intersections is not None and shown.intersections.count:
-        pair = shown.intersections.pairs[0]
+        owner = plan.triangle_polygons
+        pair = [int(i if owner is None else owner[i]) for i in shown.intersections.pairs[0]]
         notes.append(
             f"{shown.name} goes through itself: {shown.intersections.count} pairs of faces cross, the "
             "first of them "

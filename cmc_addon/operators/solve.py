@@ -161,8 +161,8 @@ def draw_settings(layout: bpy.types.UILayout, owner) -> None:
     column = layout.column(heading="Also Make")
     for name in ("want_twin", "want_g", "want_gauss"):
         column.prop(owner, name)
-    layout.prop(owner, "averaging")
-    layout.prop(owner, "tolerance")
+    for name in ("averaging", "tolerance", "intersections"):
+        layout.prop(owner, name)
 
 
 class CMC_OT_solve(Solving, bpy.types.Operator):
