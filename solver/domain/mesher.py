@@ -11,16 +11,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from ..errors import MeshError
 from .outline import check_loops, inside
+from .quality import open_angles
 from .rounding import round_corners
-from .sampling import Boundary, SizeField, sample
+from .sampling import Boundary, sample
+from .sizes import SizeField
 from .triangulate import triangulate
 
 _LARGEST = 5_000_000  # vertices; more is a mistake in the units far more often than a wish
 _ROW = np.sqrt(0.75)
+_ORDERED, _DEEP = 5.0, 8.0  # so far from walls and finer places the lattice stays as it is; so far it is left alone
 
 
 @dataclass(frozen=True)
@@ -60,8 +63,8 @@ def mesh_plan(
     low, size = everything.min(axis=0), float(np.ptp(everything, axis=0).max())
     _check_lengths(max_edge, corner_radius, size)
     origin = low + np.ptp(everything, axis=0) / 2
-    unit = [type(loop)(loop.name, (loop.points - origin) / max_edge, loop.segments, loop.keep) for loop in loops]
-    boundary, field = sample(round_corners(unit, corner_radius / max_edge))
+    in_units = [loop.in_units(origin, max_edge) for loop in loops]
+    boundary, field = sample(round_corners(in_units, corner_radius / max_edge))
     _check_count(boundary, max_edge)
     points, triangles = _Mesher(boundary, field).run()
     edges = np.column_stack([np.arange(len(boundary.points)), boundary.following])
@@ -97,7 +100,11 @@ def _check_count(boundary: Boundary, max_edge: float) -> None:
 
 
 class _Mesher:
-    """The boundary is fixed; `points` are those inside. Lengths in units of the edge length asked for."""
+    """The boundary is `fixed`. Of the points inside, the first `free` are placed by refinement and springs; the others
+    are lattice points far from everything that disturbs the lattice, of which only a margin takes part in the work.
+
+    Lengths in units of the edge length asked for.
+    """
 
     def __init__(self, boundary: Boundary, field: SizeField) -> None:
         self.fixed = boundary.points
@@ -106,11 +113,14 @@ class _Mesher:
         self.ends = self.fixed[boundary.following]
         part = np.linspace(0, 1, 6)[:-1]
         walls = self.fixed[:, None, :] + part[None, :, None] * (self.ends - self.fixed)[:, None, :]
-        self.wall = cKDTree(walls.reshape(-1, 2))
-        self.points = np.zeros((0, 2))
+        self.wall = KDTree(walls.reshape(-1, 2))
+        lattice = self._lattice()
+        depth = self._depth(lattice)
+        self.free = lattice[depth < _ORDERED]
+        self.margin = lattice[(depth >= _ORDERED) & (depth < _DEEP)]
+        self.deep = lattice[depth >= _DEEP]
 
     def run(self) -> tuple[np.ndarray, np.ndarray]:
-        self.points = self._lattice()
         self._fill()
         for _ in range(2):
             self._relax(12)
@@ -120,10 +130,20 @@ class _Mesher:
         return self._finish()
 
     def _all(self) -> np.ndarray:
-        return np.concatenate([self.fixed, self.points])
+        return np.concatenate([self.fixed, self.free, self.margin])
 
-    def _triangles(self) -> np.ndarray:
-        return triangulate(self._all(), self.edges)
+    def _triangles(self, points: np.ndarray) -> np.ndarray:
+        """Triangles of the working set, but those that only bridge what the margin surrounds."""
+        triangles = triangulate(points, self.edges)
+        return triangles[(triangles < len(self.fixed) + len(self.free)).any(axis=1)]
+
+    def _from_wall(self, points: np.ndarray, most: float) -> np.ndarray:
+        """Distance to the boundary, up to `most`."""
+        return np.minimum(self.wall.query(points, distance_upper_bound=most)[0], most)
+
+    def _depth(self, points: np.ndarray) -> np.ndarray:
+        """Distance to what disturbs the lattice: walls and finer places."""
+        return np.minimum(self._from_wall(points, _DEEP), self.field.room(points, _DEEP))
 
     def _lattice(self) -> np.ndarray:
         """Equilateral lattice along the longest wall, where the full size holds and no wall is near."""
@@ -135,9 +155,8 @@ class _Mesher:
         x = columns[None, :] + np.where(np.arange(len(rows)) % 2 == 0, 0.5, 0.0)[:, None]
         points = np.column_stack([x.ravel(), np.repeat(rows, len(columns))]) @ frame.T
         points = points[inside(points, self.fixed, self.ends)]
-        sizes = self.field(points)
-        points = points[sizes > 0.9]
-        return points[self.wall.query(points)[0] > 0.55]
+        points = points[self.field(points) > 0.9]
+        return points[self._from_wall(points, 1.0) > 0.55]
 
     def _longest_direction(self) -> np.ndarray:
         """The direction in which most of the walls run, whichever way round; to a degree, then as drawn."""
@@ -151,51 +170,88 @@ class _Mesher:
         """Delaunay refinement: circumcentres of triangles that are too large, many at a time."""
         for _ in range(40):
             points = self._all()
-            corners = points[self._triangles()]
-            centre, radius = _circles(corners)
+            centre, radius = _circles(points[self._triangles(points)])
             size = self.field(centre)
-            large = radius > 0.78 * size
+            large = radius > 0.72 * size
             centre, radius, size = centre[large], radius[large], size[large]
-            good = inside(centre, self.fixed, self.ends)
-            good &= self.wall.query(centre)[0] > 0.5 * size
+            good = inside(centre, self.fixed, self.ends) & (self._from_wall(centre, 1.0) > 0.5 * size)
+            good &= self._depth(centre) < _ORDERED
             centre, radius, size = centre[good], (radius / size)[good], size[good]
             if not len(centre):
                 return
-            self.points = np.concatenate([self.points, centre[_apart(centre, 0.8 * size, radius)]])
+            self.free = np.concatenate([self.free, centre[_apart(centre, 0.8 * size, radius)]])
 
     def _relax(self, rounds: int) -> None:
-        """Springs that push where neighbours are nearer than 1.2 of the length wanted; boundary held."""
+        """Springs that push where neighbours are nearer than 1.2 of the length wanted; boundary held.
+
+        Neighbours are found anew when a point has moved by a tenth of its size since they were last.
+        """
+        first, last = len(self.fixed), len(self.fixed) + len(self.free)
+        edges, before = np.zeros((0, 2), dtype=np.int64), np.full_like(self.free, np.inf)
         for _ in range(rounds):
             points = self._all()
-            edges = _edges(self._triangles())
-            edges = edges[(edges >= len(self.fixed)).any(axis=1)]
+            if len(self.free) and np.max(np.abs(self.free - before) / self.field(self.free)[:, None]) > 0.1:
+                edges, before = _edges(self._triangles(points)), self.free
             bar = points[edges[:, 1]] - points[edges[:, 0]]
             length = np.hypot(*bar.T)
             wanted = self.field((points[edges[:, 1]] + points[edges[:, 0]]) / 2)
             wanted *= 1.2 * np.sqrt(np.sum(length**2) / np.sum(wanted**2))
             push = (np.maximum(wanted - length, 0.0) / length)[:, None] * bar
-            force = np.zeros_like(points)
-            for axis in (0, 1):
-                force[:, axis] = np.bincount(edges[:, 1], push[:, axis], len(points))
-                force[:, axis] -= np.bincount(edges[:, 0], push[:, axis], len(points))
-            self._move(0.2 * force[len(self.fixed) :])
+            force = [
+                np.bincount(edges[:, 1], along, len(points)) - np.bincount(edges[:, 0], along, len(points))
+                for along in push.T
+            ]
+            self._move(0.2 * np.column_stack(force)[first:last])
 
     def _move(self, step: np.ndarray) -> None:
-        size = self.field(self.points)
-        length = np.hypot(*step.T)
-        step = step * np.minimum(1.0, 0.3 * size / np.maximum(length, 1e-300))[:, None]
-        moved = self.points + step
-        good = inside(moved, self.fixed, self.ends) & (self.wall.query(moved)[0] > 0.45 * size)
-        self.points = np.where(good[:, None], moved, self.points)
+        """Move the free points, but not nearly to a wall; a step is shorter than what separates them from it."""
+        size = self.field(self.free)
+        step = step * np.minimum(1.0, 0.3 * size / np.maximum(np.hypot(*step.T), 1e-300))[:, None]
+        moved = self.free + step
+        good = self._from_wall(moved, 1.0) > 0.45 * size
+        self.free = np.where(good[:, None], moved, self.free)
 
     def _thin(self) -> None:
         """Remove one of two points that are much nearer than wanted."""
-        size = self.field(self.points)
-        keep = _apart(self.points, 0.6 * size, -np.arange(len(self.points), dtype=float))
-        self.points = self.points[keep]
+        size = self.field(self.free)
+        self.free = self.free[_apart(self.free, 0.6 * size, -np.arange(len(self.free), dtype=float))]
 
     def _finish(self) -> tuple[np.ndarray, np.ndarray]:
-        return self._all(), self._triangles()
+        """Free the corners and necks that no inner vertex reaches, open the smallest angles, add the deep lattice."""
+        for _ in range(4):
+            self._free_bridges(draw=True)
+            points = self._all()
+            first, last = len(self.fixed), len(self.fixed) + len(self.free)
+            self.free = open_angles(points, self._triangles(points), first, last)[first:last]
+        self._free_bridges(draw=False)
+        points = np.concatenate([self._all(), self.deep])
+        triangles = triangulate(points, self.edges)
+        used, numbers = np.unique(triangles, return_inverse=True)
+        return points[used], numbers.reshape(triangles.shape)
+
+    def _free_bridges(self, draw: bool) -> None:
+        """Undo inner edges that join two boundary vertices: N would be given at both, and at a corner all around.
+
+        If the triangle beyond has an inner vertex close enough, `draw` brings that vertex into the circle of the first
+        triangle, so that Delaunay turns the edge; else the edge gets a vertex at its middle. Short ones, in tips
+        sharper than about 45°, stay: cutting them would make angles still smaller.
+        """
+        points = self._all()
+        edge, opposite = _inner_edges(self._triangles(points))
+        bridge = (edge < len(self.fixed)).all(axis=1)
+        edge, opposite = edge[bridge], opposite[bridge]
+        middle = points[edge].mean(axis=1)
+        long = np.hypot(*(points[edge[:, 1]] - points[edge[:, 0]]).T) > 0.75 * self.field(middle)
+        edge, opposite, middle = edge[long], opposite[long], middle[long]
+        opposite = np.sort(opposite, axis=1)
+        corner, beyond = opposite.T
+        first, last = len(self.fixed), len(self.fixed) + len(self.free)
+        centre, radius = _circles(points[np.column_stack([edge, corner])])
+        away = points[beyond] - centre
+        distance = np.hypot(*away.T)
+        drawn = draw & (corner < first) & (beyond >= first) & (beyond < last) & (distance < 1.35 * radius)
+        points[beyond[drawn]] = (centre + away * (0.93 * radius / distance)[:, None])[drawn]
+        self.free = np.concatenate([points[first:last], middle[~drawn]])
 
 
 def _circles(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -212,7 +268,7 @@ def _apart(points: np.ndarray, distance: np.ndarray, priority: np.ndarray) -> np
     """Mask of points that are the first, by priority, of all within their distance."""
     if not len(points):
         return np.zeros(0, dtype=bool)
-    pairs = cKDTree(points).query_pairs(float(distance.max()), output_type="ndarray")
+    pairs = KDTree(points).query_pairs(float(distance.max()), output_type="ndarray")
     i, j = pairs.T
     near = np.hypot(*(points[i] - points[j]).T) < np.minimum(distance[i], distance[j])
     i, j = i[near], j[near]
@@ -227,3 +283,14 @@ def _edges(triangles: np.ndarray) -> np.ndarray:
     ends = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
     key = np.unique(ends[:, 0].astype(np.int64) * (ends.max() + 1) + ends[:, 1])
     return np.column_stack(np.divmod(key, ends.max() + 1))
+
+
+def _inner_edges(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Edges (E, 2) with a triangle on each side, and the two vertices (E, 2) opposite them."""
+    tail, head, apex = (np.roll(triangles, -k, axis=1).ravel() for k in range(3))
+    count = np.int64(triangles.max() + 1)
+    order = np.argsort(tail * count + head)
+    keys = (tail * count + head)[order]
+    at = np.minimum(np.searchsorted(keys, head * count + tail), len(keys) - 1)
+    inner = (keys[at] == head * count + tail) & (tail < head)
+    return np.column_stack([tail, head])[inner], np.column_stack([apex, apex[order[at]]])[inner]

@@ -8,10 +8,10 @@ is the outer outline, the others are holes. Messages number points and segments 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from ..errors import MeshError, listed
 
@@ -23,13 +23,17 @@ _SPIKE = np.radians(0.5)  # a sharper point encloses no usable area
 class Loop:
     """One checked loop with the interior of the plan on its left: the outline counter-clockwise, holes clockwise.
 
-    `points (K, 2)`; `segments (K,)` is the number, in the loop as it was given, of the segment that leaves each point.
+    `points` (K, 2); `segments` (K,) is the number, in the loop as it was given, of the segment that leaves each point;
+    `keep` (K,) marks points that are to stay vertices of a mesh.
     """
 
     name: str
     points: np.ndarray
     segments: np.ndarray
     keep: np.ndarray
+
+    def in_units(self, origin: np.ndarray, unit: float) -> Loop:
+        return replace(self, points=(self.points - origin) / unit)
 
 
 def check_loops(
@@ -151,7 +155,7 @@ def _as_points(points: np.ndarray, name: str) -> np.ndarray:
 
 
 def _check_repeated(points: np.ndarray, name: str, start: int, size: float) -> None:
-    pairs = cKDTree(points - points[0]).query_pairs(_SAME_PLACE * size, output_type="ndarray")
+    pairs = KDTree(points - points[0]).query_pairs(_SAME_PLACE * size, output_type="ndarray")
     if len(pairs):
         a, b = min(map(tuple, np.sort(pairs, axis=1).tolist()))
         raise MeshError(
@@ -187,7 +191,9 @@ def _check_crossings(given: list[np.ndarray], names: list[str], offsets: np.ndar
         text = f"{names[owner[0]]} crosses or touches itself: its segments {one} and {two} meet{more}"
     else:
         text = f"{names[owner[0]]} and {names[owner[1]]} cross or touch: segment {one} meets segment {two}{more}"
-    ends_of = [o + (k + d) % len(given[w]) for o, k, w in zip(offsets[owner], (one, two), owner, strict=True) for d in (0, 1)]
+    ends_of = [
+        o + (k + d) % len(given[w]) for o, k, w in zip(offsets[owner], (one, two), owner, strict=True) for d in (0, 1)
+    ]
     raise MeshError(text[0].upper() + text[1:] + "; pull them apart.", vertices=ends_of, edges=np.unique(pairs))
 
 

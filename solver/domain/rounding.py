@@ -67,7 +67,7 @@ def round_corners(loops: list[Loop], radius: float) -> list[Curve]:
 def _round_loop(loop: Loop, radii: np.ndarray) -> tuple[Curve, np.ndarray, np.ndarray]:
     """The rounded loop, for each of its points the corner whose arc it lies on or -1, and the radii reached."""
     points, turn = loop.points, turning(loop.points)
-    corners = np.nonzero(radii > 0)[0]
+    corners = np.nonzero(radii > 0)[0].tolist()
     sharp = (np.abs(turn) > CORNER) & (radii == 0)
     if not len(corners):
         curve = Curve(loop.name, points, loop.segments, sharp | loop.keep, sharp)
@@ -88,7 +88,7 @@ def _round_loop(loop: Loop, radii: np.ndarray) -> tuple[Curve, np.ndarray, np.nd
     return curve, corner_of, reached
 
 
-def _trims(corners: np.ndarray, wanted: np.ndarray, along: np.ndarray, sharp: np.ndarray) -> np.ndarray:
+def _trims(corners: list[int], wanted: np.ndarray, along: np.ndarray, sharp: np.ndarray) -> np.ndarray:
     """How far from each corner its arc starts: as wanted, scaled down where two arcs share too short a run."""
     total = along[-1]
     scale = np.ones(len(corners))

@@ -188,7 +188,12 @@ def _icosahedron() -> tuple[np.ndarray, np.ndarray]:
     corners = np.concatenate([[[0, 0, 1.0]], upper, lower, [[0, 0, -1.0]]])
     k, after = np.arange(5), (np.arange(5) + 1) % 5
     pole = np.zeros(5, dtype=int)
-    faces = [(pole, 1 + k, 1 + after), (1 + k, 6 + k, 1 + after), (6 + k, 6 + after, 1 + after), (pole + 11, 6 + after, 6 + k)]
+    faces = [
+        (pole, 1 + k, 1 + after),
+        (1 + k, 6 + k, 1 + after),
+        (6 + k, 6 + after, 1 + after),
+        (pole + 11, 6 + after, 6 + k),
+    ]
     return corners, np.concatenate([np.column_stack(f) for f in faces])
 
 

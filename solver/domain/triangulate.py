@@ -58,8 +58,8 @@ def _put_back(points: np.ndarray, triangles: np.ndarray, a: int, b: int) -> np.n
     crossed &= (t > 0) & (t < u @ u)
     if not crossed.any() or (np.abs(t[crossed]) <= 1e-12 * (u @ u)).any():
         raise MeshError(
-            f"The boundary edge from {points[a]} to {points[b]} (in edge lengths, from the middle of the plan) cannot be "
-            "meshed: another boundary point lies on it; move them apart, or choose a shorter edge length."
+            f"The boundary edge from {points[a]} to {points[b]} (in edge lengths, from the middle of the plan) "
+            "cannot be meshed: another boundary point lies on it; move them apart, or choose a shorter edge length."
         )
     once = crossed & (side_tail > 0)
     order = np.argsort(t[once], kind="stable")
@@ -102,7 +102,8 @@ def _left_of(triangles: np.ndarray, edges: np.ndarray, count: int) -> np.ndarray
     tail, head = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
     face = np.repeat(np.arange(len(triangles)), 3)
     left, right = _keys(tail, head, count), _keys(head, tail, count)
-    wall = np.isin(left, np.concatenate([_keys(*edges.T, count), _keys(*edges.T[::-1], count)]))
+    start, end = edges[:, 0], edges[:, 1]
+    wall = np.isin(left, np.concatenate([_keys(start, end, count), _keys(end, start, count)]))
     order = np.argsort(left)
     at = np.minimum(np.searchsorted(left, right, sorter=order), len(left) - 1)
     twin = order[at]
@@ -110,5 +111,5 @@ def _left_of(triangles: np.ndarray, edges: np.ndarray, count: int) -> np.ndarray
     graph = coo_matrix((np.ones(joined.sum()), (face[joined], face[twin[joined]])), shape=(len(triangles),) * 2)
     _, part = connected_components(graph, directed=False)
     within = np.zeros(part.max() + 1, dtype=bool)
-    within[part[face[np.isin(left, _keys(*edges.T, count))]]] = True
+    within[part[face[np.isin(left, _keys(start, end, count))]]] = True
     return triangles[within[part]]

@@ -1,0 +1,52 @@
+"""Angles of plane triangles, and opening the small ones by moving vertices one at a time."""
+
+from __future__ import annotations
+
+import numpy as np
+
+_WANTED = np.radians(38.0)  # smaller angles are worked on
+_RADII = (0.24, 0.12, 0.06, 0.03)  # of the mean edge at the vertex
+
+
+def smallest_angles(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """The smallest angle (F,) of each triangle, in radians; not positive where it is turned over."""
+    return _smallest(points[triangles])
+
+
+def open_angles(points: np.ndarray, triangles: np.ndarray, first: int, last: int, sweeps: int = 3) -> np.ndarray:
+    """Move vertices first … last - 1 so that the smallest angle around each grows; triangles stay.
+
+    Only vertices of triangles with an angle below 38° are tried, each on three circles around its place.
+    """
+    points = points.copy()
+    turn = 2 * np.pi * np.arange(8) / 8
+    ways = np.concatenate([r * np.column_stack([np.cos(turn + r), np.sin(turn + r)]) for r in _RADII])
+    for _ in range(sweeps):
+        bad = np.unique(triangles[smallest_angles(points, triangles) < _WANTED])
+        bad = bad[(bad >= first) & (bad < last)]
+        near = triangles[np.isin(triangles, bad).any(axis=1)]
+        moved = [_move(points, near[(near == vertex).any(axis=1)], vertex, ways) for vertex in bad]
+        if not any(moved):
+            break
+    return points
+
+
+def _move(points: np.ndarray, star: np.ndarray, vertex: int, ways: np.ndarray) -> bool:
+    """Take the best of the places tried for one vertex; whether it moved."""
+    at = star == vertex
+    corners = points[star]
+    size = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1).mean()
+    places = points[vertex] + size * np.concatenate([np.zeros((1, 2)), ways])
+    tried = np.where(at[None, :, :, None], places[:, None, None, :], corners[None])
+    worst = _smallest(tried).min(axis=1)
+    best = int(np.argmax(worst))
+    points[vertex] = places[best]
+    return worst[best] > worst[0] + 1e-3
+
+
+def _smallest(corners: np.ndarray) -> np.ndarray:
+    """Smallest angle of triangles (…, 3, 2); negative for clockwise ones."""
+    ahead = np.roll(corners, -1, axis=-2) - corners
+    back = np.roll(corners, 1, axis=-2) - corners
+    cross = ahead[..., 0] * back[..., 1] - ahead[..., 1] * back[..., 0]
+    return np.arctan2(cross, np.sum(ahead * back, axis=-1)).min(axis=-1)
