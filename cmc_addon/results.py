@@ -94,6 +94,11 @@ def wanted_roles(settings) -> list[str]:
 
 def check_writable(plan: bpy.types.Object) -> None:
     """Raise `CmcError` where a result could not be written, before anything is changed."""
+    if not plan.is_editable:
+        raise CmcError(
+            f"'{plan.name}' is linked from another file; make it local (Object > Library Override, or "
+            "Object > Relations > Make Local) to solve it here."
+        )
     for result in results_of(plan).values():
         if result.data.is_editmode:
             raise CmcError(f"The result '{result.name}' is in edit mode; leave it (Tab) and solve again.")

@@ -76,8 +76,18 @@ def _prepare(plan: PlanMesh) -> Prepared:
     return Prepared(triangles, owners, CmcSolver(domain))
 
 
+def register() -> None:
+    """Nothing to do: what is kept comes with use."""
+
+
+def unregister() -> None:
+    """Stop what runs, drop what is kept."""
+    cancel()
+    forget()
+
+
 def forget() -> None:
-    """Drop what is kept (when the add-on is disabled)."""
+    """Drop the prepared plans."""
     _prepared.clear()
 
 

@@ -187,6 +187,41 @@ def test_result_in_edit_mode():
     fails("'Disc f\\+' is in edit mode")
 
 
+def test_a_plan_of_another_file(tmp_path):
+    path = str(tmp_path / "plans.blend")
+    bpy.data.libraries.write(path, {quad_disc()})
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    import addon_utils
+
+    addon_utils.enable("cmc_formfinding", default_set=True)
+    with bpy.data.libraries.load(path, link=True) as (there, here):
+        here.objects = there.objects
+    link(bpy.data.objects["Disc"])
+    fails("'Disc' is linked from another file")
+
+
+@pytest.mark.parametrize("failing", ["session", "operators"])
+def test_a_registration_that_fails_is_taken_back(addon, monkeypatch, failing):
+    """The error goes on to Blender, and nothing of the add-on is left, so that it can be enabled again."""
+    cmc_addon = addon.cmc_addon
+    module = getattr(cmc_addon, failing)
+    real = module.register
+    cmc_addon.unregister()
+
+    def register():
+        real()
+        raise ValueError("no")
+
+    monkeypatch.setattr(module, "register", register)
+    with pytest.raises(ValueError, match="no"):
+        cmc_addon.register()
+    assert not hasattr(bpy.types.Object, "cmc")
+    assert not hasattr(bpy.types, "CMC_OT_solve")
+    monkeypatch.undo()
+    cmc_addon.register()
+    assert hasattr(bpy.types, "CMC_OT_solve")
+
+
 @pytest.mark.parametrize("name", ["Closed", "Loose"])
 def test_errors_in_edit_mode(name):
     """The same in edit mode, with a change that is not yet in the mesh."""

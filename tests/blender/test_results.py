@@ -114,6 +114,14 @@ def test_the_report(dressed):
     assert np.median(curvature) == pytest.approx(target, rel=0.01)
 
 
+def test_the_report_says_what_a_unit_is():
+    """Lengths are Blender units; in a scene of millimetres one is a thousandth of a metre."""
+    bpy.context.scene.unit_settings.scale_length = 0.001
+    plan = quad_disc()
+    assert json.loads(solve(plan, size="RISE", rise=2.0)["cmc_report"])["unit_scale"] == pytest.approx(0.001)
+    assert np.ptp(positions(plan.cmc.f_plus)[:, 2]) == pytest.approx(2.0, rel=1e-5)
+
+
 def test_curvature_of_both_sheets(dressed):
     """Each sheet carries its own, measured on it; f- is small here and coarsely meshed."""
     solve(dressed, want_twin=True)

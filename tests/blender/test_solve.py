@@ -287,8 +287,10 @@ def test_every_setting_is_an_operator_property(addon):
     assert {*addon.cmc_addon.properties.SETTINGS, "kind", "tilt", "normal", "m"} <= names
 
 
-def test_undo_and_redo():
+@pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
+def test_undo_and_redo(mode):
     quad_disc()
+    bpy.ops.object.mode_set(mode=mode)
     bpy.ops.ed.undo_push(message="before")
     assert bpy.ops.cmc.solve("EXEC_DEFAULT", True) == FINISHED
     assert "Disc f+" in bpy.data.objects
