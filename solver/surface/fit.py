@@ -43,17 +43,16 @@ def fit_weights(domain: Domain, vertices: Int) -> tuple[sp.csr_array, sp.csr_arr
 
 
 def _value_at_origin(rows: Int, samples: Array, count: int) -> Array:
-    """Weight of each sample in the value at the origin of the linear function fitted to the samples of its row."""
-    radius = np.sqrt(
-        np.bincount(rows, np.einsum("ij,ij->i", samples, samples), count) / np.bincount(rows, minlength=count)
-    )
-    basis = np.column_stack([np.ones(len(rows)), samples / radius[rows, None]])
-    moments = np.zeros((count, 3, 3))
-    for a in range(3):
-        for b in range(3):
-            moments[:, a, b] = np.bincount(rows, basis[:, a] * basis[:, b], count)
+    """Weight of each sample in the value at the origin of the linear function fitted to the samples of its row.
+
+    Samples count by the inverse square of their distance: the circumcentre of a needle lies far away.
+    """
+    distance = np.linalg.norm(samples, axis=1)
+    near = sum_rows(rows, np.ones(len(rows)), count) / sum_rows(rows, 1.0 / distance, count)
+    scaled = np.column_stack([near[rows], samples]) / distance[:, None]
+    moments = sum_rows(rows, np.einsum("ia,ib->iab", scaled, scaled).reshape(-1, 9), count).reshape(-1, 3, 3)
     first_row = np.linalg.pinv(moments, rcond=_RANK, hermitian=True)[:, 0]
-    return np.einsum("ij,ij->i", first_row[rows], basis)
+    return np.einsum("ij,ij->i", first_row[rows], scaled) * near[rows] / distance
 
 
 def _circumcentres(domain: Domain, corners: Int) -> Array:

@@ -14,7 +14,7 @@ def moved(points: np.ndarray, inside: np.ndarray, amount: float, seed: int) -> n
     return points + amount * random.uniform(-1, 1, points.shape) * inside[:, None]
 
 
-def disc(n: int, jitter: float = 0.3, seed: int = 1) -> tuple[Domain, np.ndarray]:
+def disc(n: int, jitter: float = 0.2, seed: int = 1) -> tuple[Domain, np.ndarray]:
     """The unit disc with about n vertices, inside ones moved by up to `jitter` edge lengths."""
     shape = shapes.disc(n)
     inside = np.linalg.norm(shape.positions, axis=1) < 1 - 1e-9
