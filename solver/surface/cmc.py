@@ -20,6 +20,15 @@ _DEGENERATE = 0.02
 
 
 @dataclass(frozen=True, eq=False)
+class PolygonMesh:
+    """vertices (n, 3); polygons, index arrays counter-clockwise; source (n,), the vertex of the domain of each row."""
+
+    vertices: Array
+    polygons: list[NDArray[np.int32]]
+    source: NDArray[np.int32]
+
+
+@dataclass(frozen=True, eq=False)
 class CmcSurface:
     """The two CMC surfaces f± = g ± N of a harmonic map, and g, in scaled units (H as asked for).
 
@@ -79,6 +88,12 @@ class CmcSurface:
         if name not in sheets:
             raise ConditionError(f"There is no sheet {name!r}; known are {', '.join(SHEETS)}.")
         return sheets[name]
+
+    def as_mesh(self, sheet: str, combinatorics: str = "primal") -> PolygonMesh:
+        """A sheet as a mesh with the triangles of the domain ("primal")."""
+        if combinatorics != "primal":
+            raise ConditionError(f"There is no combinatorics {combinatorics!r}; known is primal.")
+        return PolygonMesh(self.sheet(sheet), list(self.faces), self.source)
 
     def is_degenerate(self, name: str) -> bool:
         """Whether a sheet has shrunk to (almost) a point: f- over a spherical f+, and the other way round."""

@@ -304,6 +304,16 @@ def test_unknown_names_are_refused():
         solve_cmc(domain, rim(domain, points)).sheet("nosuch")
 
 
+def test_sheets_as_meshes():
+    domain, points = disc(60)
+    surface = solve_cmc(domain, rim(domain, points))
+    mesh = surface.as_mesh("f+")
+    assert_array_equal(mesh.vertices, surface.f_plus)
+    assert_array_equal(np.stack(mesh.polygons), surface.faces)
+    with pytest.raises(ConditionError, match="primal"):
+        surface.as_mesh("f+", combinatorics="nosuch")
+
+
 def test_it_works_on_a_curved_plan():
     """A domain need not be flat: a shallow cap as drawn surface, its own Gauss map as the data, gives a cap again."""
     domain, points = disc(4000)
