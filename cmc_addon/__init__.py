@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 from types import ModuleType
 
-MODULES = ("properties", "operators", "cli")
+MODULES = ("properties", "session", "operators", "edge_counts", "panels", "boundary_panel", "results_panel", "cli")
 """Sub-modules with register() and unregister(), in the order in which they need each other."""
 
 

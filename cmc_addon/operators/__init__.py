@@ -6,7 +6,7 @@ import importlib
 
 import bpy
 
-MODULES = ("boundary", "plan", "solve")
+MODULES = ("boundary", "plan", "go_to", "solve")
 """Files with a tuple CLASSES of operator (and list) classes."""
 
 

@@ -1,0 +1,62 @@
+"""From an outline to its plan, from a plan to its shell, and back: make the other object the active one."""
+
+import bpy
+from bpy.props import EnumProperty
+
+from ..results import result_of
+from .plan import outline_of
+from .plan import plan_of as meshed_plan_of
+
+
+def target(ob: bpy.types.Object | None, which: str) -> bpy.types.Object | None:
+    """The OUTLINE, PLAN or SHELL that belongs to an object; None where there is no other object of that kind."""
+    if ob is None:
+        return None
+    plan = ob.cmc.source if ob.cmc.role != "NONE" else meshed_plan_of(ob) or ob
+    if which == "PLAN":
+        found = plan
+    elif plan is None:
+        return None
+    elif which == "OUTLINE":
+        found = outline_of(plan)
+    else:
+        found = result_of(plan, plan.cmc.sheet)
+    return found if found is not None and found != ob and found.users_scene else None
+
+
+class CMC_OT_go_to(bpy.types.Operator):
+    """Make the outline, plan or shell that belongs to the active object the active one"""
+
+    bl_idname = "cmc.go_to"
+    bl_label = "Go To"
+    bl_options = {"REGISTER", "UNDO"}
+
+    target: EnumProperty(
+        name="Target",
+        items=[
+            ("OUTLINE", "Outline", "The drawn outline of the plan; it is shown if it was hidden"),
+            ("PLAN", "Plan", "The plan that the shell comes from, or that the outline was meshed to"),
+            ("SHELL", "Shell", "The surface that was formed over the plan"),
+        ],
+    )
+
+    @classmethod
+    def description(cls, context, properties):
+        return f"Make the {properties.target.lower()} of this object the active object"
+
+    def execute(self, context):
+        found = target(context.object, self.target)
+        if found is None or found.name not in context.view_layer.objects:
+            self.report({"ERROR"}, f"This object has no {self.target.lower()} in this view layer.")
+            return {"CANCELLED"}
+        if context.mode != "OBJECT":
+            bpy.ops.object.mode_set(mode="OBJECT")
+        for other in context.selected_objects:
+            other.select_set(False)
+        found.hide_set(False)
+        found.select_set(True)
+        context.view_layer.objects.active = found
+        return {"FINISHED"}
+
+
+CLASSES = (CMC_OT_go_to,)

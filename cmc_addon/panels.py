@@ -1,0 +1,211 @@
+"""The CMC tab of the sidebar: from the outline to the plan, its boundary, the shell.
+
+What is drawn depends on the active object and on nothing else; no state raises. Here are Plan and Shell and
+what all panels share; Boundary is in `boundary_panel`, the numbers of a solve in `results_panel`.
+"""
+
+import bpy
+
+from .operators.go_to import target
+from .operators.plan import RADIUS_IN_EDGES, outline_of, plan_of
+from .outline import default_edge_length
+from .outline_bridge import local_size
+from .properties import SIZE_PROPERTY
+
+CATEGORY = "CMC"
+
+TALL = 1.3  # the buttons that do the work
+
+
+class Tab:
+    """Where all panels are; `bl_order` says in which order."""
+
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = CATEGORY
+
+
+def plan_to_solve(context: bpy.types.Context) -> bpy.types.Object | None:
+    """The plan which Solve would take: the active mesh, or the plan that the active result comes from."""
+    ob = context.object
+    if ob is None:
+        return None
+    if ob.cmc.role != "NONE":
+        source = ob.cmc.source
+        return source if source is not None and source.users_scene else None
+    return ob if ob.type == "MESH" else None
+
+
+def hint(layout: bpy.types.UILayout, *lines: str) -> None:
+    """A sentence that says what to do next, in lines short enough for a narrow sidebar."""
+    column = layout.column(align=True)
+    column.active = False
+    column.scale_y = 0.8
+    for k, line in enumerate(lines):
+        column.label(text=line, icon="INFO" if k == 0 else "BLANK1")
+
+
+def properties_column(layout: bpy.types.UILayout) -> bpy.types.UILayout:
+    """A column of settings as Blender's own panels have them."""
+    column = layout.column()
+    column.use_property_split = True
+    column.use_property_decorate = False
+    return column
+
+
+def go_to_row(layout: bpy.types.UILayout, ob: bpy.types.Object, which: str) -> None:
+    """Name of an object that belongs to this one, if there is one; a click makes it the active object."""
+    other = target(ob, which)
+    if other is not None:
+        split = layout.split(factor=0.4)
+        name = split.row()
+        name.alignment = "RIGHT"
+        name.label(text=which.capitalize())
+        split.operator("cmc.go_to", text=other.name, icon=_ICONS[which]).target = which
+
+
+_ICONS = {"OUTLINE": "CURVE_DATA", "PLAN": "MESH_GRID", "SHELL": "SURFACE_NSURFACE"}
+
+
+# --- Mesh Plan -----------------------------------------------------------------------------
+
+class CMC_PT_plan(Tab, bpy.types.Panel):
+    bl_idname = "CMC_PT_plan"
+    bl_label = "Plan"
+    bl_order = 0
+
+    def draw(self, context):
+        layout, ob = self.layout, context.object
+        if ob is None or ob.type not in {"MESH", "CURVE"}:
+            hint(layout, "Select a mesh or a closed curve", "to use as plan")
+            return
+        if ob.cmc.role != "NONE":
+            if target(ob, "PLAN"):
+                go_to_row(layout, ob, "PLAN")
+            else:
+                hint(layout, "The plan of this result", "has been deleted")
+            return
+        self._settings(layout, context.scene.cmc, ob)
+        go_to_row(layout, ob, "OUTLINE" if ob.cmc.meshed else "PLAN")
+        row = layout.row()
+        row.scale_y = TALL
+        row.operator("cmc.mesh_plan", text="Mesh Plan" if plan_of(ob) is None else "Update Plan")
+
+    def _settings(self, layout, settings, ob):
+        column = properties_column(layout)
+        edge = settings.edge_length
+        column.prop(settings, "edge_length")
+        if not edge:
+            edge = default_edge_length(local_size(outline_of(ob)))
+            automatic(column, edge)
+        column.prop(settings, "round_corners", text="Round Corners")
+        if settings.round_corners:
+            column.prop(settings, "corner_radius", text="Radius")
+            if not settings.corner_radius:
+                automatic(column, RADIUS_IN_EDGES * edge)
+
+
+def automatic(column: bpy.types.UILayout, length: float) -> None:
+    """What a setting of 0 stands for now, under that setting."""
+    row = column.row()
+    row.active = False
+    split = row.split(factor=0.4)
+    split.label()
+    split.label(text=f"Automatic: {length_text(length)}")
+
+
+def length_text(value: float, power: int = 1, digits: int = 4) -> str:
+    """A length or area in the scene's units."""
+    units = bpy.context.scene.unit_settings
+    if units.system == "NONE":
+        return f"{value:.{digits}g}"
+    kind = {1: "LENGTH", 2: "AREA"}[power]
+    value *= units.scale_length**power
+    return bpy.utils.units.to_string(units.system, kind, value, precision=digits, split_unit=False)
+
+
+# --- the shell -----------------------------------------------------------------------------
+
+class CMC_PT_shell(Tab, bpy.types.Panel):
+    bl_idname = "CMC_PT_shell"
+    bl_label = "Shell"
+    bl_order = 2
+
+    def draw(self, context):
+        layout, plan = self.layout, plan_to_solve(context)
+        if context.window_manager.cmc.running:
+            self._running(layout, context.window_manager.cmc)
+            return
+        if plan is None:
+            hint(layout, "Select a plan; from a curve", "Mesh Plan makes one")
+            return
+        if not plan.data.polygons and not plan.data.is_editmode:
+            hint(layout, "This mesh has no faces:", "Mesh Plan makes them")
+            return
+        if plan == context.object and not plan.cmc.meshed and target(plan, "PLAN") is not None:
+            hint(layout, "This is the outline;", "its plan is what is solved")
+            go_to_row(layout, plan, "PLAN")
+            return
+        self._settings(layout, plan)
+        row = layout.row(align=True)
+        row.scale_y = TALL
+        row.operator("cmc.solve")
+        row.operator("cmc.flip", text="", icon="UV_SYNC_SELECT")
+        if context.mode == "EDIT_MESH":
+            layout.operator("cmc.solve_selection")
+        go_to_row(layout, context.object, "SHELL")
+
+    def _settings(self, layout, plan):
+        settings = plan.cmc
+        column = properties_column(layout)
+        column.enabled = plan.is_editable
+        column.prop(settings, "size")
+        value = SIZE_PROPERTY[settings.size]
+        if value:
+            column.prop(settings, value)
+        column.prop(settings, "ground")
+
+    def _running(self, layout, run):
+        row = layout.row(align=True)
+        row.progress(factor=run.progress, text=run.message or "Solving")
+        row.operator("cmc.cancel", text="", icon="X")
+
+
+class CMC_PT_options(Tab, bpy.types.Panel):
+    bl_idname = "CMC_PT_options"
+    bl_label = "Options"
+    bl_parent_id = "CMC_PT_shell"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return plan_to_solve(context) is not None
+
+    def draw(self, context):
+        settings = plan_to_solve(context).cmc
+        column = properties_column(self.layout)
+        column.enabled = plan_to_solve(context).is_editable
+        column.prop(settings, "sheet")
+        checks = column.column(heading="Also Make")
+        for name in ("want_twin", "want_g", "want_gauss"):
+            checks.prop(settings, name)
+        column.prop(settings, "apply_modifiers")
+        if settings.size == "MATCH_PLAN":
+            column.prop(settings, "rotate")
+        column.separator()
+        column.prop(settings, "averaging")
+        column.prop(settings, "tolerance")
+
+
+CLASSES = (CMC_PT_plan, CMC_PT_shell, CMC_PT_options)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    for cls in reversed(CLASSES):
+        if cls.is_registered:
+            bpy.utils.unregister_class(cls)

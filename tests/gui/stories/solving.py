@@ -1,0 +1,61 @@
+"""A click on Solve: the window goes on, Esc and the panel's cross stop it, F9 changes it, undo takes it back."""
+
+from __future__ import annotations
+
+import bpy
+
+
+def until(condition, what: str, seconds: float = 60.0):
+    """Wait for something to become true."""
+    waited = 0.0
+    while not condition():
+        assert waited < seconds, f"waited in vain until {what}"
+        waited += 0.05
+        yield 0.05
+
+
+def running() -> bool:
+    return bpy.context.window_manager.cmc.running
+
+
+def plan():
+    return bpy.data.objects["Plan"]
+
+
+def tell(hands):
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=300, y_subdivisions=300, size=10)
+    bpy.context.object.name = "Plan"
+    bpy.ops.ed.undo_push(message="Plan")
+    yield 0.5
+
+    yield from hands.click_button("cmc.solve")
+    yield from until(running, "the solve runs")
+    cross = yield from hands.find("cmc.cancel", (0.93,))
+    yield from hands.picture("running")
+    assert running(), "the solve ended before anyone could cancel it; use a finer plan"
+    yield from hands.press("ESC")
+    yield from until(lambda: not running(), "Esc has stopped it")
+    assert len(bpy.data.objects) == 1
+
+    yield from hands.click_button("cmc.solve")
+    yield from until(running, "the solve runs again")
+    yield from hands.click(*cross)
+    yield from until(lambda: not running(), "the cross has stopped it")
+    assert len(bpy.data.objects) == 1
+
+    yield from hands.click_button("cmc.solve")
+    yield from until(lambda: plan().cmc.f_plus is not None, "the shell is there")
+    assert not running()
+    yield from hands.picture("solved")
+    assert bpy.context.window_manager.operators[-1].bl_idname == "CMC_OT_solve"
+
+    yield from hands.press("F9")
+    yield from hands.picture("redo-panel")
+    hands.move(*hands.view)
+    yield from hands.press("ESC")
+
+    yield from hands.press("Z", ctrl=True)
+    yield from until(lambda: len(bpy.data.objects) == 1, "undo has taken it back")
+    yield from hands.press("Z", ctrl=True, shift=True)
+    yield from until(lambda: len(bpy.data.objects) == 2, "redo has brought it again")
+    assert plan().cmc.f_plus == bpy.data.objects["Plan f+"]

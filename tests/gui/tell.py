@@ -1,0 +1,78 @@
+"""Tell one story in a Blender window: blender --enable-event-simulate --python tell.py -- STORY
+
+A story is a file in stories/ with `tell(hands)`, a generator that acts, yields seconds to wait, and asserts.
+Prints "told STORY" and ends Blender with 0, or prints the traceback and ends it with 3: an exception alone
+would leave Blender running and its exit code 0.
+"""
+
+import importlib.util
+import os
+import sys
+import traceback
+from pathlib import Path
+
+import addon_utils
+import bpy
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE))
+
+from hands import Hands  # noqa: E402
+
+STORY = sys.argv[sys.argv.index("--") + 1]
+
+
+def load(name: str):
+    spec = importlib.util.spec_from_file_location(name, HERE / "stories" / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def prepare() -> None:
+    """The add-on from the checkout, no splash, an empty scene, the viewport as large as the window."""
+    failures = []
+    addon_utils.enable("cmc_formfinding", default_set=True, handle_error=failures.append)
+    if failures:
+        raise failures[0]
+    bpy.context.preferences.view.show_splash = False
+    for ob in list(bpy.data.objects):
+        bpy.data.objects.remove(ob)
+
+
+def whole():
+    prepare()
+    yield 0.5
+    hands = Hands(STORY)
+    with bpy.context.temp_override(window=hands.window, area=hands.area):
+        bpy.ops.screen.screen_full_area(use_hide_panels=False)
+    yield 0.5
+    yield from hands.open_tab()
+    yield from load(STORY).tell(hands)
+
+
+_steps = whole()
+
+
+def tick() -> float:
+    try:
+        return next(_steps)
+    except StopIteration:
+        code = 0
+        print(f"told {STORY}", flush=True)
+    except BaseException:
+        code = 3
+        traceback.print_exc()
+        print(f"failed {STORY}", flush=True)
+        try:
+            import subprocess
+
+            subprocess.run(["import", "-window", "root", f"/pictures/{STORY}-failed.png"], check=False)
+        except OSError:
+            pass
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(code)
+
+
+bpy.app.timers.register(tick, first_interval=2.0)
