@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from .errors import Status
 from .measure.curvature import mean_curvature_of
 from .measure.report import Report, report
-from .plan import Group, Plan, Settings, matches, plan_conditions, plan_domain, plan_warnings
+from .plan import SHEETS, Group, Plan, Settings, matches, plan_conditions, plan_domain, plan_warnings
 from .surface.cmc import CmcSurface
 from .surface.placement import ALIKE, PlacementError, Plane, Similarity, place, plan_plane, rim_weights
 from .surface.solve import CmcSolver
@@ -33,10 +33,12 @@ class Formed:
     surface: what the solver gave, at H = ½. similarity: from its points to the placed ones.
     placed: points (n, 3) of "f+", "f-", "g" and "gauss"; a sheet that degenerates to a point is not in it.
     normals: unit vectors (n, 3) on each of them, on the side from which `faces` are counter-clockwise on f+
-    and f-. source (n,): the plan's vertex of each row; faces (F, 3): rows, in the order of the plan's
-    triangles. There is one row a vertex, unless the surface is cut open. mean_curvature (n,): of the sheet
-    that is shown, measured, positive on a sphere; its target is in the report. message: the status in a
-    sentence. warnings: what the user should know besides. solver: to hand in again.
+        and f-.
+    source (n,): the plan's vertex of each row; faces (F, 3): rows, in the order of the plan's triangles.
+        There is one row a vertex, unless the surface is cut open.
+    mean_curvature (n,): of the sheet that is shown, measured, positive on a sphere; its target is in the
+        report.
+    message: the status in a sentence. warnings: what the user should know besides. solver: to hand in again.
     """
 
     surface: CmcSurface
@@ -75,7 +77,7 @@ def form(
     cannot be used; a solve that does not converge is told by `Formed.converged` and `message`.
     """
     settings = settings or Settings()
-    plan.positions = np.asarray(plan.positions, dtype=np.float64)
+    plan = replace(plan, positions=np.asarray(plan.positions, dtype=np.float64))
     if solver is None or not matches(solver.domain, plan):
         solver = CmcSolver(plan_domain(plan), sites=settings.sites, energy=settings.energy)
     surface = solver.solve(
@@ -89,13 +91,15 @@ def form(
         degree=settings.degree,
         progress=progress,
     )
+    sheets = [name for name in SHEETS if not surface.is_degenerate(name)]
+    _check_shown(surface, settings.sheet, sheets)
     plane, similarity = _place(plan, settings, surface)
-    placed, normals = _placed(surface, similarity, plane, settings.sheet)
+    placed, normals = _placed(surface, similarity, plane, sheets)
     measured = report(
         surface,
         plan.positions,
         sheet=settings.sheet,
-        positions={name: placed[name] for name in ("f+", "f-") if name in placed},
+        positions={name: placed[name] for name in sheets},
         intersections=intersections,
         up=plane.normal,
     )
@@ -109,20 +113,23 @@ def form(
         mean_curvature=row_curvature(surface, similarity, placed, settings.sheet),
         report=measured,
         message=measured.sentence,
-        warnings=plan_warnings(plan, solver.domain)
-        + _warnings(plan, surface, settings, similarity, measured),
+        warnings=plan_warnings(plan, solver.domain) + _warnings(plan, surface, settings, similarity, measured),
         solver=solver,
     )
 
 
+def _check_shown(surface: CmcSurface, shown: str, sheets: Sequence[str]) -> None:
+    if not sheets or surface.status is Status.COLLAPSED:
+        raise PlacementError(Status.COLLAPSED.sentence)
+    if shown not in sheets:
+        raise PlacementError(
+            f"{shown} degenerates to a point for these boundary conditions, so there is no shell to place; "
+            f"show {sheets[0]}, or change a tilt."
+        )
+
+
 def _place(plan: Plan, settings: Settings, surface: CmcSurface) -> tuple[Plane, Similarity]:
     sheet, domain = settings.sheet, surface.domain
-    if surface.is_degenerate(sheet):
-        other = "f-" if sheet == "f+" else "f+"
-        raise PlacementError(
-            f"{sheet} degenerates to a point for these boundary conditions, so there is no shell to place; "
-            f"show {other}, or change a tilt."
-        )
     vertices, weights = rim_weights(plan.positions, domain.edges[domain.boundary_edges])
     plane = plan_plane(plan.positions, domain.faces, vertices, weights)
     rows = np.flatnonzero(np.isin(surface.source, vertices))
@@ -143,13 +150,9 @@ def _place(plan: Plan, settings: Settings, surface: CmcSurface) -> tuple[Plane, 
 
 
 def _placed(
-    surface: CmcSurface, similarity: Similarity, plane: Plane, shown: str
+    surface: CmcSurface, similarity: Similarity, plane: Plane, sheets: Sequence[str]
 ) -> tuple[dict[str, Array], dict[str, Array]]:
-    placed = {
-        name: similarity.points(surface.sheet(name))
-        for name in ("f+", "f-", "g")
-        if name == "g" or not surface.is_degenerate(name)
-    }
+    placed = {name: similarity.points(surface.sheet(name)) for name in (*sheets, "g")}
     N = similarity.directions(surface.normals)
     placed["gauss"] = plane.origin + 0.5 * similarity.scale / surface.mean_curvature * N
     outside = -N if similarity.mirrored else N
@@ -157,9 +160,7 @@ def _placed(
     return placed, {name: normals[name] for name in placed}
 
 
-def row_curvature(
-    surface: CmcSurface, similarity: Similarity, placed: dict[str, Array], sheet: str
-) -> Array:
+def row_curvature(surface: CmcSurface, similarity: Similarity, placed: dict[str, Array], sheet: str) -> Array:
     """(n,) area-weighted mean of the measured H of the faces around each row of "f+" or "f-"; the
     target where there is none."""
     points, faces = placed[sheet], surface.faces
@@ -187,15 +188,14 @@ def _warnings(
         )
     shown = measured.shown
     twin = "f-" if measured.sheet == "f+" else "f+"
-    if surface.is_degenerate(twin):
+    if twin not in measured.sheets:
         notes.append(f"{twin} degenerates to a point for these boundary conditions and is left out.")
     if shown.intersections is not None and shown.intersections.count:
         owner = plan.triangle_polygons
         pair = [int(i if owner is None else owner[i]) for i in shown.intersections.pairs[0]]
         notes.append(
             f"{shown.name} goes through itself: {shown.intersections.count} pairs of faces cross, the "
-            "first of them "
-            f"{pair[0]} and {pair[1]}."
+            f"first of them {pair[0]} and {pair[1]}."
         )
     if shown.overhang is not None and shown.overhang.area_share > _OVERHANG:
         share = 100 * shown.overhang.area_share

@@ -75,9 +75,7 @@ class Settings:
         if self.sheet not in SHEETS:
             raise JobError(f'There is no sheet "{self.sheet}"; choose f+ or f-.')
         if self.default_kind not in KINDS:
-            raise JobError(
-                f'There is no boundary condition "{self.default_kind}"; choose one of {", ".join(KINDS)}.'
-            )
+            raise JobError(f'There is no boundary condition "{self.default_kind}"; choose one of {", ".join(KINDS)}.')
         self.rule()
 
     def rule(self) -> Rule:
@@ -115,25 +113,28 @@ def matches(domain: Domain, plan: Plan) -> bool:
 def plan_conditions(plan: Plan, settings: Settings, domain: Domain) -> Conditions:
     """The groups' conditions, and the default one on boundary edges in no group.
 
-    Raises `ConditionError` naming the group and the edges that are not on the boundary, an edge in two
-    groups, or that every edge is free.
+    Where groups of one condition meet, they are as one group. Raises `ConditionError` naming the group and
+    the edges that are not on the boundary, an edge in two groups, or that every edge is free.
     """
+    parameters = {"tilt": settings.default_tilt} if settings.default_kind == "binormal" else {}
+    default = Group("edges in no group", np.empty((0, 2), dtype=int), settings.default_kind, parameters)
     owner = np.full(len(domain.edges), -1)
-    total = Conditions()
     for number, group in enumerate(plan.groups):
         chosen = _group_edges(group, domain)
         _check_unowned(plan.groups, number, owner, chosen, domain)
         owner[chosen] = number
-        if len(chosen):
-            total = total + _build(group, domain, plan.positions, chosen)
-    rest = domain.boundary_edges[owner[domain.boundary_edges] < 0]
-    if len(rest):
-        parameters = {"tilt": settings.default_tilt} if settings.default_kind == "binormal" else {}
-        total = total + boundary.build(settings.default_kind, domain, plan.positions, rest, **parameters)
+    alike: dict[object, tuple[Group, list[int]]] = {}
+    for number, group in enumerate([*plan.groups, default]):
+        alike.setdefault(_condition_key(group), (group, []))[1].append(number)
+    owner[domain.boundary_edges[owner[domain.boundary_edges] < 0]] = len(plan.groups)
+    total = Conditions()
+    for group, numbers in alike.values():
+        edges = np.flatnonzero(np.isin(owner, numbers))
+        if len(edges):
+            total = total + _build(group, domain, plan.positions, edges)
     if not len(total.sites):
         raise ConditionError(
-            "All boundary edges are free, so nothing holds the tangent planes; give some of them another "
-            "condition."
+            "All boundary edges are free, so nothing holds the tangent planes; give some of them another condition."
         )
     return total
 
@@ -145,6 +146,11 @@ def _group_edges(group: Group, domain: Domain) -> NDArray[np.integer]:
         return np.unique(boundary.boundary_edges(domain, pairs))
     except ConditionError as error:
         raise _in_group(group, error) from error
+
+
+def _condition_key(group: Group) -> object:
+    """Equal for groups with the same condition."""
+    return group.kind, tuple(sorted((name, str(np.asarray(v).tolist())) for name, v in group.parameters.items()))
 
 
 def _build(group: Group, domain: Domain, positions: Array, edges: NDArray[np.integer]) -> Conditions:
@@ -185,7 +191,5 @@ def plan_warnings(plan: Plan, domain: Domain) -> list[str]:
     a, b, c = (plan.positions[domain.faces[:, k]] for k in range(3))
     areas = 0.5 * np.cross(b - a, c - a)
     if areas[:, 2].sum() < -0.5 * np.linalg.norm(areas, axis=1).sum():
-        notes.append(
-            "The plan's faces look down, so the shell hangs below it; flip their normals, or flip the shell."
-        )
+        notes.append("The plan's faces look down, so the shell hangs below it; flip their normals, or flip the shell.")
     return notes

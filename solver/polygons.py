@@ -27,24 +27,26 @@ def triangulate_polygons(vertices: ArrayLike, polygons: Sequence[ArrayLike]) -> 
     a spike (the outline goes out and back again), no area, or an outline that crosses itself.
     """
     points = _in_space(vertices)
-    corners = [np.asarray(polygon, dtype=np.int32).reshape(-1) for polygon in polygons]
-    sizes = np.array([len(c) for c in corners], dtype=np.int64)
-    _check_indices(corners, sizes, len(points))
+    corners = [np.asarray(polygon) for polygon in polygons]
+    sizes = np.array([len(polygon) for polygon in corners], dtype=np.int64)
+    flat = np.concatenate([np.zeros(0, dtype=np.int32), *corners]).astype(np.int32)
+    _check_corners(flat, sizes, len(points))
+    first, row = (np.concatenate([[0], np.cumsum(counts)[:-1]]) for counts in (sizes, sizes - 2))
     triangles = np.empty((int((sizes - 2).sum()), 3), dtype=np.int32)
-    starts = np.concatenate([[0], np.cumsum(sizes - 2)])
     for size in np.unique(sizes):
         which = np.flatnonzero(sizes == size)
-        block = np.stack([corners[i] for i in which])
-        flat = _projected(points, block, which)
-        rows = starts[which][:, None] + np.arange(size - 2)
+        block = flat[first[which][:, None] + np.arange(size)]
+        _check_repeats(block, which)
+        outlines = _projected(points, block, which)
+        rows = row[which][:, None] + np.arange(size - 2)
         if size == 3:
             triangles[rows[:, 0]] = block
         elif size == 4:
-            triangles[rows] = _cut_quads(flat, block, which)
+            triangles[rows] = _cut_quads(outlines, block, which)
         else:
-            for outline, polygon, index, row in zip(flat, block, which, rows, strict=True):
-                triangles[row] = polygon[_clip_ears(outline, polygon, int(index))]
-    return triangles, np.repeat(np.arange(len(corners), dtype=np.int32), sizes - 2)
+            for outline, polygon, index, own in zip(outlines, block, which, rows, strict=True):
+                triangles[own] = polygon[_clip_ears(outline, polygon, int(index))]
+    return triangles, np.repeat(np.arange(len(sizes), dtype=np.int32), sizes - 2)
 
 
 def _in_space(vertices: ArrayLike) -> Array:
@@ -59,26 +61,30 @@ def _in_space(vertices: ArrayLike) -> Array:
     return points if points.shape[1] == 3 else np.column_stack([points, np.zeros(len(points))])
 
 
-def _check_indices(corners: list[Int], sizes: NDArray[np.int64], vertex_count: int) -> None:
+def _check_corners(flat: Int, sizes: NDArray[np.int64], vertex_count: int) -> None:
     small = np.flatnonzero(sizes < 3)
     if small.size:
         raise MeshError(f"Polygon {listed(small)} has fewer than three corners; delete it.", faces=small)
-    for index, polygon in enumerate(corners):
-        if polygon.min() < 0 or polygon.max() >= vertex_count:
-            bad = polygon[(polygon < 0) | (polygon >= vertex_count)]
-            raise MeshError(
-                f"Polygon {index} uses vertex {listed(bad)}, but there are {vertex_count} vertices.",
-                faces=[index],
-                vertices=bad,
-            )
-        if len(set(polygon.tolist())) < len(polygon):
-            values, counts = np.unique(polygon, return_counts=True)
-            twice = values[counts > 1]
-            raise MeshError(
-                f"Polygon {index} passes through vertex {listed(twice)} more than once; split it there.",
-                faces=[index],
-                vertices=twice,
-            )
+    outside = np.flatnonzero((flat < 0) | (flat >= vertex_count))
+    if outside.size:
+        index = int(np.searchsorted(np.cumsum(sizes), outside[0], side="right"))
+        raise MeshError(
+            f"Polygon {index} uses vertex {flat[outside[0]]}, but there are {vertex_count} vertices.",
+            faces=[index],
+            vertices=[int(flat[outside[0]])],
+        )
+
+
+def _check_repeats(block: Int, which: NDArray[np.int64]) -> None:
+    ordered = np.sort(block, axis=1)
+    repeated = ordered[:, 1:] == ordered[:, :-1]
+    for row in np.flatnonzero(repeated.any(axis=1))[:1]:
+        index, twice = int(which[row]), np.unique(ordered[row, 1:][repeated[row]])
+        raise MeshError(
+            f"Polygon {index} passes through vertex {listed(twice)} more than once; split it there.",
+            faces=[index],
+            vertices=twice,
+        )
 
 
 def _projected(points: Array, block: Int, which: NDArray[np.int64]) -> Array:
@@ -114,9 +120,7 @@ def _projected(points: Array, block: Int, which: NDArray[np.int64]) -> Array:
     first = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal), axis=1)])
     first /= np.linalg.norm(first, axis=1, keepdims=True)
     second = np.cross(normal, first)
-    return np.stack(
-        [np.einsum("pki,pi->pk", centred, first), np.einsum("pki,pi->pk", centred, second)], axis=2
-    )
+    return np.stack([np.einsum("pki,pi->pk", centred, first), np.einsum("pki,pi->pk", centred, second)], axis=2)
 
 
 def _shape(a: Array, b: Array, c: Array) -> Array:

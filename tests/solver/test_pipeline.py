@@ -116,9 +116,7 @@ def test_a_sloped_plan_carries_everything_with_it():
     level = disc(centre=(1, 0, 2))
     angle = 0.3
     turn = np.array([[1, 0, 0], [0, np.cos(angle), -np.sin(angle)], [0, np.sin(angle), np.cos(angle)]])
-    sloped = form(
-        replace(level, positions=level.positions @ turn.T), Settings(size="rise", value=4, flip=True)
-    )
+    sloped = form(replace(level, positions=level.positions @ turn.T), Settings(size="rise", value=4, flip=True))
     straight = form(level, Settings(size="rise", value=4, flip=True))
     for name in ("f+", "g", "gauss"):
         assert_allclose(sloped.placed[name], straight.placed[name] @ turn.T, atol=1e-6)
@@ -336,3 +334,48 @@ def test_a_plan_that_looks_down_is_noticed():
     down = form(replace(plan, triangles=plan.triangles[:, ::-1]))
     assert any("faces look down" in note for note in down.warnings)
     assert not any("faces look down" in note for note in form(plan).warnings)
+
+
+def test_flat_all_around_is_a_collapse():
+    with pytest.raises(PlacementError, match="normals are all the same, so the surface shrinks to a point"):
+        form(disc(), Settings(default_tilt=np.pi / 2))
+
+
+def moebius(columns: int = 12) -> Plan:
+    """A closed strip of three rows of vertices with half a turn."""
+    t = 2 * np.pi * np.arange(columns) / columns
+    width = np.array([-0.4, 0.0, 0.4])
+    radius = 2 + width * np.cos(t / 2)[:, None]
+    points = np.stack([radius * np.cos(t)[:, None], radius * np.sin(t)[:, None], width * np.sin(t / 2)[:, None]], 2)
+    index = np.vstack([np.arange(3 * columns).reshape(columns, 3), [[2, 1, 0]]])
+    quads = [
+        [index[i, j], index[i + 1, j], index[i + 1, j + 1], index[i, j + 1]] for i in range(columns) for j in range(2)
+    ]
+    return Plan(points.reshape(-1, 3), triangulate_polygons(points.reshape(-1, 3), quads)[0])
+
+
+def two_discs() -> Plan:
+    one, other = disc(3), disc(3, centre=(20, 0, 0))
+    count = len(one.positions)
+    return Plan(np.vstack([one.positions, other.positions]), np.vstack([one.triangles, other.triangles + count]))
+
+
+def with_nan() -> Plan:
+    plan = disc(3)
+    plan.positions[5, 1] = np.nan
+    return plan
+
+
+@pytest.mark.parametrize(
+    ("plan", "message"),
+    [
+        (two_discs(), "component"),
+        (moebius(), "one-sided, like a Möbius strip"),
+        (with_nan(), "vertex 5"),
+        (Plan(np.zeros((0, 3)), np.zeros((0, 3), dtype=int)), "no|empty"),
+        (Plan(disc(3).positions, np.vstack([disc(3).triangles, [[0, 1, 2]]])), "face"),
+    ],
+)
+def test_meshes_that_are_no_surface(plan, message):
+    with pytest.raises(MeshError, match=message):
+        form(plan)
