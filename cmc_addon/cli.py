@@ -19,6 +19,7 @@ OK, FAILED, BAD_ARGUMENTS = 0, 1, 2
 
 _EPILOG = """\
 examples:
+  blender hall.blend --command cmc --output out
   blender --command cmc hall.blend --output out --format blend glb
   blender --command cmc a.blend b.blend canopy.toml --output out --span 12 --ground rim
   blender --command cmc plan.obj --condition 'group = "street", tilt = 25' --format obj
@@ -40,13 +41,14 @@ def run(argv: Sequence[str]) -> int:
     """
     try:
         arguments = _parser().parse_args(list(argv))
-        request = _request(arguments)
+        inputs = arguments.inputs or [_open_file()]
+        request = _request(arguments, inputs)
     except SystemExit as left:  # argparse has printed the help, or what is wrong
         return BAD_ARGUMENTS if left.code else OK
     except CmcError as error:
         print(f"cmc: {error}", file=sys.stderr)
         return BAD_ARGUMENTS
-    good = [_tell(path, done) for path in arguments.inputs for done in run_file(path.resolve(), request)]
+    good = [_tell(path, done) for path in inputs for done in run_file(path.resolve(), request)]
     return OK if all(good) else FAILED
 
 
@@ -62,8 +64,15 @@ def _tell(path: Path, done: Done) -> bool:
     return done.good
 
 
-def _request(arguments: argparse.Namespace) -> Request:
-    stems = [path.stem for path in arguments.inputs]
+def _open_file() -> Path:
+    """The .blend that is open, as in `blender hall.blend --command cmc`."""
+    if not bpy.data.filepath:
+        raise JobError("There is nothing to solve; name files, or open a .blend before --command.")
+    return Path(bpy.data.filepath)
+
+
+def _request(arguments: argparse.Namespace, inputs: Sequence[Path]) -> Request:
+    stems = [path.stem for path in inputs]
     twice = sorted({stem for stem in stems if stems.count(stem) > 1})
     if twice:
         raise JobError(f'Several inputs are called "{twice[0]}"; run them one by one into different folders.')
@@ -99,7 +108,9 @@ def _parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     kinds = ", ".join(INPUTS)
-    parser.add_argument("inputs", nargs="+", type=Path, metavar="FILE", help=f"files to solve: {kinds}")
+    parser.add_argument(
+        "inputs", nargs="*", type=Path, metavar="FILE", help=f"files to solve: {kinds} (the one that is open)"
+    )
     parser.add_argument("-o", "--output", type=Path, default=Path(), metavar="DIR", help="where to write (here)")
     parser.add_argument("-f", "--format", nargs="+", choices=OUTPUTS, default=["blend"], help="what to write (blend)")
     parser.add_argument("--plan", action="append", default=[], metavar="NAME", help="solve this object only")

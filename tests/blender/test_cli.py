@@ -149,6 +149,12 @@ def test_a_mesh_file_with_conditions(tmp_path):
     assert not (tmp_path / "roof" / "roof.blend").exists()
 
 
+def test_the_file_that_is_open(hall, tmp_path):
+    bpy.ops.wm.open_mainfile(filepath=str(hall))
+    assert cli.run(["--output", str(tmp_path / "out"), "--plan", "Disc"]) == 0
+    assert report(tmp_path / "out" / "hall" / "Disc")["converged"] is True
+
+
 def test_a_single_mesh_without_groups_is_a_plan(tmp_path):
     quad_disc("Only", rings=5)
     assert cli.run([str(save(tmp_path / "one.blend")), "--output", str(tmp_path)]) == 0
@@ -171,7 +177,8 @@ def test_a_surface_with_a_gap_is_written_and_is_a_failure(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ([], "FILE"),
+        ([], "There is nothing to solve"),
+        (["a.blend", "--rse", "5"], "unrecognized arguments: --rse"),
         (["a.blend", "--format", "dxf"], "dxf"),
         (["a.blend", "--size", "large"], "LARGE"),
         (["a.blend", "x/a.obj"], 'Several inputs are called "a"'),
