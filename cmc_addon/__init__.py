@@ -5,7 +5,10 @@ from __future__ import annotations
 import importlib
 from types import ModuleType
 
-MODULES = ("properties", "session", "operators", "edge_counts", "panels", "boundary_panel", "results_panel", "cli")
+MODULES = (
+    "properties", "session", "operators", "group_history", "edge_counts",
+    "panels", "boundary_panel", "results_panel", "cli",
+)
 """Sub-modules with register() and unregister(), in the order in which they need each other."""
 
 

@@ -19,6 +19,7 @@ from ..solver.errors import MeshError
 from .properties import GROUP_ATTRIBUTE
 
 _SELECTION = ".select_edge"
+_STAMP = ".cmc_list_"
 
 
 @dataclass(frozen=True)
@@ -94,6 +95,21 @@ def repair_selection(mesh: bpy.types.Mesh) -> None:
         mesh.attributes.new(_SELECTION, "BOOLEAN", "EDGE")
 
 
+def read_stamp(mesh: bpy.types.Mesh) -> int:
+    """The number that `write_stamp` left, 0 if there is none."""
+    names = (layer.name for layer in _stamp_layers(mesh))
+    return next((int(name.removeprefix(_STAMP)) for name in names), 0)
+
+
+def write_stamp(mesh: bpy.types.Mesh, number: int) -> None:
+    """Leave a number in a mesh in edit mode, where it takes part in undo; hidden from the user by its dot."""
+    bm = bmesh.from_edit_mesh(mesh)
+    for layer in _stamp_layers(mesh):
+        bm.faces.layers.int.remove(layer)
+    bm.faces.layers.int.new(f"{_STAMP}{number}")
+    bmesh.update_edit_mesh(mesh, loop_triangles=False, destructive=False)
+
+
 def count_boundary(mesh: bpy.types.Mesh, uids: frozenset[int]) -> tuple[int, int]:
     """Numbers of boundary edges in all, and of those in none of the groups `uids`.
 
@@ -145,6 +161,11 @@ def _layer(bm: bmesh.types.BMesh, create: bool = False):
     if layer is None and create:
         layer = bm.edges.layers.int.new(GROUP_ATTRIBUTE)
     return layer
+
+
+def _stamp_layers(mesh: bpy.types.Mesh) -> list:
+    layers = bmesh.from_edit_mesh(mesh).faces.layers.int.values()
+    return [layer for layer in layers if layer.name.startswith(_STAMP)]
 
 
 def _read_bmesh(bm: bmesh.types.BMesh) -> EdgeState:

@@ -32,6 +32,7 @@ from bpy.props import (
 
 from ..solver.gauss.conditions import KINDS
 from ..solver.surface.placement import GROUNDS, SIZES
+from .group_list import free_name
 
 GROUP_ATTRIBUTE = "cmc_group"
 
@@ -190,10 +191,18 @@ def plan_annotations(options=frozenset()) -> dict:
 
 # --- what is stored ------------------------------------------------------------------------
 
+def _keep_names_different(group, _context) -> None:
+    """A name that another group of the mesh has gets a number, as Blender does it."""
+    taken = {other.name for other in group.id_data.cmc.groups if other.uid != group.uid}
+    if group.name in taken:
+        group.name = free_name(group.name, taken)
+
+
 class CmcGroup(bpy.types.PropertyGroup):
     """A set of boundary edges with one condition; `name` is the user's, `uid` never changes."""
 
     __annotations__ = {
+        "name": StringProperty(name="Name", description="Name of the group", update=_keep_names_different),
         "uid": IntProperty(name="Identifier", description="Value of the edge attribute for this group"),
         **condition_annotations(),
     }

@@ -30,7 +30,7 @@ def _parsed(text: str) -> dict | None:
 
 def paragraph(layout: bpy.types.UILayout, context: bpy.types.Context, text: str, icon: str) -> None:
     """A sentence in as many lines as the sidebar's width asks for."""
-    scale = context.preferences.system.ui_scale
+    scale = context.preferences.system.ui_scale or 1.0  # 0 where there is no window
     letters = max(16, int((context.region.width / scale - 60) / _LETTER))
     column = layout.column(align=True)
     column.scale_y = 0.8

@@ -11,7 +11,7 @@ import numpy as np
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from ...solver.errors import CmcError, MeshError
-from .. import edge_bridge, group_list
+from .. import edge_bridge, group_history, group_list
 from ..properties import condition_annotations, kind_parameters
 
 SCRIPT_ONLY = {"HIDDEN", "SKIP_SAVE"}
@@ -44,11 +44,13 @@ class GroupOperator:
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         mesh = active_mesh(context)
+        group_history.before(mesh)
         try:
             self.act(context, mesh)
         except CmcError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
+        group_history.after(mesh)
         return {"FINISHED"}
 
 

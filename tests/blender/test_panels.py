@@ -1,0 +1,319 @@
+"""The sidebar drawn without a window, in every state: on a stand-in for the layout that checks each name.
+
+Blender draws nothing without a window, so the panels draw on `Layout`, which raises where Blender would show
+a warning in the console: a property that the data does not have, an operator or icon that does not exist.
+"""
+
+from __future__ import annotations
+
+import json
+from types import SimpleNamespace
+
+import bpy
+import pytest
+
+ICONS = set(bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items.keys())
+LISTS = {"CMC_UL_groups"}
+
+
+class Layout:
+    """Records texts, properties and operators; rows and columns write into the same record."""
+
+    def __init__(self, record=None) -> None:
+        self.record = record if record is not None else SimpleNamespace(texts=[], props=[], operators=[])
+
+    def _part(self, **_):
+        return Layout(self.record)
+
+    row = column = split = box = _part
+
+    def label(self, *, text="", icon="NONE"):
+        assert icon in ICONS
+        self.record.texts.append(text)
+
+    def prop(self, data, name, *, text=None, icon="NONE", index=-1, **_):
+        assert name in data.bl_rna.properties, f"{data} has no {name}"
+        assert icon in ICONS
+        self.record.props.append(name)
+
+    def operator(self, name, *, text="", icon="NONE", **_):
+        assert icon in ICONS
+        kind = getattr(bpy.ops.cmc, name.removeprefix("cmc.")).get_rna_type()
+        self.record.operators.append(name)
+        return Properties(kind)
+
+    def menu(self, name, **_):
+        assert hasattr(bpy.types, name)
+
+    def template_list(self, kind, _id, data, name, active_data, active_name, rows=5, **_):
+        assert kind in LISTS and rows == 4
+        for item in getattr(data, name):
+            panel_class(kind).draw_item(
+                SimpleNamespace(), bpy.context, self, data, item, 0, active_data, active_name)
+
+    def separator(self, **_):
+        pass
+
+    def progress(self, *, factor, text, **_):
+        assert 0 <= factor <= 1
+        self.record.texts.append(text)
+
+
+class Properties:
+    """What `layout.operator` returns: takes only properties that the operator has."""
+
+    def __init__(self, kind) -> None:
+        object.__setattr__(self, "kind", kind)
+
+    def __setattr__(self, name, value) -> None:
+        assert name in self.kind.properties, f"{self.kind.identifier} has no {name}"
+
+
+def panel_class(name):
+    from cmc_formfinding.cmc_addon import boundary_panel, panels, results_panel
+
+    for module in (panels, boundary_panel, results_panel):
+        if hasattr(module, name):
+            return getattr(module, name)
+    raise LookupError(name)
+
+
+PANELS = (
+    "CMC_PT_plan", "CMC_PT_boundary", "CMC_PT_shell", "CMC_PT_options", "CMC_PT_results", "CMC_PT_checks",
+    "CMC_PT_solver",
+)
+
+
+def draw(*names) -> SimpleNamespace:
+    """Draw panels as Blender would, those whose poll allows it."""
+    layout = Layout()
+    region = SimpleNamespace(width=250)
+    context = SimpleNamespace(**{
+        name: getattr(bpy.context, name)
+        for name in ("object", "scene", "window_manager", "mode", "preferences", "view_layer")
+    }, region=region)
+    for name in names or PANELS:
+        cls = panel_class(name)
+        if getattr(cls, "poll", lambda _: True)(context):
+            assert hasattr(bpy.types, name), f"{name} is not registered"
+            self = Drawn(cls, layout)
+            cls.draw(self, context)
+    return layout.record
+
+
+class Drawn:
+    """Stands for a panel: its helper methods and a layout."""
+
+    def __init__(self, cls, layout) -> None:
+        self._cls, self.layout = cls, layout
+
+    def __getattr__(self, name):
+        return getattr(self._cls, name).__get__(self)
+
+
+def said(record) -> str:
+    return " ".join(record.texts)
+
+
+@pytest.fixture
+def plan() -> bpy.types.Object:
+    bpy.ops.mesh.primitive_circle_add(vertices=24, radius=3, fill_type="NGON")
+    bpy.ops.cmc.mesh_plan(edge_length=0.6)
+    return bpy.context.object
+
+
+# --- every state ---------------------------------------------------------------------------
+
+def nothing():
+    bpy.context.view_layer.objects.active = None
+
+
+def mesh_without_faces():
+    mesh = bpy.data.meshes.new("wire")
+    mesh.from_pydata([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1), (1, 2), (2, 0)], [])
+    ob = bpy.data.objects.new("wire", mesh)
+    bpy.context.collection.objects.link(ob)
+    bpy.context.view_layer.objects.active = ob
+
+
+def empty_mesh():
+    ob = bpy.data.objects.new("nothing", bpy.data.meshes.new("nothing"))
+    bpy.context.collection.objects.link(ob)
+    bpy.context.view_layer.objects.active = ob
+
+
+def result_without_plan():
+    bpy.ops.mesh.primitive_plane_add()
+    bpy.context.object.cmc.role = "F_PLUS"
+
+
+def foreign_report():
+    bpy.ops.mesh.primitive_plane_add()
+    bpy.context.object.cmc.report = "not a report {"
+
+
+STATES = {
+    "nothing": (nothing, "Select a mesh or a closed curve"),
+    "text": (lambda: bpy.ops.object.text_add(), "Select a mesh or a closed curve"),
+    "empty": (lambda: bpy.ops.object.empty_add(), "Select a mesh or a closed curve"),
+    "camera": (lambda: bpy.ops.object.camera_add(), "Select a mesh or a closed curve"),
+    "curve": (lambda: bpy.ops.curve.primitive_bezier_circle_add(), "Select a plan"),
+    "mesh": (lambda: bpy.ops.mesh.primitive_plane_add(), "4 of 4 edges in no group"),
+    "closed mesh": (lambda: bpy.ops.mesh.primitive_cube_add(), "no boundary"),
+    "no faces": (mesh_without_faces, "no faces"),
+    "empty mesh": (empty_mesh, "no boundary"),
+    "result without plan": (result_without_plan, "has been deleted"),
+    "foreign report": (foreign_report, "4 of 4 edges"),
+}
+
+
+@pytest.mark.parametrize(("build", "text"), STATES.values(), ids=STATES.keys())
+def test_states(build, text) -> None:
+    build()
+    assert text in said(draw())
+
+
+@pytest.mark.parametrize("mode", ["OBJECT", "EDIT", "SCULPT"])
+def test_modes(plan, mode) -> None:
+    bpy.ops.cmc.group_add(name="rim")
+    bpy.ops.object.mode_set(mode=mode)
+    record = draw()
+    assert ("cmc.group_assign" in record.operators) == (mode == "EDIT")
+    assert ("cmc.solve_selection" in record.operators) == (mode == "EDIT")
+
+
+@pytest.mark.parametrize("mode", ["EDIT"])
+def test_curve_in_edit_mode(mode) -> None:
+    bpy.ops.curve.primitive_bezier_circle_add()
+    bpy.ops.object.mode_set(mode=mode)
+    assert "cmc.mesh_plan" in draw().operators
+
+
+def test_linked_from_a_library(plan, tmp_path) -> None:
+    name = plan.name
+    bpy.ops.cmc.group_add(name="rim")
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "library.blend"))
+    bpy.ops.wm.read_homefile(use_empty=True)
+    with bpy.data.libraries.load(str(tmp_path / "library.blend"), link=True) as (_, taken):
+        taken.objects = [name]
+    bpy.context.collection.objects.link(taken.objects[0])
+    bpy.context.view_layer.objects.active = taken.objects[0]
+    draw()
+    with pytest.raises(RuntimeError, match="make it local"):
+        bpy.ops.cmc.group_add()
+    with pytest.raises(RuntimeError, match="make it local"):
+        bpy.ops.cmc.mesh_plan()
+
+
+# --- what is shown -------------------------------------------------------------------------
+
+def test_only_the_parameters_of_the_kind_are_drawn(plan) -> None:
+    from cmc_formfinding.cmc_addon.properties import KINDS
+
+    bpy.ops.cmc.group_add(name="rim")
+    every = {parameter.name for kind in KINDS.values() for parameter in kind.parameters}
+    for name, kind in KINDS.items():
+        plan.data.cmc.groups[0].kind = name.upper()
+        drawn = set(draw("CMC_PT_boundary").props)
+        assert drawn & every == {parameter.name for parameter in kind.parameters}
+
+
+def test_only_the_size_that_counts_is_drawn(plan) -> None:
+    sizes = {"SPAN": "span", "RISE": "rise", "RADIUS": "radius", "MEAN_CURVATURE": "mean_curvature"}
+    for size in ("MATCH_PLAN", *sizes):
+        plan.cmc.size = size
+        drawn = set(draw("CMC_PT_shell").props) & set(sizes.values())
+        assert drawn == ({sizes[size]} if size in sizes else set())
+
+
+def test_angles_in_the_list_are_degrees(plan) -> None:
+    bpy.ops.cmc.group_add(name="rim", tilt=0.5235987755982988)
+    assert "30°" in draw("CMC_PT_boundary").texts
+
+
+def test_the_count_follows_every_change(plan) -> None:
+    edges = said(draw("CMC_PT_boundary")).split()[0]
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.context.tool_settings.mesh_select_mode = (False, True, False)
+    bpy.ops.mesh.select_all(action="SELECT")
+    assert f"{edges} of {edges} edges" in said(draw("CMC_PT_boundary"))
+    bpy.ops.cmc.group_add(name="rim", assign=True)
+    assert "in no group" not in said(draw("CMC_PT_boundary"))
+    bpy.ops.mesh.select_all(action="DESELECT")
+    bpy.ops.cmc.group_select()
+    bpy.ops.cmc.group_remove_from()
+    bpy.context.view_layer.update()
+    assert f"{edges} of {edges} edges" in said(draw("CMC_PT_boundary"))
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert f"{edges} of {edges} edges" in said(draw("CMC_PT_boundary"))
+
+
+def test_the_count_is_kept_between_redraws(plan, monkeypatch) -> None:
+    from cmc_formfinding.cmc_addon import edge_bridge
+
+    draw("CMC_PT_boundary")
+    monkeypatch.setattr(edge_bridge, "count_boundary", lambda *_: pytest.fail("counted again"))
+    for _ in range(3):
+        draw("CMC_PT_boundary")
+
+
+def test_results_in_numbers(plan) -> None:
+    assert not said(draw("CMC_PT_results"))
+    bpy.ops.cmc.solve()
+    record = draw("CMC_PT_results", "CMC_PT_checks", "CMC_PT_solver")
+    report = json.loads(plan.cmc.report)
+    assert report["sentence"].split()[0] in said(record)
+    for name in (
+        "Span", "Rise", "Area", "Rim", "Radius 1/H", "H", "Energy E", "Overhang", "Distortion", "Crossing",
+    ):
+        assert name in record.texts
+    assert f"{report['energy']:.6g}" in record.texts
+
+
+def test_units_are_the_scenes(plan) -> None:
+    bpy.ops.cmc.solve()
+    bpy.context.scene.unit_settings.system = "METRIC"
+    bpy.context.scene.unit_settings.scale_length = 0.01
+    assert any(text.endswith("cm") for text in draw("CMC_PT_results").texts)
+    bpy.context.scene.unit_settings.system = "NONE"
+    assert not any(text.endswith("m") and text[0].isdigit() for text in draw("CMC_PT_results").texts)
+
+
+def test_with_a_result_active(plan) -> None:
+    bpy.ops.cmc.group_add(name="rim")
+    bpy.ops.cmc.solve()
+    bpy.context.view_layer.objects.active = plan.cmc.f_plus
+    record = draw()
+    assert "tilt" in record.props, "the angles of the plan can be changed from here"
+    assert "cmc.solve" in record.operators and "cmc.group_add" not in record.operators
+    assert bpy.ops.cmc.go_to(target="PLAN") == {"FINISHED"} and bpy.context.object == plan
+    assert bpy.ops.cmc.go_to(target="SHELL") == {"FINISHED"} and bpy.context.object == plan.cmc.f_plus
+    bpy.ops.cmc.go_to(target="OUTLINE")
+    assert bpy.context.object == plan.cmc.outline and not bpy.context.object.hide_get()
+    assert "cmc.solve" not in draw("CMC_PT_shell").operators, "the outline is not what is solved"
+
+
+def test_while_running() -> None:
+    run = bpy.context.window_manager.cmc
+    run.running, run.progress, run.message = True, 0.25, "Step 2"
+    record = draw("CMC_PT_shell")
+    assert record.operators == ["cmc.cancel"] and "Step 2" in record.texts
+
+
+def test_the_specials_menu() -> None:
+    layout = Layout()
+    cls = panel_class("CMC_MT_groups")
+    cls.draw(Drawn(cls, layout), bpy.context)
+    assert set(layout.record.operators) == {
+        "cmc.group_add", "cmc.select_ungrouped", "cmc.group_remove_from", "cmc.group_remove"}
+
+
+def test_every_operator_has_a_tooltip_and_every_property_a_description() -> None:
+    from cmc_formfinding.cmc_addon import operators
+
+    for cls in operators._classes():
+        kind = getattr(bpy.ops.cmc, cls.bl_idname.removeprefix("cmc.")).get_rna_type()
+        assert kind.description, f"{cls.bl_idname} has no tooltip"
+        for name, prop in kind.properties.items():
+            if name != "rna_type" and not prop.is_hidden:
+                assert prop.name, f"{cls.bl_idname}.{name}"
