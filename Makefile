@@ -34,9 +34,9 @@ test-blender: .venv/ready dist/here $(BLENDERS)
 extension: .venv/ready
 	$(PYTHON) scripts/build_extension.py --all
 
-# The user interface in a real Blender with a window.
-gui-test: .venv/ready
-	$(PYTEST) tests/gui
+# Stories told in a real Blender with a window, in a Debian of its own; pictures in build/gui/.
+gui-test:
+	tests/gui/run.sh
 
 bench: .venv/ready
 	$(PYTHON) -m pytest benchmarks
@@ -48,7 +48,7 @@ gallery: .venv/ready
 # What was made from the sources; the environments stay.
 clean:
 	rm -rf build dist .pytest_cache .ruff_cache
-	find . -name __pycache__ -not -path './.venv*' -prune -exec rm -rf {} +
+	find . -path './.venv*' -prune -o -name __pycache__ -prune -exec rm -rf {} +
 
 # The zip for this machine only, for the tests.
 dist/here: .venv/ready $(SHIPPED)
