@@ -68,12 +68,8 @@ def _parser() -> argparse.ArgumentParser:
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument(
-        "jobs", nargs="+", metavar="job.toml", help="job files; one that fails does not stop the rest"
-    )
-    parser.add_argument(
-        "-v", "--verbose", action="store_true", help="show every step of the solver on stderr"
-    )
+    parser.add_argument("jobs", nargs="+", metavar="job.toml", help="job files; one that fails does not stop the rest")
+    parser.add_argument("-v", "--verbose", action="store_true", help="show every step of the solver on stderr")
     parser.add_argument("-q", "--quiet", action="store_true", help="print errors and warnings only")
     parser.add_argument("--version", action="version", version=f"cmc-formfinding {__version__}")
     return parser

@@ -153,9 +153,7 @@ def _trimesh_bytes(mesh: MeshData, normals: Array | None, suffix: str) -> bytes:
     if suffix == ".glb" and len(mesh.uvs) and all(len(rows) for rows in mesh.uv_corners):
         rows = _corner_rows(mesh.polygons, mesh.uv_corners, triangles, polygon)
         # glTF has one UV a vertex: a vertex on a seam is written once for each of its UVs.
-        pairs, index = np.unique(
-            np.column_stack([triangles.ravel(), rows.ravel()]), axis=0, return_inverse=True
-        )
+        pairs, index = np.unique(np.column_stack([triangles.ravel(), rows.ravel()]), axis=0, return_inverse=True)
         triangles, positions = index.reshape(-1, 3), positions[pairs[:, 0]]
         normals = None if normals is None else normals[pairs[:, 0]]
         material = PBRMaterial(name="plan", doubleSided=True)

@@ -172,9 +172,7 @@ def obj_text(mesh: MeshData, directory: Path | None = None) -> str:
         corners = (mesh.polygons[index] + 1).tolist()
         uvs = mesh.uv_corners[index] if index < len(mesh.uv_corners) else _NO_INDICES
         words = (
-            [f"{v}/{t}" for v, t in zip(corners, (uvs + 1).tolist(), strict=True)]
-            if len(uvs)
-            else map(str, corners)
+            [f"{v}/{t}" for v, t in zip(corners, (uvs + 1).tolist(), strict=True)] if len(uvs) else map(str, corners)
         )
         lines.append("f " + " ".join(words))
     for name, pairs in mesh.edge_groups.items():

@@ -19,9 +19,7 @@ SHEET_KEYS = {"f_plus": "f+", "f_minus": "f-", "g": "g", "gauss": "gauss"}
 """Key of a file in a job → name of the sheet."""
 
 
-def sheet_mesh(
-    formed: Formed, sheet: str, plan: Plan, mesh: MeshData, *, triangles: bool = False
-) -> MeshData:
+def sheet_mesh(formed: Formed, sheet: str, plan: Plan, mesh: MeshData, *, triangles: bool = False) -> MeshData:
     """A placed sheet with the polygons, UVs, groups and materials of the plan's mesh.
 
     A polygon that the cut of an open surface runs through is there as triangles; edge groups are kept
@@ -30,9 +28,7 @@ def sheet_mesh(
     point.
     """
     if sheet not in formed.placed:
-        raise JobError(
-            f"{sheet} degenerates to a point for these boundary conditions, so there is nothing to write."
-        )
+        raise JobError(f"{sheet} degenerates to a point for these boundary conditions, so there is nothing to write.")
     assert plan.polygons is not None and plan.triangle_polygons is not None
     polygons, owner = list(formed.faces), plan.triangle_polygons
     if not triangles:

@@ -37,7 +37,7 @@ def loops_by_length(domain: Domain) -> list[NDArray[np.int32]]:
     """Edges of the boundary loops, the longest loop first."""
     loops = domain.boundary_loop_edges
     lengths = [domain.edge_lengths[edges].sum() for edges in loops]
-    return [loops[k] for k in np.argsort(lengths, kind="stable")[::-1]]
+    return [loops[k] for k in np.argsort(-np.array(lengths), kind="stable")]
 
 
 def _loop(table: Table, domain: Domain, mesh: MeshData, sides: dict[str, Pairs]) -> Pairs:

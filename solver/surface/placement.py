@@ -66,9 +66,7 @@ class Rule:
         if self.ground not in GROUNDS:
             raise PlacementError(f'There is no ground "{self.ground}"; choose one of {", ".join(GROUNDS)}.')
         if self.size != "match_plan" and not (np.isfinite(self.value) and self.value > 0):
-            raise PlacementError(
-                f"The {SIZES[self.size].lower()} must be a positive number, not {self.value}."
-            )
+            raise PlacementError(f"The {SIZES[self.size].lower()} must be a positive number, not {self.value}.")
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,9 +203,7 @@ def place(
     best, rotation, _ = procrustes(edge, drawn, weights, plane.normal if rule.rotate else None)
     sizes = _radius(edge, weights), _radius(drawn, weights)
     if not sizes[0] > _NO_EXTENT / mean_curvature:
-        raise PlacementError(
-            f"{name} shrinks to a point on its boundary, so it cannot be placed over the plan."
-        )
+        raise PlacementError(f"{name} shrinks to a point on its boundary, so it cannot be placed over the plan.")
     likeness = best * sizes[0] / sizes[1]
     if rule.size == "match_plan":
         scale = best if likeness >= ALIKE else sizes[1] / sizes[0]
@@ -229,9 +225,7 @@ def _radius(points: ArrayLike, weights: ArrayLike) -> float:
 
 
 def _mean(values: ArrayLike, weights: ArrayLike) -> Array:
-    return np.average(
-        np.asarray(values, dtype=np.float64), axis=0, weights=np.asarray(weights, dtype=np.float64)
-    )
+    return np.average(np.asarray(values, dtype=np.float64), axis=0, weights=np.asarray(weights, dtype=np.float64))
 
 
 def _scale(rule: Rule, points: Array, edge: Array, plane: Plane, H: float, name: str) -> float:
@@ -262,6 +256,4 @@ def span(points: ArrayLike, normal: ArrayLike) -> float:
     # The width of a set in the direction of its diameter is the diameter, and in one at an angle of δ at
     # least cos δ of it.
     angles = np.arange(_SPAN_POINTS) * np.pi / _SPAN_POINTS
-    return max(
-        float(np.ptp(flat @ direction)) for direction in np.column_stack([np.cos(angles), np.sin(angles)])
-    )
+    return max(float(np.ptp(flat @ direction)) for direction in np.column_stack([np.cos(angles), np.sin(angles)]))

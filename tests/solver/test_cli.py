@@ -100,9 +100,7 @@ def test_as_a_module_from_anywhere(job, tmp_path):
     def call(*arguments: str) -> subprocess.CompletedProcess[str]:
         environment = {**os.environ, "PYTHONPATH": str(ROOT)}
         command = [sys.executable, "-m", "solver", *arguments]
-        return subprocess.run(
-            command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
-        )
+        return subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
 
     assert call("--version").stdout.strip() == f"cmc-formfinding {__version__}"
     failed = call("nosuch.toml")

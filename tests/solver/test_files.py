@@ -68,9 +68,7 @@ def test_obj_is_read(plan, tmp_path):
     assert plan.objects == ["Hall of 12"] * 4
     assert plan.groups == ["floor", "floor", "", "top"]
     assert plan.materials == ["Glass Panel", "Oak", "Oak", "Oak"]
-    assert {name: pairs.tolist() for name, pairs in plan.edge_groups.items()} == {
-        "support": [[0, 1], [1, 2], [2, 6]]
-    }
+    assert {name: pairs.tolist() for name, pairs in plan.edge_groups.items()} == {"support": [[0, 1], [1, 2], [2, 6]]}
     assert plan.libraries == [tmp_path / "roof.mtl"]
 
 

@@ -152,6 +152,24 @@ def test_loop_0_is_the_longest(folder):
     assert_allclose(radii[1], 1)
 
 
+def test_loop_0_is_the_longest_wherever_it_starts(folder):
+    """Here the vertices of the hole come first."""
+    mesh = quad_plan(9, 9)
+    missing = [k for k in range(81) if 3 <= k % 9 < 6 and 3 <= k // 9 < 6]
+    quads = [k for k in range(81) if k not in missing]
+    hole = np.unique([mesh.polygons[k] for k in missing])
+    used = np.unique([mesh.polygons[k] for k in quads])
+    order = np.concatenate([np.intersect1d(hole, used), np.setdiff1d(used, hole)])
+    new = np.full(100, -1)
+    new[order] = np.arange(len(order))
+    write_mesh(folder / "court.obj", MeshData(mesh.positions[order], [new[mesh.polygons[k]] for k in quads]))
+    plan = load_job(job(folder, 'mesh = "court.obj"\n[[conditions]]\nloop = 0')).plan
+    assert len(plan.groups[0].edges) == 36
+    plan = load_job(job(folder, 'mesh = "court.obj"\n[[conditions]]\nloop = 1')).plan
+    assert len(plan.groups[0].edges) == 12
+    assert plan.groups[0].edges.min() == 0
+
+
 SHAPE_JOBS = {
     "disc": 'kind = "disc"\nn = 100\nscale = 5',
     "rectangle": 'kind = "rectangle"\nwidth = 6\nheight = 4\ncolumns = 6',

@@ -12,7 +12,7 @@ from solver.errors import CmcError, ConditionError, MeshError, Status
 from solver.pipeline import Formed, Group, Plan, Settings, form, sheet_polygons
 from solver.plan import plan_domain
 from solver.polygons import triangulate_polygons
-from solver.surface.placement import PlacementError
+from solver.surface.placement import PlacementError, rim_weights
 
 
 def disc(rings: int = 8, radius: float = 5.0, centre: tuple[float, float, float] = (0, 0, 0)) -> Plan:
@@ -229,6 +229,11 @@ def test_a_courtyard_that_does_not_close_is_cut_and_says_so():
     assert any("gap" in note for note in formed.warnings)
     assert len(formed.source) > len(plan.positions)
     assert_array_equal(formed.source[formed.faces], plan.triangles)
+    vertices, weights = rim_weights(plan.positions, boundary_pairs(plan))
+    assert np.bincount(formed.source)[vertices].max() > 1
+    centres = np.array([formed.placed["f+"][formed.source == vertex].mean(axis=0) for vertex in vertices])
+    moved = np.average(centres - plan.positions[vertices], axis=0, weights=weights)
+    assert_allclose(moved[:2], 0, atol=1e-12)
     polygons, index = sheet_polygons(plan.polygons, plan.triangle_polygons, plan.triangles, formed.faces)
     assert_array_equal(np.bincount(index) >= 1, True)
     assert sum(len(p) - 2 for p in polygons) == len(plan.triangles)

@@ -152,9 +152,9 @@ def test_ground_under_a_rim_that_hangs_below_its_mean():
     points[:N, 2] = 0.3 * np.cos(2 * ANGLES)
     plane = Plane(np.array([0, 0, 7.0]), E_Z)
     heights = {
-        ground: place(points, np.arange(N), circle(2, 7), np.ones(N), plane, Rule("span", 4, ground)).points(
-            points
-        )[:, 2]
+        ground: place(points, np.arange(N), circle(2, 7), np.ones(N), plane, Rule("span", 4, ground)).points(points)[
+            :, 2
+        ]
         for ground in GROUNDS
     }
     assert_allclose(heights["lowest"].min(), 7, atol=1e-13)
