@@ -39,7 +39,7 @@ gui-test:
 	tests/gui/run.sh
 
 bench: .venv/ready
-	$(PYTHON) -m pytest benchmarks
+	$(PYTHON) -m pytest benchmarks -k "not sizes"
 
 # The pictures of docs/.
 gallery: .venv/ready
