@@ -148,18 +148,16 @@ def _trimesh_bytes(mesh: MeshData, normals: Array | None, suffix: str) -> bytes:
     from trimesh.visual.material import PBRMaterial
 
     triangles, polygon = _triangles(mesh)
-    options: dict[str, Any] = {}
-    positions = mesh.positions
+    positions, uv = mesh.positions, None
     if suffix == ".glb" and len(mesh.uvs) and all(len(rows) for rows in mesh.uv_corners):
         rows = _corner_rows(mesh.polygons, mesh.uv_corners, triangles, polygon)
         # glTF has one UV a vertex: a vertex on a seam is written once for each of its UVs.
         pairs, index = np.unique(np.column_stack([triangles.ravel(), rows.ravel()]), axis=0, return_inverse=True)
-        triangles, positions = index.reshape(-1, 3), positions[pairs[:, 0]]
+        triangles, positions, uv = index.reshape(-1, 3), positions[pairs[:, 0]], mesh.uvs[pairs[:, 1]]
         normals = None if normals is None else normals[pairs[:, 0]]
-        material = PBRMaterial(name="plan", doubleSided=True)
-        options["visual"] = TextureVisuals(uv=mesh.uvs[pairs[:, 1]], material=material)
-    if normals is not None:
-        options["vertex_normals"] = normals
+    options: dict[str, Any] = {} if normals is None else {"vertex_normals": normals}
+    if suffix == ".glb":  # a shell is looked at from below as well
+        options["visual"] = TextureVisuals(uv=uv, material=PBRMaterial(name="shell", doubleSided=True))
     data = trimesh.Trimesh(positions, triangles, process=False, **options).export(file_type=suffix[1:])
     return data if isinstance(data, bytes) else str(data).encode()
 

@@ -131,6 +131,7 @@ def test_glb_has_uvs_split_at_seams_and_normals(tmp_path):
     seam = np.flatnonzero(np.isclose(loaded.vertices, [1, 0, 0]).all(axis=1))
     assert_allclose(np.sort(loaded.visual.uv[seam], axis=0), [[0.5, 0], [0.75, 0.75]], atol=1e-6)
     assert_allclose(loaded.vertex_normals, np.tile([0, 0.8, -0.6], (8, 1)), atol=1e-6)
+    assert loaded.visual.material.doubleSided
     assert len(read_mesh(tmp_path / "m.glb").positions) == 6
 
 

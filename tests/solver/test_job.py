@@ -199,6 +199,16 @@ def test_sides_of_a_rectangle(folder):
     assert_allclose(plan.positions[plan.groups[0].edges][:, :, 1], 4)
 
 
+@pytest.mark.parametrize("suffix", [".ply", ".stl", ".glb"])
+def test_plans_from_other_formats(folder, suffix):
+    """The same shell as from the OBJ, to single precision; a quad may be cut along its other diagonal."""
+    write_mesh(folder / f"plan{suffix}", quad_plan())
+    formed = run_job(load_job(job(folder, f'mesh = "plan{suffix}"\n[[conditions]]\nloop = 0\ntilt = 30')))
+    drawn = run_job(load_job(job(folder, 'mesh = "plan.obj"\n[[conditions]]\nloop = 0\ntilt = 30')))
+    assert len(formed.source) == len(drawn.source)
+    assert_allclose(np.ptp(formed.placed["f+"], axis=0), np.ptp(drawn.placed["f+"], axis=0), rtol=0.02)
+
+
 def test_up_is_y_on_both_ways(folder):
     write_mesh(folder / "y.obj", quad_plan(), up="y")
     text = 'mesh = "y.obj"\nup = "y"\n[output]\nf_plus = "shell.obj"'
