@@ -51,7 +51,7 @@ def _value_at_origin(rows: Int, samples: Array, count: int) -> Array:
     near = sum_rows(rows, np.ones(len(rows)), count) / sum_rows(rows, 1.0 / distance, count)
     scaled = np.column_stack([near[rows], samples]) / distance[:, None]
     moments = sum_rows(rows, np.einsum("ia,ib->iab", scaled, scaled).reshape(-1, 9), count).reshape(-1, 3, 3)
-    first_row = np.linalg.pinv(moments, rcond=_RANK, hermitian=True)[:, 0]
+    first_row: Array = np.linalg.pinv(moments, rcond=_RANK, hermitian=True)[:, 0]
     return np.einsum("ij,ij->i", first_row[rows], scaled) * near[rows] / distance
 
 
@@ -64,7 +64,7 @@ def _circumcentres(domain: Domain, corners: Int) -> Array:
     y = 0.5 * (back - along * np.cos(angle)) / np.sin(angle)
     start, stretch = _fan_angles(domain, corners)
     direction = start + stretch * np.arctan2(y, x)
-    radius = np.hypot(x, y)
+    radius = np.sqrt(x**2 + y**2)
     return np.stack([radius * np.cos(direction), radius * np.sin(direction)], axis=1)
 
 

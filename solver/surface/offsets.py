@@ -55,7 +55,9 @@ def galerkin(a: Averaging) -> Array:
     load = _galerkin_load(a.domain, a.N)
     if a.homology.is_trivial:
         faces, rim = fit_weights(a.domain, a.dirichlet.fixed)
-        return a.dirichlet.solve(load, faces @ a.conjugate.g + rim @ a.conjugate.boundary_points)
+        fitted = faces @ a.conjugate.g
+        fitted += rim @ a.conjugate.boundary_points
+        return a.dirichlet.solve(load, fitted)
     if a.keeps_periods:
         load = load - _offset_load(a.domain, a.homology, a.periods)
     anchored = Dirichlet(a.domain.laplacian, np.zeros(1, dtype=np.int64))
