@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from ..errors import MeshError
-from .outline import check_loops, inside
+from .outline import Loop, check_loops, inside, signed_area
 from .quality import open_angles
 from .rounding import round_corners
 from .sampling import Boundary, sample
@@ -62,10 +62,10 @@ def mesh_plan(
     everything = loops[0].points
     low, size = everything.min(axis=0), float(np.ptp(everything, axis=0).max())
     _check_lengths(max_edge, corner_radius, size)
+    _check_count(loops, max_edge)
     origin = low + np.ptp(everything, axis=0) / 2
     in_units = [loop.in_units(origin, max_edge) for loop in loops]
     boundary, field = sample(round_corners(in_units, corner_radius / max_edge))
-    _check_count(boundary, max_edge)
     points, triangles = _Mesher(boundary, field).run()
     edges = np.column_stack([np.arange(len(boundary.points)), boundary.following])
     return PlanMesh(
@@ -89,13 +89,13 @@ def _check_lengths(max_edge: float, corner_radius: float, size: float) -> None:
         )
 
 
-def _check_count(boundary: Boundary, max_edge: float) -> None:
-    p, q = boundary.points, boundary.points[boundary.following]
-    area = 0.5 * abs(float(np.sum(p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0])))
-    if area / _ROW + len(p) > _LARGEST:
+def _check_count(loops: list[Loop], max_edge: float) -> None:
+    area = sum(signed_area(loop.points) for loop in loops)
+    count = area / _ROW / max_edge**2
+    if count > _LARGEST:
         raise MeshError(
-            f"The edge length {max_edge:.6g} would make about {area / _ROW:.2g} vertices; "
-            f"choose one longer than {max_edge * np.sqrt(area / _ROW / _LARGEST):.2g}."
+            f"The edge length {max_edge:.6g} would make about {count:.2g} vertices; "
+            f"choose one longer than {max_edge * np.sqrt(count / _LARGEST):.2g}."
         )
 
 

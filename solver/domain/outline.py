@@ -46,20 +46,20 @@ def check_loops(
     each other, and holes that are not holes.
     """
     names = ["the outline"] + [f"hole {k}" for k in range(len(holes))]
-    given = [_as_points(points, name) for points, name in zip([outline, *holes], names, strict=True)]
-    starts = np.cumsum([0] + [len(points) for points in given])
+    given: list[np.ndarray] = []
+    starts = [0]  # in the numbering of the input, where a loop may repeat its first point
+    for points, name in zip([outline, *holes], names, strict=True):
+        given.append(_as_points(points, name, starts[-1]))
+        starts.append(starts[-1] + len(points))
     size = float(np.ptp(given[0], axis=0).max())
     for points, name, start in zip(given, names, starts, strict=False):
         _check_repeated(points, name, start, size)
+        _check_width(points, name, start, size)
         _check_spikes(points, name, start)
     _check_crossings(given, names, starts)
-    for points, name, start in zip(given, names, starts, strict=False):
-        if abs(signed_area(points)) <= 1e-12 * size * size:
-            raise MeshError(
-                f"{name} encloses no area; draw it as a closed loop around the plan".capitalize(),
-                vertices=range(start, start + len(points)),
-            )
     _check_nesting(given, names, starts)
+    if len(keep) > len(given):
+        raise MeshError(f"Points to keep are listed for {len(keep)} loops; the plan has {len(given)}.")
     kept = [np.asarray(list(k), dtype=np.int64) for k in keep] + [np.zeros(0, np.int64)] * (len(given) - len(keep))
     return [_oriented(p, n, k, 1 if i == 0 else -1) for i, (p, n, k) in enumerate(zip(given, names, kept, strict=True))]
 
@@ -137,7 +137,7 @@ def _meet(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> np.ndar
     return overlap & (one * two <= 0) & (three * four <= 0)
 
 
-def _as_points(points: np.ndarray, name: str) -> np.ndarray:
+def _as_points(points: np.ndarray, name: str, start: int) -> np.ndarray:
     try:
         array = np.array(points, dtype=np.float64)
     except (TypeError, ValueError) as error:
@@ -146,7 +146,9 @@ def _as_points(points: np.ndarray, name: str) -> np.ndarray:
         raise MeshError(f"The points of {name} have shape {array.shape}; give one (x, y) a point, shape (K, 2).")
     bad = np.nonzero(~np.isfinite(array).all(axis=1))[0]
     if len(bad):
-        raise MeshError(f"Point {listed(bad)} of {name} is not finite; delete it or give it a place.", vertices=bad)
+        raise MeshError(
+            f"Point {listed(bad)} of {name} is not finite; delete it or give it a place.", vertices=start + bad
+        )
     if len(array) > 1 and np.array_equal(array[0], array[-1]):
         array = array[:-1]
     if len(array) < 3:
@@ -164,6 +166,15 @@ def _check_repeated(points: np.ndarray, name: str, start: int, size: float) -> N
         )
 
 
+def _check_width(points: np.ndarray, name: str, start: int, size: float) -> None:
+    """Points on one line bound nothing. (Loops that cross themselves have their own message.)"""
+    if np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[1] <= _SAME_PLACE * size:
+        raise MeshError(
+            f"{name.capitalize()} encloses no area, its points lie on one line; draw it around the plan.",
+            vertices=range(start, start + len(points)),
+        )
+
+
 def _check_spikes(points: np.ndarray, name: str, start: int) -> None:
     back = np.roll(points, 1, axis=0) - points
     ahead = np.roll(points, -1, axis=0) - points
@@ -177,27 +188,33 @@ def _check_spikes(points: np.ndarray, name: str, start: int) -> None:
         )
 
 
-def _check_crossings(given: list[np.ndarray], names: list[str], offsets: np.ndarray) -> None:
+def _check_crossings(given: list[np.ndarray], names: list[str], numbers: list[int]) -> None:
     centre = given[0].mean(axis=0)
     starts = np.concatenate(given) - centre
     ends = np.concatenate([np.roll(points, -1, axis=0) for points in given]) - centre
     pairs = crossing_pairs(starts, ends, following_of([len(points) for points in given]))
     if not len(pairs):
         return
-    owner = np.searchsorted(offsets, pairs[0], side="right") - 1
-    one, two = pairs[0] - offsets[owner]
+    first = np.cumsum([0] + [len(points) for points in given])
+    owner = np.searchsorted(first, pairs, side="right") - 1
+    segments = pairs - first[owner]
+    offsets = np.asarray(numbers)[owner]
+    (one, two), (here, there) = segments[0], owner[0]
     more = f" ({len(pairs)} such pairs)" if len(pairs) > 1 else ""
-    if owner[0] == owner[1]:
-        text = f"{names[owner[0]]} crosses or touches itself: its segments {one} and {two} meet{more}"
+    if here == there:
+        text = f"{names[here]} crosses or touches itself: its segments {one} and {two} meet{more}"
     else:
-        text = f"{names[owner[0]]} and {names[owner[1]]} cross or touch: segment {one} meets segment {two}{more}"
-    ends_of = [
-        o + (k + d) % len(given[w]) for o, k, w in zip(offsets[owner], (one, two), owner, strict=True) for d in (0, 1)
-    ]
-    raise MeshError(text[0].upper() + text[1:] + "; pull them apart.", vertices=ends_of, edges=np.unique(pairs))
+        text = f"{names[here]} and {names[there]} cross or touch: segment {one} meets segment {two}{more}"
+    count = np.array([len(points) for points in given])[owner]
+    ends = np.stack([segments, (segments + 1) % count]) + offsets
+    raise MeshError(
+        text[0].upper() + text[1:] + "; pull them apart.",
+        vertices=np.unique(ends),
+        edges=np.unique(segments + offsets),
+    )
 
 
-def _check_nesting(given: list[np.ndarray], names: list[str], offsets: np.ndarray) -> None:
+def _check_nesting(given: list[np.ndarray], names: list[str], numbers: list[int]) -> None:
     """Loops that do not cross are nested or apart, so one point of each decides."""
     for k in range(1, len(given)):
         point = given[k][:1]
@@ -207,7 +224,7 @@ def _check_nesting(given: list[np.ndarray], names: list[str], offsets: np.ndarra
             way_out = "lies outside the outline" if j == 0 else f"lies inside {names[j]}"
             raise MeshError(
                 f"{names[k].capitalize()} {way_out}; delete it or move it.",
-                vertices=range(offsets[k], offsets[k + 1]),
+                vertices=range(numbers[k], numbers[k] + len(given[k])),
             )
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .outline import Loop, crossing_pairs, following_of
+from .outline import Loop, crossing_pairs, following_of, inside
 
 CORNER = np.radians(22.5)
 _STEP = np.radians(2.0)  # an arc is drawn this finely before it is resampled: off by 1.5e-4 of its radius
@@ -41,27 +41,42 @@ def turning(points: np.ndarray) -> np.ndarray:
 def round_corners(loops: list[Loop], radius: float) -> list[Curve]:
     """Replace every corner by an arc of `radius`, or of the largest radius for which its neighbours leave room.
 
-    Where an arc would run into another part of the plan (a column standing in a corner), its radius is halved until
-    it does not. Radius 0 keeps the corners.
+    Where an arc would run into or around another part of the plan (a column standing in a corner), its radius is
+    halved until it does not. Radius 0 keeps the corners.
     """
     radii = [np.where(np.abs(turning(loop.points)) > CORNER, radius, 0.0) for loop in loops]
-    for _ in range(8):
+    for _ in range(16):
         rounded = [_round_loop(loop, r) for loop, r in zip(loops, radii, strict=True)]
         curves = [curve for curve, _, _ in rounded]
-        starts = np.concatenate([curve.points for curve in curves])
-        ends = np.concatenate([np.roll(curve.points, -1, axis=0) for curve in curves])
-        pairs = crossing_pairs(starts, ends, following_of([len(curve.points) for curve in curves]))
-        if not len(pairs):
+        in_the_way = _crossing(curves, [corner for _, corner, _ in rounded]) or _misplaced(loops, curves, radii)
+        if not in_the_way:
             return curves
-        hit = np.zeros(len(starts), dtype=bool)
-        hit[pairs] = True
-        first = 0
-        for (curve, corner, reached), r in zip(rounded, radii, strict=True):
-            touched = corner[hit[first : first + len(corner)]]
-            touched = touched[touched >= 0]
-            r[touched] = 0.5 * reached[touched]
-            first += len(curve.points)
+        for loop, corner in in_the_way:
+            radii[loop][corner] = 0.5 * rounded[loop][2][corner]
     return [_round_loop(loop, np.zeros(len(loop.points)))[0] for loop in loops]
+
+
+def _crossing(curves: list[Curve], corner_of: list[np.ndarray]) -> set[tuple[int, int]]:
+    """Corners (loop, point) whose arcs cross something."""
+    counts = [len(curve.points) for curve in curves]
+    starts = np.concatenate([curve.points for curve in curves])
+    ends = np.concatenate([np.roll(curve.points, -1, axis=0) for curve in curves])
+    hit = crossing_pairs(starts, ends, following_of(counts)).ravel()
+    loop, corner = np.repeat(np.arange(len(curves)), counts)[hit], np.concatenate(corner_of)[hit]
+    return {(int(i), int(k)) for i, k in zip(loop, corner, strict=True) if k >= 0}
+
+
+def _misplaced(loops: list[Loop], curves: list[Curve], radii: list[np.ndarray]) -> set[tuple[int, int]]:
+    """Corners whose arcs pass a hole on the wrong side, as far as their being nearest to it tells."""
+    found = set()
+    for k in range(1, len(curves)):
+        point = curves[k].points[:1]
+        for i, curve in enumerate(curves):
+            if i != k and inside(point, curve.points, np.roll(curve.points, -1, axis=0))[0] != (i == 0):
+                corners = np.flatnonzero(radii[i] > 0)
+                distance = np.linalg.norm(loops[i].points[corners] - point, axis=1)
+                found.add((i, int(corners[np.argmin(distance)])))
+    return found
 
 
 def _round_loop(loop: Loop, radii: np.ndarray) -> tuple[Curve, np.ndarray, np.ndarray]:

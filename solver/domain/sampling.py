@@ -175,7 +175,7 @@ class _Samples:
         """
         length, size = self.length[index[:-1]], sizes[index]
         growth = np.diff(size) / length
-        growth = np.where(np.abs(growth) < 1e-6, 1e-6, growth)
+        growth = np.where(np.abs(growth) < 1e-10, 1e-10, growth)
         steps = np.append(0.0, np.cumsum(np.log1p(growth * length / size[:-1]) / growth))
         count = max(fewest, int(np.ceil(steps[-1] - 1e-6)))
         ticks = np.linspace(0.0, steps[-1], 2 * count + 1)[:-1]  # every second one is the middle of an edge

@@ -14,7 +14,7 @@ import numpy as np
 from ..errors import MeshError
 from .domain import Domain
 from .mesher import mesh_plan
-from .outline import signed_area
+from .outline import check_loops, signed_area
 from .triangulate import triangulate
 
 _ROW = np.sqrt(0.75)  # height of an equilateral triangle
@@ -37,7 +37,7 @@ def disc(n: int) -> Shape:
 
     Numbered from the outer ring inwards, each from angle 0: vertex 0 is (1, 0), the centre is the last. Side "outer".
     """
-    _at_least(n, 7, "disc", "vertices")
+    _at_least(n, 7, "A disc", "vertices")
     rings = max(1, round((np.sqrt(12 * n - 3) - 3) / 6))
     first = np.append(np.cumsum(np.append(0, 6 * np.arange(rings, 1, -1))), 3 * rings * (rings + 1))
     start = first[::-1]  # start[k] is the first vertex of ring k; ring 0 is the centre
@@ -53,7 +53,7 @@ def annulus(inner: float, outer: float, n: int) -> Shape:
     """
     if not 0 < inner < outer or not np.isfinite(outer):
         raise MeshError(f"An annulus needs 0 < inner < outer; its radii are {inner} and {outer}.")
-    _at_least(n, 18, "annulus", "vertices")
+    _at_least(n, 18, "An annulus", "vertices")
     edge = np.sqrt(np.pi * (outer**2 - inner**2) / _ROW / n)
     radii = np.linspace(outer, inner, max(2, round((outer - inner) / (_ROW * edge))) + 1)
     counts = np.maximum(6, np.round(radii * n / radii.sum()).astype(int))
@@ -79,9 +79,8 @@ def polygon(
     left, from the first point on (from an arc's middle where that point is a rounded corner).
     """
     if max_edge is None:
-        points = np.asarray(outline, dtype=np.float64)
-        area = signed_area(points) if points.ndim == 2 and points.shape[1] == 2 and len(points) > 2 else np.nan
-        max_edge = float(np.sqrt(abs(area) / _ROW / 1000)) if np.isfinite(area) and area else 1.0
+        area = sum(signed_area(loop.points) for loop in check_loops(outline, holes))
+        max_edge = float(np.sqrt(area / _ROW / 1000))
     mesh = mesh_plan(outline, holes, max_edge=max_edge, corner_radius=corner_radius)
     domain = Domain.from_positions(mesh.positions, mesh.triangles)
     sides = {}
@@ -100,8 +99,8 @@ def strip(width: float, height: float, columns: int) -> Shape:
 
     Numbered row by row from the bottom, from left to right. Sides "bottom", "right", "top", "left" and "outer".
     """
-    _positive(width, height, "strip")
-    _at_least(columns, 1, "strip", "columns")
+    _positive(width, height, "A strip")
+    _at_least(columns, 1, "A strip", "columns")
     rows = _even_rows(height * columns / width)
     whole, halves = np.arange(columns + 1.0), np.concatenate([[0.0], np.arange(columns) + 0.5, [columns]])
     x = np.concatenate([whole if j % 2 == 0 else halves for j in range(rows + 1)])
@@ -137,8 +136,8 @@ def cylinder(circumference: float, height: float, columns: int) -> Shape:
     `positions` are the unrolled (x, y), x in [0, circumference), odd rows half a column further. Numbered row by row
     from the bottom; both loops have a vertex at x = 0, their smallest.
     """
-    _positive(circumference, height, "cylinder")
-    _at_least(columns, 3, "cylinder", "columns")
+    _positive(circumference, height, "A cylinder")
+    _at_least(columns, 3, "A cylinder", "columns")
     rows = _even_rows(height * columns / circumference)
     step = np.array([circumference / columns, height / rows])
     domain, positions = _glued(columns, rows, step, wrap_rows=False)
@@ -149,8 +148,8 @@ def cylinder(circumference: float, height: float, columns: int) -> Shape:
 
 def torus(a: float, b: float, columns: int) -> Shape:
     """The flat torus: a rectangle a × b with opposite sides glued. No boundary; `positions` are the unrolled (x, y)."""
-    _positive(a, b, "torus")
-    _at_least(columns, 3, "torus", "columns")
+    _positive(a, b, "A torus")
+    _at_least(columns, 3, "A torus", "columns")
     rows = max(4, _even_rows(b * columns / a))
     domain, positions = _glued(columns, rows, np.array([a / columns, b / rows]), wrap_rows=True)
     return Shape(domain, positions, {})
@@ -158,7 +157,7 @@ def torus(a: float, b: float, columns: int) -> Shape:
 
 def sphere(n: int) -> Shape:
     """The unit sphere with about n vertices: an icosahedron whose faces are divided f² times, n = 10 f² + 2."""
-    _at_least(n, 12, "sphere", "vertices")
+    _at_least(n, 12, "A sphere", "vertices")
     f = max(1, round(np.sqrt((n - 2) / 10)))
     corners, triangles = _icosahedron()
     i, j = (a.ravel() for a in np.meshgrid(np.arange(f + 1), np.arange(f + 1), indexing="ij"))
@@ -271,9 +270,9 @@ def _even_rows(columns_high: float) -> int:
 
 def _positive(width: float, height: float, name: str) -> None:
     if not (np.isfinite(width) and np.isfinite(height) and width > 0 and height > 0):
-        raise MeshError(f"A {name} needs two positive lengths; they are {width} and {height}.")
+        raise MeshError(f"{name} needs two positive lengths; they are {width} and {height}.")
 
 
 def _at_least(value: int, least: int, name: str, unit: str) -> None:
     if not value >= least:
-        raise MeshError(f"A {name} needs {least} {unit} or more, not {value}.")
+        raise MeshError(f"{name} needs {least} {unit} or more, not {value}.")
