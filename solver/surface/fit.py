@@ -64,8 +64,9 @@ def _circumcentres(domain: Domain, corners: Int) -> Array:
     y = 0.5 * (back - along * np.cos(angle)) / np.sin(angle)
     start, stretch = _fan_angles(domain, corners)
     direction = start + stretch * np.arctan2(y, x)
-    radius = np.sqrt(x**2 + y**2)
-    return np.stack([radius * np.cos(direction), radius * np.sin(direction)], axis=1)
+    points = np.empty((len(corners), 2))
+    points[:, 0], points[:, 1] = np.cos(direction), np.sin(direction)
+    return points * np.sqrt(x**2 + y**2)[:, None]
 
 
 def _around(corners: Int, steps: int) -> Int:
