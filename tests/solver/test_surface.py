@@ -75,6 +75,15 @@ def test_the_other_side_is_the_mirror_image():
     assert down.is_degenerate("f+") and up.is_degenerate("f-")
 
 
+@pytest.mark.parametrize("outline", [[(0, 0), (3, 0), (3, 2), (0, 2)], [(0, 0), (8, 0), (8, 1), (0, 1)]])
+def test_flat_plans_become_shells_that_rise(outline):
+    shape = shapes.polygon(outline, max_edge=0.1, corner_radius=0.3)
+    surface = solve_cmc(shape.domain, rim(shape.domain, shape.positions))
+    extent = np.ptp(surface.f_plus, axis=0)
+    assert surface.status is Status.CONVERGED and extent[2] > 0.1 * extent[:2].max()
+    assert surface.f_plus[shape.domain.boundary_vertices, 2].max() < surface.f_plus[:, 2].mean()
+
+
 @pytest.mark.parametrize("averaging", CONSISTENT)
 def test_the_nodoid_from_a_wound_start(averaging):
     exact = Nodoid(0.5)
