@@ -3,7 +3,7 @@
 
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: demo test lint test-solver test-blender extension gui-test bench gallery clean
+.PHONY: demo test lint test-solver test-blender test-versions extension gui-test bench gallery clean
 
 PYTHON := .venv/bin/python
 PYTEST := $(PYTHON) -m pytest --timeout=300
@@ -29,6 +29,11 @@ test-solver: .venv/ready
 # A process of its own: in Blender the solver is a part of the extension.
 test-blender: .venv/ready dist/here $(BLENDERS)
 	$(PYTEST) tests/blender
+
+# All of these tests in the oldest and the newest Blender too, in environments that have everything.
+test-versions: .venvs/full-4.5/ready .venvs/full-5.2/ready
+	for version in 4.5 5.2; do .venvs/full-$$version/bin/python -m pytest --timeout=300 tests/blender \
+	  --ignore tests/blender/test_extension.py || exit 1; done
 
 # The zips to install in Blender, one a platform: dist/.
 extension: .venv/ready
@@ -60,6 +65,12 @@ dist/here: .venv/ready $(SHIPPED)
 
 .venvs/bpy-4.5/ready .venvs/bpy-5.0/ready: .venvs/%/ready: $(SETUP)
 	scripts/setup_env.sh $(@D) 3.11 $*
+
+.venvs/full-4.5/ready: $(SETUP)
+	scripts/setup_env.sh $(@D) 3.11 base fast test bpy-4.5
+
+.venvs/full-5.2/ready: $(SETUP)
+	scripts/setup_env.sh $(@D) 3.13 base fast test bpy-5.2
 
 # Blender 5.2 runs on Python 3.13, which not every machine has; tests/blender/test_extension.py says so.
 .venvs/bpy-5.2/ready: $(SETUP)

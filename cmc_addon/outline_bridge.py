@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from ..solver.domain.mesher import PlanMesh
 from ..solver.errors import MeshError, plural
-from .edge_bridge import group_values, repair_selection, write_group_values
-from .mesh_bridge import read, readable_mesh, set_attribute, set_positions
+from .edge_bridge import group_values, write_group_values
+from .mesh_bridge import read, readable_mesh, remove_attribute, set_attribute, set_positions
 from .outline import Outline, Wire, nearest
 
 UV_LAYER = "Plan"
@@ -109,7 +109,8 @@ def _replace(mesh: bpy.types.Mesh, positions: NDArray, triangles: NDArray) -> No
     mesh.loops.foreach_set("vertex_index", triangles.ravel())
     mesh.polygons.foreach_set("loop_start", np.arange(0, triangles.size, 3, dtype=np.int32))
     mesh.update(calc_edges=True)
-    repair_selection(mesh)
+    for name in (".select_vert", ".select_edge", ".select_poly"):  # all of it is selected when it is new
+        remove_attribute(mesh, name)
 
 
 def _keys(pairs: NDArray, count: int) -> NDArray[np.int64]:

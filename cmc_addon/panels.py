@@ -167,7 +167,8 @@ class CMC_PT_shell(Tab, bpy.types.Panel):
 
     def _running(self, layout, run):
         row = layout.row(align=True)
-        row.progress(factor=run.progress, text=run.message or "Solving")
+        text = "Measuring" if run.progress >= 1.0 else run.message or "Solving"
+        row.progress(factor=run.progress, text=text)
         row.operator("cmc.cancel", text="", icon="X")
 
 

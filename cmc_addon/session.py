@@ -101,15 +101,18 @@ class Update:
 
 
 class Running:
-    """The solve that runs now, if any: `cmc.cancel` stops it."""
+    """The solve that runs now, if any: `cmc.cancel` stops it. `cancelled` tells of the last one, which
+    may have been past its last step already."""
 
     stop: threading.Event | None = None
+    cancelled = False
 
 
 def cancel() -> bool:
     """Ask the running solve to stop after its present step; False where none runs."""
     if Running.stop is None:
         return False
+    Running.cancelled = True
     Running.stop.set()
     return True
 
@@ -127,7 +130,7 @@ def steps(
     stop = threading.Event()
     news: queue.SimpleQueue = queue.SimpleQueue()
     thread = threading.Thread(target=_run, args=(work, stop, news), name="cmc-solve", daemon=True)
-    Running.stop = stop
+    Running.stop, Running.cancelled = stop, False
     thread.start()
     first = 0.0
     try:

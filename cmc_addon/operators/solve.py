@@ -48,15 +48,18 @@ class Solving:
     # --- the one way
 
     def steps(self, context: bpy.types.Context, wait: float) -> Generator:
-        """Solve and write the results; yields updates, or None after `wait` seconds without one."""
+        """Solve and write the results; yields updates, or None after `wait` seconds without one.
+
+        Returns what the operator returns.
+        """
         context.view_layer.update()
         plan = plan_of(context.view_layer.objects.active)
         check_writable(plan)
         order = take_order(context, plan, self.order_settings(plan), self.selection())
         uid = plan.session_uid
         outcome = yield from session.steps(order.work, order.settings.tolerance, wait)
-        if outcome.cancelled:
-            raise CmcError("The solve was cancelled; nothing was changed.")
+        if outcome.cancelled or session.Running.cancelled:
+            return self._say_cancelled()
         plan = _by_uid(uid)
         if plan is None:
             raise CmcError(f"The plan '{order.name}' was deleted while it was being solved.")
@@ -65,15 +68,22 @@ class Solving:
             self.report({"WARNING"}, warning)
         if outcome.converged:  # otherwise the warnings say how it ended
             self.report({"INFO"}, f"{plan.name}: {outcome.formed.message}")
+        return {"FINISHED"}
+
+    def _say_cancelled(self) -> set[str]:
+        self.report({"INFO"}, "The solve was cancelled; nothing was changed.")
+        return {"CANCELLED"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
+        work = self.steps(context, wait=_TICK)
         try:
-            for _ in self.steps(context, wait=_TICK):
-                pass
+            while True:
+                next(work)
+        except StopIteration as end:
+            return end.value
         except CmcError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        return {"FINISHED"}
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if bpy.app.background:  # there timers never fire
@@ -90,8 +100,7 @@ class Solving:
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if event.type == "ESC" and event.value == "PRESS":
             self._cleanup(context)
-            self.report({"INFO"}, "The solve was cancelled; nothing was changed.")
-            return {"CANCELLED"}
+            return self._say_cancelled()
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
         try:
@@ -118,9 +127,9 @@ class Solving:
                     f"Step {update.iteration}, residual {update.residual:.1e}"
                 )
                 update = next(self._work)
-        except StopIteration:
+        except StopIteration as end:
             self._cleanup(context)
-            return {"FINISHED"}
+            return end.value
         _redraw(context)
         return {"RUNNING_MODAL"}
 

@@ -452,3 +452,13 @@ def test_absurd_edge_length() -> None:
     with pytest.raises(RuntimeError, match=r"into 1e[+]12 triangles; a length near 0.2 is usual"):
         bpy.ops.cmc.mesh_plan(edge_length=1e-5)
     assert list(bpy.data.objects) == [bpy.context.object]
+
+
+def test_nothing_of_a_new_plan_is_selected() -> None:
+    ngon(SQUARE)
+    plan = mesh_plan(edge_length=1.0)
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert plan.data.total_edge_sel == 0
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.ops.cmc.select_ungrouped()
+    assert sum(edge.select for edge in plan.data.edges) == len(boundary(plan))

@@ -85,13 +85,21 @@ class Hands:
         self.area.tag_redraw()
         yield 0.5
 
-    def find(self, command: str, fractions: tuple[float, ...] = (0.5,)) -> Iterator[float]:
-        """The place of the button that runs `command` ("cmc.solve"); asked of Blender, which copies the command
-        of the button under the mouse on Ctrl C. Raises LookupError if there is none in the sidebar."""
+    def find(
+        self, command: str, fractions: tuple[float, ...] = (0.5,), near: int | None = None
+    ) -> Iterator[float]:
+        """The place of the button that runs `command` ("cmc.solve"), looked for at parts of the panels' width,
+        and only within a hundred pixels of the height `near` if that is given.
+
+        Asked of Blender, which copies the command of the button under the mouse on Ctrl C. Raises LookupError
+        if there is none."""
         side = self.sidebar
+        top, bottom = side.y + side.height - 30, side.y + 4
+        if near is not None:
+            top, bottom = near + 100, near - 100
         for fraction in fractions:
             x = side.x + fraction * (side.width - TABS)
-            for y in range(side.y + side.height - 30, side.y + 4, -ROW):
+            for y in range(top, bottom, -ROW):
                 bpy.context.window_manager.clipboard = ""
                 self.move(x, y)
                 yield 0.03
@@ -102,8 +110,10 @@ class Hands:
                     return int(x), int(y)
         raise LookupError(f"no button {command} in the sidebar")
 
-    def click_button(self, command: str, fractions: tuple[float, ...] = (0.5,)) -> Steps:
-        x, y = yield from self.find(command, fractions)
+    def click_button(
+        self, command: str, fractions: tuple[float, ...] = (0.5,), near: int | None = None
+    ) -> Steps:
+        x, y = yield from self.find(command, fractions, near)
         yield from self.click(x, y)
 
     # --- pictures
