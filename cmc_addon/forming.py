@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..solver import pipeline
-from ..solver.errors import CmcError, Status
+from ..solver.errors import CmcError
 from ..solver.plan import SHEETS
 from . import session
 from .mesh_bridge import PlanMesh, read_plan
@@ -67,10 +67,6 @@ class Outcome:
     @property
     def converged(self) -> bool:
         return self.formed.converged
-
-    @property
-    def cancelled(self) -> bool:
-        return self.formed.surface.status is Status.CANCELLED
 
 
 def take_order(

@@ -101,40 +101,41 @@ class Update:
 
 
 class Running:
-    """The solve that runs now, if any: `cmc.cancel` stops it. `cancelled` tells of the last one, which
-    may have been past its last step already."""
+    """The solve that runs now, if any: `cmc.cancel` stops it. `thread` is the last one that was started; it may
+    still be at work after it was cancelled."""
 
     stop: threading.Event | None = None
-    cancelled = False
+    thread: threading.Thread | None = None
 
 
 def cancel() -> bool:
-    """Ask the running solve to stop after its present step; False where none runs."""
+    """Stop waiting for the running solve, which ends after its present step; False where none runs."""
     if Running.stop is None:
         return False
-    Running.cancelled = True
     Running.stop.set()
     return True
 
 
 def steps(
     work: Callable[[Progress], T], tolerance: float, wait: float
-) -> Generator[Update | None, None, T]:
+) -> Generator[Update | None, None, T | None]:
     """Run `work(progress)` in a thread; yield each update, or None after `wait` seconds without one.
 
-    Returns what the work returns and raises what it raises, and `CmcError` while another solve runs. Closing
-    the generator stops the work.
+    Returns what the work returns, or None as soon as it is cancelled; raises what it raises, and `CmcError`
+    while another solve runs. Closing the generator cancels. A cancelled thread is not waited for: it may be
+    measuring, which has no steps to stop after. The next one starts when it is through.
     """
     if Running.stop is not None:
         raise CmcError("A solve is running; wait for it, or cancel it (Esc) first.")
     stop = threading.Event()
     news: queue.SimpleQueue = queue.SimpleQueue()
-    thread = threading.Thread(target=_run, args=(work, stop, news), name="cmc-solve", daemon=True)
-    Running.stop, Running.cancelled = stop, False
-    thread.start()
+    arguments = (work, stop, news, Running.thread)
+    Running.stop = stop
+    Running.thread = threading.Thread(target=_run, args=arguments, name="cmc-solve", daemon=True)
+    Running.thread.start()
     first = 0.0
     try:
-        while True:
+        while not stop.is_set():
             try:
                 kind, value = news.get(timeout=wait)
             except queue.Empty:
@@ -147,19 +148,27 @@ def steps(
             iteration, residual = value
             first = first or residual
             yield Update(iteration, residual, _part(first, residual, tolerance))
+        return None
     finally:
         Running.stop = None
         stop.set()
-        thread.join()
 
 
-def _run(work: Callable[[Progress], object], stop: threading.Event, news: queue.SimpleQueue) -> None:
+def _run(
+    work: Callable[[Progress], object],
+    stop: threading.Event,
+    news: queue.SimpleQueue,
+    before: threading.Thread | None,
+) -> None:
     def progress(iteration: int, residual: float) -> bool:
         news.put(("update", (iteration, residual)))
         return not stop.is_set()
 
     try:
-        news.put(("done", work(progress)))
+        if before is not None:
+            before.join()  # what is kept between solves is for one at a time
+        if not stop.is_set():
+            news.put(("done", work(progress)))
     except BaseException as error:  # handed over whole: `steps` raises it in the thread that asked
         news.put(("error", error))
 

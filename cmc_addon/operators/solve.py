@@ -58,7 +58,7 @@ class Solving:
         order = take_order(context, plan, self.order_settings(plan), self.selection())
         uid = plan.session_uid
         outcome = yield from session.steps(order.work, order.settings.tolerance, wait)
-        if outcome.cancelled or session.Running.cancelled:
+        if outcome is None:
             return self._say_cancelled()
         plan = _by_uid(uid)
         if plan is None:

@@ -363,8 +363,7 @@ def test_cancelled_changes_nothing(addon, monkeypatch):
 
     monkeypatch.setattr(forming.pipeline, "form", form)
     before = snapshot()
-    with pytest.raises(RuntimeError, match="cancelled; nothing was changed"):
-        bpy.ops.cmc.solve()
+    assert bpy.ops.cmc.solve() == {"CANCELLED"}
     assert snapshot() == before
     assert session.Running.stop is None
 
@@ -391,7 +390,7 @@ class Hand:
 
     def __init__(self, addon, context):
         solve = addon.cmc_addon.operators.solve
-        for name in ("modal", "_advance", "_cleanup", "cancel"):
+        for name in ("modal", "_advance", "_cleanup", "_say_cancelled"):
             setattr(self, name, getattr(solve.Solving, name).__get__(self))
         self.context, self.reports = context, []
         self.order_settings = lambda plan: addon.cmc_addon.forming.settings_of(plan.cmc)
@@ -435,7 +434,33 @@ def test_escape_cancels(addon, hand):
     assert hand.tick("ESC", "PRESS") == {"CANCELLED"}
     assert snapshot() == before
     assert addon.cmc_addon.session.Running.stop is None
-    assert "cmc-solve" not in {thread.name for thread in threading.enumerate()}
+    addon.cmc_addon.session.Running.thread.join(10.0)
+    assert not addon.cmc_addon.session.Running.thread.is_alive()
+
+
+def test_cancelled_while_it_measures(addon):
+    """Work that has no more steps is not waited for; the next solve starts when it is through."""
+    session = addon.cmc_addon.session
+    order, gate, begun = [], threading.Event(), threading.Event()
+
+    def slow(progress):
+        begun.set()
+        gate.wait(10.0)
+        order.append("slow")
+
+    first = session.steps(slow, 1e-6, 0.01)
+    assert next(first) is None
+    assert begun.wait(10.0)
+    session.cancel()
+    with pytest.raises(StopIteration) as end:
+        next(first)
+    assert end.value.value is None
+    second = session.steps(lambda progress: order.append("next"), 1e-6, 0.01)
+    assert next(second) is None
+    gate.set()
+    for update in second:
+        assert update is None
+    assert order == ["slow", "next"]
 
 
 def finish(hand):
