@@ -186,6 +186,7 @@ def _settings(root: Table) -> Settings:
     default, size, solver = root.table("default"), root.table("size"), root.table("solver")
     values: dict[str, object] = {"default_kind": default.text("kind", "binormal", among=list(KINDS))}
     values["default_tilt"] = float(np.radians(default.number("tilt")))
+    values["blend"] = default.number("blend")
     default.finish()
     chosen = [name for name in SIZES if name in size and name != "match_plan"]
     if len(chosen) > 1:

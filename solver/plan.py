@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from .domain.domain import Domain
 from .errors import CmcError, ConditionError, JobError, MeshError, listed
 from .gauss import conditions as boundary
+from .gauss.blending import moving_average
 from .gauss.conditions import KINDS, Conditions
 from .surface.placement import Rule
 
@@ -50,12 +51,14 @@ class Settings:
     """How a plan is solved and its shell placed.
 
     default_kind, default_tilt (radians): the condition of boundary edges in no group.
+    blend: length of boundary over which the tilts of neighbouring groups flow into each other; 0: they jump.
     size, value, ground, rotate, flip: see `placement.Rule`; `sheet`, "f+" or "f-", is the one they speak of.
     The rest goes to the solver as it is: see `solve_cmc`.
     """
 
     default_kind: str = "binormal"
     default_tilt: float = 0.0
+    blend: float = 0.0
     size: str = "match_plan"
     value: float = 1.0
     ground: str = "lowest"
@@ -76,6 +79,8 @@ class Settings:
             raise JobError(f'There is no sheet "{self.sheet}"; choose f+ or f-.')
         if self.default_kind not in KINDS:
             raise JobError(f'There is no boundary condition "{self.default_kind}"; choose one of {", ".join(KINDS)}.')
+        if not (np.isfinite(self.blend) and self.blend >= 0.0):
+            raise JobError(f"The blend must be a length of zero or more, not {self.blend}.")
         self.rule()
 
     def rule(self) -> Rule:
@@ -127,16 +132,31 @@ def plan_conditions(plan: Plan, settings: Settings, domain: Domain) -> Condition
     for number, group in enumerate([*plan.groups, default]):
         alike.setdefault(_condition_key(group), (group, []))[1].append(number)
     owner[domain.boundary_edges[owner[domain.boundary_edges] < 0]] = len(plan.groups)
+    chosen = [(group, np.flatnonzero(np.isin(owner, numbers))) for group, numbers in alike.values()]
+    chosen = [(group, edges) for group, edges in chosen if len(edges)]
     total = Conditions()
-    for group, numbers in alike.values():
-        edges = np.flatnonzero(np.isin(owner, numbers))
-        if len(edges):
-            total = total + _build(group, domain, plan.positions, edges)
+    if settings.blend > 0.0:
+        total = _blended(domain, plan.positions, chosen, settings.blend)
+        chosen = [(group, edges) for group, edges in chosen if group.kind != "binormal"]
+    for group, edges in chosen:
+        total = total + _build(group, domain, plan.positions, edges)
     if not len(total.sites):
         raise ConditionError(
             "All boundary edges are free, so nothing holds the tangent planes; give some of them another condition."
         )
     return total
+
+
+def _blended(
+    domain: Domain, positions: Array, chosen: Sequence[tuple[Group, NDArray[np.integer]]], width: float
+) -> Conditions:
+    """One condition for all tilted groups, their tilts a moving average along the boundary."""
+    tilts = np.full(len(domain.edges), np.nan)
+    for group, edges in chosen:
+        if group.kind == "binormal":
+            tilts[edges] = group.parameters.get("tilt", 0.0)
+    edges = np.flatnonzero(np.isfinite(tilts))
+    return boundary.binormal(domain, positions, edges, moving_average(domain, edges, tilts[edges], width))
 
 
 def _group_edges(group: Group, domain: Domain) -> NDArray[np.integer]:

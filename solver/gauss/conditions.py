@@ -101,19 +101,20 @@ def fixed_at(domain: Domain, vertices: ArrayLike, normals: ArrayLike) -> Conditi
     return Conditions(sites, unit(normals, sites, "vertex"))
 
 
-def binormal(domain: Domain, positions: ArrayLike, edges: ArrayLike, tilt: float = 0.0) -> Conditions:
-    """The outward conormal of the surface `positions` (V, 2|3) along boundary edges, tilted by `tilt`
-    radians.
+def binormal(domain: Domain, positions: ArrayLike, edges: ArrayLike, tilt: ArrayLike = 0.0) -> Conditions:
+    """The outward conormal of the surface `positions` (V, 2|3) along boundary edges, tilted by `tilt` radians.
 
-    N = cos(tilt) t × n + sin(tilt) n with t the edge direction and n the normal of the face behind the edge
-    (paper, Fig. 2 and 3): 0 makes the new surface meet the old one at a right angle, +π/2 makes it tangent.
-    At a vertex between edges of length a and b, t × n and n are first blended with weights 1/a and 1/b, which
-    is second order where the boundary is smooth; the tilt is exact everywhere.
+    N = cos(tilt) t × n + sin(tilt) n with t the edge direction and n the normal of the face behind the edge (paper,
+    Fig. 2 and 3): 0 makes the new surface meet the old one at a right angle, +π/2 makes it tangent. `tilt` is one
+    angle, or one an edge (K,). At a vertex between edges of length a and b, t × n, n and the tilts are first blended
+    with weights 1/a and 1/b, which is second order where the boundary is smooth; one tilt for all is exact everywhere.
     """
-    if not np.isfinite(tilt):
-        raise ConditionError(f"The tilt must be a finite angle, not {tilt}.")
-    frames = vertex_frames(domain, positions, boundary_edges(domain, edges))
-    return _tilted(frames, np.full(len(frames.vertices), tilt))
+    chosen = boundary_edges(domain, edges)
+    tilts = np.asarray(tilt, dtype=np.float64)
+    if tilts.shape not in ((), chosen.shape) or not np.isfinite(tilts).all():
+        raise ConditionError(f"The tilt must be a finite angle, or {len(chosen)} of them, one for each edge.")
+    frames = vertex_frames(domain, positions, chosen)
+    return _tilted(frames, frames.mean(np.broadcast_to(tilts, chosen.shape)))
 
 
 def twisted(domain: Domain, positions: ArrayLike, edges: ArrayLike, m: float) -> Conditions:

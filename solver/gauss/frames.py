@@ -65,12 +65,23 @@ def _pair_keys(pairs: NDArray, n: int) -> Int:
 
 @dataclass(frozen=True)
 class Frames:
-    """Right angles at boundary vertices (n,): outward conormals and surface normals, (n, 3) each."""
+    """Right angles at boundary vertices (n,): outward conormals and surface normals, (n, 3) each.
+
+    ends (K, 2): the place among `vertices` of the ends of each edge; weights (K,): how much the edge counts there.
+    """
 
     vertices: Int
     conormals: Array
     normals: Array
     up: Array
+    ends: Int
+    weights: Array
+
+    def mean(self, values: Array) -> Array:
+        """Weighted mean (n,) at each vertex of the values (K,) of its edges."""
+        places, weights = self.ends.ravel(), np.repeat(self.weights, 2)
+        total = sum_rows(places, weights, len(self.vertices))
+        return sum_rows(places, weights * np.repeat(values, 2), len(self.vertices)) / total
 
 
 def vertex_frames(domain: Domain, positions: ArrayLike, edges: Int) -> Frames:
@@ -86,7 +97,8 @@ def vertex_frames(domain: Domain, positions: ArrayLike, edges: Int) -> Frames:
     _, normals = at_ends(domain, edges, edge_normals, weights)
     normals = normals - np.einsum("ij,ij->i", normals, conormals)[:, None] * conormals
     normals = unit_rows(normals, "vertex", "has faces that are folded over each other", vertices)
-    return Frames(vertices, conormals, normals, areas.sum(axis=0))
+    ends = np.searchsorted(vertices, domain.edges[edges])
+    return Frames(vertices, conormals, normals, areas.sum(axis=0), ends, weights)
 
 
 def loop_angles(domain: Domain) -> Array:
