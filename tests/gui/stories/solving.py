@@ -59,7 +59,7 @@ def tell(hands):
     yield from until(lambda: plan().cmc.flip, "the redo panel has solved again")
     assert len(bpy.data.objects) == 2
     heights = [vertex.co.z for vertex in plan().cmc.f_plus.data.vertices]
-    assert heights[0] == max(heights), "flipped, the corners are on top"
+    assert heights[0] > 0.5 * max(heights), "flipped, the corners are on top"
     yield from hands.picture("flipped")
     yield from hands.press("ESC")
 
