@@ -6,8 +6,8 @@ import importlib
 from types import ModuleType
 
 MODULES = (
-    "properties", "session", "operators", "group_history", "edge_counts",
-    "panels", "boundary_panel", "results_panel", "cli",
+    "properties", "session", "operators", "group_history", "mesh_cache",
+    "overlay", "panels", "boundary_panel", "results_panel", "cli",
 )
 """Sub-modules with register() and unregister(), in the order in which they need each other."""
 

@@ -5,7 +5,8 @@ import math
 import bpy
 
 from . import group_list
-from .edge_counts import boundary_counts
+from .mesh_cache import boundary_counts
+from .overlay import icon_of
 from .panels import Tab, hint, plan_to_solve, properties_column
 from .properties import KINDS, kind_parameters
 
@@ -15,7 +16,7 @@ class CMC_UL_groups(bpy.types.UIList):
 
     def draw_item(self, context, layout, data, item, icon, active_data, active_property, index=0, flag=0):
         split = layout.split(factor=0.72)
-        split.prop(item, "name", text="", emboss=False)
+        split.prop(item, "name", text="", emboss=False, icon=icon_of(item.uid))
         row = split.row()
         row.alignment = "RIGHT"
         row.active = False
@@ -47,6 +48,9 @@ class CMC_PT_boundary(Tab, bpy.types.Panel):
     bl_idname = "CMC_PT_boundary"
     bl_label = "Boundary"
     bl_order = 1
+
+    def draw_header_preset(self, context):
+        self.layout.prop(context.scene.cmc, "show_groups", text="", icon="OVERLAY", emboss=False)
 
     def draw(self, context):
         layout, plan = self.layout, plan_to_solve(context)

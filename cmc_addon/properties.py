@@ -247,9 +247,14 @@ class CmcObject(bpy.types.PropertyGroup):
 
 
 class CmcScene(bpy.types.PropertyGroup):
-    """Settings of Mesh Plan, as last used."""
+    """Settings of Mesh Plan, as last used, and what the viewport shows."""
 
-    __annotations__ = plan_annotations()
+    __annotations__ = {
+        **plan_annotations(),
+        "show_groups": BoolProperty(
+            name="Show Groups", description="Draw the boundary groups of the active plan as coloured lines",
+            default=True),
+    }
 
 
 class CmcRun(bpy.types.PropertyGroup):

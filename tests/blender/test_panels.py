@@ -98,6 +98,8 @@ def draw(*names) -> SimpleNamespace:
             assert hasattr(bpy.types, name), f"{name} is not registered"
             self = Drawn(cls, layout)
             cls.draw(self, context)
+            if hasattr(cls, "draw_header_preset"):
+                cls.draw_header_preset(self, context)
     return layout.record
 
 
@@ -298,6 +300,24 @@ def test_while_running() -> None:
     run.running, run.progress, run.message = True, 0.25, "Step 2"
     record = draw("CMC_PT_shell")
     assert record.operators == ["cmc.cancel"] and "Step 2" in record.texts
+
+
+@pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
+def test_lines_of_the_groups_in_the_viewport(plan, mode) -> None:
+    from cmc_formfinding.cmc_addon import mesh_cache, overlay
+
+    bpy.ops.cmc.select_ungrouped()
+    bpy.ops.cmc.group_add(name="rim", assign=True)
+    bpy.ops.cmc.group_add(name="empty")
+    bpy.ops.object.mode_set(mode=mode)
+    lines = mesh_cache.group_lines(plan.data)
+    assert set(lines) == {1}, "groups without edges have no lines"
+    assert lines[1].shape == (mesh_cache.boundary_counts(plan.data)[0], 2, 3)
+    assert (abs((lines[1][..., :2] ** 2).sum(-1) ** 0.5 - 3) < 0.05).all()
+    assert mesh_cache.group_lines(plan.data) is lines
+    assert overlay.shown_plan(bpy.context) == plan
+    assert len({overlay.icon_of(uid) for uid in range(1, 16)}) == 15
+    assert len({overlay.colour_of(uid) for uid in range(1, 16)}) > 10
 
 
 def test_the_specials_menu() -> None:

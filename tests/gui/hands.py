@@ -58,11 +58,12 @@ class Hands:
             self.window.event_simulate(type=name, value=value, x=int(x), y=int(y), **modifiers)
         yield 0.4
 
-    def click(self, x: int, y: int, double: bool = False) -> Steps:
+    def click(self, x: int, y: int, **modifiers: bool) -> Steps:
+        """Click. A double click cannot be simulated; in a list Ctrl and a click do the same, rename."""
         self.move(x, y)
         yield 0.2
-        for value in (["PRESS", "RELEASE", "DOUBLE_CLICK", "RELEASE"] if double else ["PRESS", "RELEASE"]):
-            self.window.event_simulate(type="LEFTMOUSE", value=value, x=int(x), y=int(y))
+        for value in ("PRESS", "RELEASE"):
+            self.window.event_simulate(type="LEFTMOUSE", value=value, x=int(x), y=int(y), **modifiers)
         yield 0.4
 
     def type(self, text: str, at: tuple[int, int]) -> Steps:

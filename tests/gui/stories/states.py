@@ -11,8 +11,11 @@ def tell(hands):
     yield from hands.picture("curve")
     bpy.ops.cmc.mesh_plan()
     yield from hands.picture("plan")
-    bpy.ops.cmc.group_add(name="South", tilt=0.5)
-    bpy.ops.cmc.group_add(name="A group with a long name", kind="PLANE")
+    select_side(-1)
+    bpy.ops.cmc.group_add(name="South", tilt=0.5, assign=True)
+    select_side(1)
+    bpy.ops.cmc.group_add(name="A group with a long name", assign=True)
+    bpy.ops.cmc.group_add(name="Nowhere", kind="PLANE")
     bpy.ops.cmc.solve("EXEC_DEFAULT")
     yield from hands.picture("solved")
     bpy.ops.object.mode_set(mode="EDIT")
@@ -26,3 +29,12 @@ def tell(hands):
     yield from hands.picture("empty")
     bpy.ops.mesh.primitive_cube_add()
     yield from hands.picture("closed")
+
+
+def select_side(sign) -> None:
+    """Select the quarter of the rim on that side, in object mode."""
+    bpy.ops.cmc.select_ungrouped()
+    mesh = bpy.context.object.data
+    for edge in mesh.edges:
+        points = [mesh.vertices[k].co for k in edge.vertices]
+        edge.select = edge.select and all(sign * p.y > 2.1 for p in points)
