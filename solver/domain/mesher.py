@@ -23,7 +23,7 @@ from .triangulate import triangulate
 
 _LARGEST = 5_000_000  # vertices; more is a mistake in the units far more often than a wish
 _ROW = np.sqrt(0.75)
-_ORDERED, _DEEP = 5.0, 8.0  # so far from walls and finer places the lattice stays as it is; so far it is left alone
+_ORDERED, _DEEP = 4.0, 6.5  # so far from walls and finer places the lattice stays as it is; so far it is left alone
 
 
 @dataclass(frozen=True)
@@ -52,9 +52,9 @@ def mesh_plan(
 ) -> PlanMesh:
     """Mesh the plan bounded by `outline (K, 2)` and `holes`, with edges of about `max_edge` and none much longer.
 
-    Corners (turns of more than 22.5°) are rounded by `corner_radius`, less where there is no room; with radius 0 they
+    Corners (turns of more than 23.5°) are rounded by `corner_radius`, less where there is no room; with radius 0 they
     stay vertices. Other points are taken as samples of smooth curves, which are sampled anew, except points between
-    segments longer than `max_edge` and points listed in `keep[i]` (indices into loop i, the outline first). Loops may
+    segments longer than two edges and points listed in `keep[i]` (indices into loop i, the outline first). Loops may
     run either way round and may repeat their first point. Lengths are those of the input; only narrow places, bends
     and short sides are meshed finer. Raises `MeshError` for loops that bound no plan and lengths that do not fit.
     """
@@ -122,10 +122,9 @@ class _Mesher:
 
     def run(self) -> tuple[np.ndarray, np.ndarray]:
         self._fill()
-        for _ in range(2):
-            self._relax(12)
-            self._thin()
-            self._fill()
+        self._relax(12)
+        self._thin()
+        self._fill()
         self._relax(12)
         return self._finish()
 
@@ -218,26 +217,30 @@ class _Mesher:
 
     def _finish(self) -> tuple[np.ndarray, np.ndarray]:
         """Free the corners and necks that no inner vertex reaches, open the smallest angles, add the deep lattice."""
+        triangles = self._triangles(self._all())
         for _ in range(4):
-            self._free_bridges(draw=True)
-            points = self._all()
+            if self._free_bridges(triangles, draw=True):
+                triangles = self._triangles(self._all())
             first, last = len(self.fixed), len(self.fixed) + len(self.free)
-            self.free = open_angles(points, self._triangles(points), first, last)[first:last]
-        self._free_bridges(draw=False)
+            before, self.free = self.free, open_angles(self._all(), triangles, first, last)[first:last]
+            if np.array_equal(self.free, before):
+                break
+            triangles = self._triangles(self._all())
+        self._free_bridges(triangles, draw=False)
         points = np.concatenate([self._all(), self.deep])
         triangles = triangulate(points, self.edges)
         used, numbers = np.unique(triangles, return_inverse=True)
         return points[used], numbers.reshape(triangles.shape)
 
-    def _free_bridges(self, draw: bool) -> None:
+    def _free_bridges(self, triangles: np.ndarray, draw: bool) -> bool:
         """Undo inner edges that join two boundary vertices: N would be given at both, and at a corner all around.
 
         If the triangle beyond has an inner vertex close enough, `draw` brings that vertex into the circle of the first
         triangle, so that Delaunay turns the edge; else the edge gets a vertex at its middle. Short ones, in tips
-        sharper than about 45°, stay: cutting them would make angles still smaller.
+        sharper than about 45°, stay: cutting them would make angles still smaller. Returns whether there were any.
         """
         points = self._all()
-        edge, opposite = _inner_edges(self._triangles(points))
+        edge, opposite = _inner_edges(triangles)
         bridge = (edge < len(self.fixed)).all(axis=1)
         edge, opposite = edge[bridge], opposite[bridge]
         middle = points[edge].mean(axis=1)
@@ -252,6 +255,7 @@ class _Mesher:
         drawn = draw & (corner < first) & (beyond >= first) & (beyond < last) & (distance < 1.35 * radius)
         points[beyond[drawn]] = (centre + away * (0.93 * radius / distance)[:, None])[drawn]
         self.free = np.concatenate([points[first:last], middle[~drawn]])
+        return len(edge) > 0
 
 
 def _circles(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from .outline import Loop, crossing_pairs, following_of, inside
 
-CORNER = np.radians(22.5)
+CORNER = np.radians(23.5)  # between what regular polygons of 15 and of 16 sides turn
 _STEP = np.radians(2.0)  # an arc is drawn this finely before it is resampled: off by 1.5e-4 of its radius
 
 

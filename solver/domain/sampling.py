@@ -197,9 +197,9 @@ def _cut(curve: Curve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def _far(curve: Curve) -> np.ndarray:
-    """Points between two long segments: they were drawn one by one, and stay."""
+    """Points between two segments of two edges or more: they were drawn one by one, and stay."""
     length = np.linalg.norm(np.roll(curve.points, -1, axis=0) - curve.points, axis=1)
-    return np.minimum(length, np.roll(length, 1)) >= 1.0
+    return np.minimum(length, np.roll(length, 1)) >= 2.0
 
 
 def _bend(curve: Curve) -> np.ndarray:
