@@ -176,7 +176,7 @@ def deliver(
                 delete_result(existing)
             continue
         writer.write(role, formed.placed[sheet], formed.normals.get(sheet), _curvature(formed, sheet))
-    report = _report(context, plan, outcome)
+    report = {**_report(context, plan, outcome), "warnings": warnings}
     for result in results_of(plan).values():
         write_report(result, report)
     plan.cmc.report = json.dumps(report, ensure_ascii=False)

@@ -147,10 +147,10 @@ class CMC_PT_shell(Tab, bpy.types.Panel):
             go_to_row(layout, plan, "PLAN")
             return
         self._settings(layout, plan)
-        row = layout.row(align=True)
+        row = layout.split(factor=0.75, align=True)
         row.scale_y = TALL
         row.operator("cmc.solve")
-        row.operator("cmc.flip", text="", icon="UV_SYNC_SELECT")
+        row.operator("cmc.flip")
         if context.mode == "EDIT_MESH":
             layout.operator("cmc.solve_selection")
         go_to_row(layout, context.object, "SHELL")
@@ -194,8 +194,8 @@ class CMC_PT_options(Tab, bpy.types.Panel):
         if settings.size == "MATCH_PLAN":
             column.prop(settings, "rotate")
         column.separator()
-        column.prop(settings, "averaging")
-        column.prop(settings, "tolerance")
+        for name in ("averaging", "tolerance", "intersections"):
+            column.prop(settings, name)
 
 
 CLASSES = (CMC_PT_plan, CMC_PT_shell, CMC_PT_options)

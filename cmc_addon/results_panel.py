@@ -22,7 +22,7 @@ def _parsed(text: str) -> dict | None:
     """A report as it was written; None if somebody else wrote into the property."""
     try:
         found = json.loads(text)
-        found["sheets"][found["sheet"]]["area"]
+        found["sheets"][found["sheet"]]["area"], found["message"], found["converged"]
     except (ValueError, KeyError, TypeError):
         return None
     return found
@@ -67,10 +67,11 @@ class CMC_PT_results(ResultPanel, bpy.types.Panel):
     def draw(self, context):
         report = last_report(context)
         shown = report["sheets"][report["sheet"]]
-        paragraph(self.layout, context, report["sentence"], "CHECKMARK" if report["converged"] else "ERROR")
-        for warning in report.get("warnings", ()):
-            paragraph(self.layout, context, warning, "ERROR")
+        paragraph(self.layout, context, report["message"], "CHECKMARK" if report["converged"] else "ERROR")
         numbers(self.layout, size_rows(report, shown))
+        for warning in report.get("warnings", ()):
+            if warning != report["message"]:
+                paragraph(self.layout, context, warning, "ERROR")
 
 
 def size_rows(report: dict, shown: dict) -> list[tuple[str, str]]:

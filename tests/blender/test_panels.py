@@ -228,6 +228,16 @@ def test_only_the_size_that_counts_is_drawn(plan) -> None:
         assert drawn == ({sizes[size]} if size in sizes else set())
 
 
+def test_every_setting_of_a_solve_can_be_reached(plan) -> None:
+    from cmc_formfinding.cmc_addon.properties import SETTINGS
+
+    drawn = set()
+    for size in ("MATCH_PLAN", "SPAN", "RISE", "RADIUS", "MEAN_CURVATURE"):
+        plan.cmc.size = size
+        drawn |= set(draw("CMC_PT_shell", "CMC_PT_options").props)
+    assert set(SETTINGS) - drawn == {"flip"}, "which has a button of its own"
+
+
 def test_angles_in_the_list_are_degrees(plan) -> None:
     bpy.ops.cmc.group_add(name="rim", tilt=0.5235987755982988)
     assert "30°" in draw("CMC_PT_boundary").texts
@@ -264,12 +274,21 @@ def test_results_in_numbers(plan) -> None:
     bpy.ops.cmc.solve()
     record = draw("CMC_PT_results", "CMC_PT_checks", "CMC_PT_solver")
     report = json.loads(plan.cmc.report)
-    assert report["sentence"].split()[0] in said(record)
+    assert report["message"].split()[0] in said(record)
     for name in (
         "Span", "Rise", "Area", "Rim", "Radius 1/H", "H", "Energy E", "Overhang", "Distortion", "Crossing",
     ):
         assert name in record.texts
     assert f"{report['energy']:.6g}" in record.texts
+
+
+def test_warnings_stay_in_the_panel(plan) -> None:
+    bpy.ops.cmc.select_ungrouped()
+    bpy.ops.cmc.group_add(tilt=-0.6, assign=True)
+    bpy.ops.cmc.solve()
+    warnings = json.loads(plan.cmc.report)["warnings"]
+    assert any("overhangs" in warning for warning in warnings)
+    assert "overhangs" in said(draw("CMC_PT_results"))
 
 
 def test_units_are_the_scenes(plan) -> None:

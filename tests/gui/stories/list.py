@@ -21,7 +21,7 @@ def tell(hands):
     bpy.ops.ed.undo_push(message="Groups")
     yield from hands.picture("list")
 
-    x, y = yield from hands.find("cmc.group_add", (0.94,))
+    _, y = yield from hands.find("cmc.group_add", (0.94,))
     row = hands.sidebar.x + 90, y - 5
     yield from hands.click(*row, ctrl=True)
     yield from hands.press("A", row, ctrl=True)
