@@ -32,13 +32,18 @@ Int = NDArray[np.integer]
 
 @dataclass(frozen=True, eq=False)
 class Averaging:
-    """What an average may use: the conjugate, the normals, the cuts, and the factor the normals were solved with."""
+    """What an average may use: the conjugate, the normals and where they are fixed, the cuts, and kept factors.
+
+    dirichlet(sites) is the factored Laplacian with values given at `sites`; for the `fixed` ones it is at hand, since
+    the normals were solved with it.
+    """
 
     domain: Domain
     homology: Homology
     conjugate: Conjugate
     N: Array
-    dirichlet: Dirichlet
+    fixed: Int
+    dirichlet: Callable[[Int], Dirichlet]
     periods: Array  # (k, 3): those of the conjugate, or zeros to project them out
 
     @property
@@ -54,14 +59,14 @@ def galerkin(a: Averaging) -> Array:
     """
     load = _galerkin_load(a.domain, a.N)
     if a.homology.is_trivial:
-        faces, rim = fit_weights(a.domain, a.dirichlet.fixed)
+        faces, rim = fit_weights(a.domain, a.fixed)
         fitted = faces @ a.conjugate.g
         fitted += rim @ a.conjugate.boundary_points
-        return a.dirichlet.solve(load, fitted)
+        return a.dirichlet(a.fixed).solve(load, fitted)
     if a.keeps_periods:
         load = load - _offset_load(a.domain, a.homology, a.periods)
-    anchored = Dirichlet(a.domain.laplacian, np.zeros(1, dtype=np.int64))
-    return anchored.solve(load, np.zeros((1, 3)))
+    anchor = np.zeros(1, dtype=np.int64)
+    return a.dirichlet(anchor).solve(load, np.zeros((1, 3)))
 
 
 def linear(a: Averaging) -> Array:

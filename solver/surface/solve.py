@@ -87,7 +87,8 @@ class CmcSolver:
                 homology=homology,
                 conjugate=conjugate,
                 N=harmonic.normals,
-                dirichlet=self.harmonic.dirichlet(np.unique(conditions.sites)),
+                fixed=np.unique(conditions.sites),
+                dirichlet=self.harmonic.dirichlet,
                 periods=conjugate.periods if is_open else np.zeros_like(conjugate.periods),
             )
         )
