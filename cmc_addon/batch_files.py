@@ -86,6 +86,7 @@ def _object_settings(settings: Settings) -> dict[str, object]:
         raise JobError("Side and degree of a job are not available in Blender; use python -m solver.")
     values: dict[str, object] = {
         "size": settings.size.upper(),
+        "blend": settings.blend,
         "ground": settings.ground.upper(),
         "sheet": roles[settings.sheet],
         "averaging": settings.averaging.upper(),

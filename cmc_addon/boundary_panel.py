@@ -67,6 +67,10 @@ class CMC_PT_boundary(Tab, bpy.types.Panel):
             self._parameters(layout, mesh, group)
         if own:
             self._ungrouped(layout, mesh)
+        if mesh.cmc.groups:
+            column = properties_column(layout)
+            column.enabled = plan.is_editable
+            column.prop(plan.cmc, "blend")
 
     def _list(self, layout, mesh, own):
         """The list; with a result active it shows the groups of its plan, to be changed but not extended."""

@@ -128,6 +128,7 @@ def solver_settings(settings: SimpleNamespace) -> pipeline.Settings:
         size=settings.size.lower(),
         value=getattr(settings, value_name) if value_name else 1.0,
         ground=settings.ground.lower(),
+        blend=settings.blend,
         rotate=settings.rotate,
         flip=settings.flip,
         sheet=ROLES[settings.sheet],

@@ -31,6 +31,7 @@ from bpy.props import (
 )
 
 from ..solver.gauss.conditions import KINDS
+from ..solver.surface.offsets import AVERAGINGS
 from ..solver.surface.placement import GROUNDS, SIZES
 from .group_list import free_name
 
@@ -112,11 +113,7 @@ _SHEETS = [
     ("F_PLUS", "f+", "The shell g + N"),
     ("F_MINUS", "f-", "Its twin g - N, a single point where the shell is a sphere"),
 ]
-_AVERAGINGS = [
-    ("GALERKIN", "Galerkin", "Conforming solve; converges on every mesh"),
-    ("LINEAR", "Linear Fit", "Fit at circumcentres; converges on every mesh"),
-    ("AREA", "Area (Eq. 11)", "The paper's average; does not converge on irregular meshes"),
-]
+_AVERAGINGS = [(name.upper(), average.label, average.description) for name, average in AVERAGINGS.items()]
 
 _SETTINGS = {
     "size": partial(EnumProperty, name="Size", items=_items(SIZES), default="MATCH_PLAN"),
@@ -129,6 +126,11 @@ _SETTINGS = {
         FloatProperty, name="H",
         description="Mean curvature, one over a length: 0.2 on a sphere of radius 5",
         default=0.2, min=1e-9, soft_min=1e-3, precision=4),
+    "blend": partial(
+        FloatProperty, name="Blend Angles",
+        description="Length of rim over which the angles of neighbouring groups flow into each other; "
+        "where they jump instead, the shell gets a sharp notch",
+        default=0.0, min=0.0, subtype="DISTANCE"),
     "ground": partial(EnumProperty, name="Ground", items=_items(GROUNDS), default="LOWEST"),
     "sheet": partial(
         EnumProperty, name="Sheet",

@@ -165,7 +165,7 @@ def draw_settings(layout: bpy.types.UILayout, owner) -> None:
         layout.prop(owner, value)
     elif owner.size == "MATCH_PLAN":
         layout.prop(owner, "rotate")
-    for name in ("ground", "sheet", "flip", "apply_modifiers"):
+    for name in ("blend", "ground", "sheet", "flip", "apply_modifiers"):
         layout.prop(owner, name)
     column = layout.column(heading="Also Make")
     for name in ("want_twin", "want_g", "want_gauss"):

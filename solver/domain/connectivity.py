@@ -171,7 +171,7 @@ def check_surface(faces: Int, mesh: Edges, vertex_count: int) -> None:
         sizes = np.bincount(labels)
         smallest = np.flatnonzero(labels == np.argmin(sizes))
         raise MeshError(
-            f"The mesh has {count} components, of {listed(np.sort(sizes)[::-1])} faces; solve them one by one "
+            f"The mesh has {count} components, of {listed(np.sort(sizes)[::-1])} triangles; solve them one by one "
             f"(separate by loose parts), or delete the smallest ({plural('face', smallest)}).",
             faces=smallest,
         )

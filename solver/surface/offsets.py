@@ -85,7 +85,20 @@ def area(a: Averaging) -> Array:
     return _on_the_cover(a, sp.csr_array((weights, (domain.faces.ravel(), face)), shape=shape))
 
 
-AVERAGINGS: dict[str, Callable[[Averaging], Array]] = {"galerkin": galerkin, "linear": linear, "area": area}
+@dataclass(frozen=True)
+class Average:
+    """An average as a user interface offers it; `of` gives g (V, 3)."""
+
+    label: str
+    description: str
+    of: Callable[[Averaging], Array]
+
+
+AVERAGINGS = {
+    "galerkin": Average("Galerkin", "Conforming solve; converges on every mesh", galerkin),
+    "linear": Average("Linear fit", "Fit at circumcentres; converges on every mesh", linear),
+    "area": Average("Area", "The paper's average (Eq. 11); does not converge on irregular meshes", area),
+}
 
 
 def _galerkin_load(domain: Domain, N: Array) -> Array:

@@ -81,7 +81,7 @@ class CmcSolver:
             _longest(conjugate.periods) > period_tolerance * _diameter(domain, harmonic.normals, conjugate.g)
         )
         sheets = homology.sheets if is_open else None
-        g = AVERAGINGS[averaging](
+        g = AVERAGINGS[averaging].of(
             Averaging(
                 domain=domain,
                 homology=homology,

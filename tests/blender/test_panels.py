@@ -231,10 +231,11 @@ def test_only_the_size_that_counts_is_drawn(plan) -> None:
 def test_every_setting_of_a_solve_can_be_reached(plan) -> None:
     from cmc_formfinding.cmc_addon.properties import SETTINGS
 
+    bpy.ops.cmc.group_add(name="rim")
     drawn = set()
     for size in ("MATCH_PLAN", "SPAN", "RISE", "RADIUS", "MEAN_CURVATURE"):
         plan.cmc.size = size
-        drawn |= set(draw("CMC_PT_shell", "CMC_PT_options").props)
+        drawn |= set(draw("CMC_PT_boundary", "CMC_PT_shell", "CMC_PT_options").props)
     assert set(SETTINGS) - drawn == {"flip"}, "which has a button of its own"
 
 

@@ -520,3 +520,16 @@ def test_a_ring_is_cut_open_and_says_so():
     # cut, it hangs together: one boundary more would be one loop less
     assert len(plan.data.vertices) - len(plan.data.edges) + len(plan.data.polygons) == 0
     assert len(mesh.vertices) - len(mesh.edges) + len(mesh.polygons) == 1
+
+
+def test_angles_of_neighbouring_groups_blend_over_a_length():
+    """With a blend the normals at the rim turn gradually; without one they jump between two groups."""
+    plan = quad_disc(rings=8, columns=64)
+    half = [e for e in boundary_edges(plan.data) if plan.data.edges[e].vertices[0] % 64 < 32]
+    add_group(plan, "Half", half, "BINORMAL", tilt=0.8)
+    steps = []
+    for blend in (0.0, 8.0):
+        solved(plan, blend=blend)
+        normals = np.array(values(plan.cmc.f_plus.data.attributes["cmc_normal"]))[-64:]
+        steps.append(np.abs(np.diff(np.append(normals[:, 2], normals[0, 2]))).max())
+    assert steps[0] > 0.3 and steps[1] < 0.15
