@@ -182,6 +182,14 @@ def default_edge_length(size: float) -> float:
     return size / 40.0
 
 
+def default_corner_radius(size: float) -> float:
+    """A tenth of the plan's size, whatever the edges: a finer mesh is to give the same shell more exactly.
+
+    Where the corner is sharper the shell has higher and narrower feet there, until it goes through itself.
+    """
+    return size / 10.0
+
+
 def check_count(outline: Outline, edge_length: float) -> None:
     """Raise MeshError where the mesh would have more triangles than a person waits for: a slip of the unit."""
     area = sum(abs(signed_area(loop)) * (1 if k == 0 else -1) for k, loop in enumerate(outline.loops))

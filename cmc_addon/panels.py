@@ -7,8 +7,8 @@ what all panels share; Boundary is in `boundary_panel`, the numbers of a solve i
 import bpy
 
 from .operators.go_to import target
-from .operators.plan import RADIUS_IN_EDGES, outline_of, plan_of
-from .outline import default_edge_length
+from .operators.plan import outline_of, plan_of
+from .outline import default_corner_radius, default_edge_length
 from .outline_bridge import local_size
 from .properties import SIZE_PROPERTY
 
@@ -93,16 +93,15 @@ class CMC_PT_plan(Tab, bpy.types.Panel):
 
     def _settings(self, layout, settings, ob):
         column = properties_column(layout)
-        edge = settings.edge_length
+        size = local_size(outline_of(ob))
         column.prop(settings, "edge_length")
-        if not edge:
-            edge = default_edge_length(local_size(outline_of(ob)))
-            automatic(column, edge)
+        if not settings.edge_length:
+            automatic(column, default_edge_length(size))
         column.prop(settings, "round_corners", text="Round Corners")
         if settings.round_corners:
             column.prop(settings, "corner_radius", text="Radius")
             if not settings.corner_radius:
-                automatic(column, RADIUS_IN_EDGES * edge)
+                automatic(column, default_corner_radius(size))
 
 
 def automatic(column: bpy.types.UILayout, length: float) -> None:

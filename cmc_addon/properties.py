@@ -179,7 +179,8 @@ _PLAN_SETTINGS = {
         BoolProperty, name="Round Corners", default=True,
         description="At a sharp corner the normals of the rim jump and the curvature diverges"),
     "corner_radius": partial(
-        FloatProperty, name="Corner Radius", description="0 chooses twice the edge length; less where there is no room",
+        FloatProperty, name="Corner Radius",
+        description="0 chooses a tenth of the plan's size; less where there is no room",
         default=0.0, min=0.0, subtype="DISTANCE"),
 }
 PLAN_SETTINGS = tuple(_PLAN_SETTINGS)

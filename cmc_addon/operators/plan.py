@@ -2,7 +2,8 @@
 
 **The outline** is the active object: a mesh, whose faces are bounded by an outer loop and holes, or which has
 only edges that close up to such loops; or a curve object of closed splines, nested ones being holes. It may
-lie in any plane; what leaves its best plane is flattened, and the report says by how much.
+lie in any plane; what leaves its best plane is flattened, and the report says by how much. Its modifiers
+are not applied.
 
 **The plan** is an object of its own called "<outline> Plan", made once and updated by every further run; the
 drawn outline is never changed. If it has faces, which would lie in the plan's, it is hidden (Alt H shows it).
@@ -25,10 +26,8 @@ from mathutils import Matrix
 from ...solver.domain.mesher import PlanMesh, mesh_plan
 from ...solver.errors import CmcError, MeshError
 from .. import group_list, outline_bridge
-from ..outline import Outline, check_count, default_edge_length, explained, is_flat, make_outline
+from ..outline import Outline, check_count, default_corner_radius, default_edge_length, explained, is_flat, make_outline
 from ..properties import PLAN_SETTINGS, kind_parameters, plan_annotations
-
-RADIUS_IN_EDGES = 2.0
 
 
 def outline_of(ob: bpy.types.Object) -> bpy.types.Object:
@@ -71,6 +70,7 @@ class CMC_OT_mesh_plan(bpy.types.Operator):
         return False
 
     def execute(self, context):
+        context.view_layer.update()  # a script may have moved the outline just now
         ob = context.object
         self._take_settings(context.scene.cmc)
         try:
@@ -108,7 +108,7 @@ class CMC_OT_mesh_plan(bpy.types.Operator):
         first, *holes = outline.loops
         edge = self.edge_length or default_edge_length(outline.size)
         check_count(outline, edge)
-        radius = (self.corner_radius or RADIUS_IN_EDGES * edge) if self.round_corners else 0.0
+        radius = (self.corner_radius or default_corner_radius(outline.size)) if self.round_corners else 0.0
         try:
             meshed = mesh_plan(first, holes, max_edge=edge, corner_radius=radius, keep=outline.borders())
         except MeshError as error:
@@ -127,7 +127,7 @@ def _new_plan(ob: bpy.types.Object) -> bpy.types.Object:
     """An empty plan object beside the outline, in its collections, with its materials; linked both ways."""
     name = f"{ob.name} Plan"
     plan = bpy.data.objects.new(name, bpy.data.meshes.new(name))
-    for collection in ob.users_collection:
+    for collection in [c for c in ob.users_collection if c.is_editable] or [bpy.context.scene.collection]:
         collection.objects.link(plan)
     for slot in ob.material_slots:
         plan.data.materials.append(slot.material)

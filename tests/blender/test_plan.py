@@ -269,7 +269,7 @@ def test_uv_layer_holds_plan_coordinates() -> None:
 def test_corners_are_rounded_by_default() -> None:
     ngon(SQUARE)
     plan = mesh_plan(edge_length=0.25)
-    assert area(plan) == pytest.approx(48 - (4 - math.pi) * 0.5**2, rel=1e-3), "radius: twice the edge length"
+    assert area(plan) == pytest.approx(48 - (4 - math.pi) * 0.8**2, rel=1e-3), "radius: a tenth of 8"
     bpy.context.view_layer.objects.active = plan
     mesh_plan(corner_radius=2.0)
     assert area(plan) == pytest.approx(48 - (4 - math.pi) * 2.0**2, rel=1e-3)
@@ -462,3 +462,19 @@ def test_nothing_of_a_new_plan_is_selected() -> None:
     bpy.ops.object.mode_set(mode="OBJECT")
     bpy.ops.cmc.select_ungrouped()
     assert sum(edge.select for edge in plan.data.edges) == len(boundary(plan))
+
+
+def test_a_linked_outline_gets_a_local_plan(tmp_path) -> None:
+    ngon(SQUARE)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "library.blend"))
+    bpy.ops.wm.read_homefile(use_empty=True)
+    with bpy.data.libraries.load(str(tmp_path / "library.blend"), link=True) as (_, taken):
+        taken.objects = ["Hall"]
+    ob = linked(taken.objects[0])
+    plan = mesh_plan(edge_length=1.0)
+    assert plan.library is None and plan.data.library is None and plan.cmc.outline == ob
+    activate(ob)
+    for other in bpy.context.selected_objects:
+        other.select_set(False)
+    bpy.context.view_layer.objects.active = plan
+    assert mesh_plan(edge_length=0.5) == plan

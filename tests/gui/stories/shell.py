@@ -14,6 +14,9 @@ def tell(hands):
     plan = bpy.context.object
     assert plan.name == "BézierCircle Plan" and len(plan.data.polygons) > 1000
     yield from hands.picture("meshed")
+    yield from hands.press("F9")
+    yield from hands.picture("redo-panel")
+    yield from hands.press("ESC")
 
     yield from hands.press("TAB")
     yield from hands.press("TWO")
