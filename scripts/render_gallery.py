@@ -1,0 +1,163 @@
+"""The pictures of docs/: the demo, the paper's Figure 3, a nodoid, the plans of assets/ with their shells.
+
+    make gallery
+    .venv/bin/python scripts/render_gallery.py figure3 --samples 8     # one of them, quickly
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import blender_session
+import plans
+
+package = blender_session.start()
+
+import bpy  # noqa: E402
+import demo  # noqa: E402
+import make_assets  # noqa: E402
+import numpy as np  # noqa: E402
+import portrait  # noqa: E402
+import studio  # noqa: E402
+from cmc_formfinding.solver import CmcSurface, conditions, shapes, solve_cmc  # noqa: E402
+
+IMAGES = blender_session.ROOT / "docs" / "images"
+WIDTH = 1000
+BLUE, BLUE_DARK = (0.62, 0.72, 0.80), (0.36, 0.46, 0.56)
+
+
+# --- the pictures --------------------------------------------------------------------------
+
+def pavilion(samples: int) -> None:
+    """The picture of `make demo`."""
+    demo.staged()
+    studio.render(IMAGES / "pavilion.png", WIDTH, round(0.62 * WIDTH), samples)
+
+
+def figure3(samples: int) -> None:
+    """Paper, Figure 3: boundary normals that turn m times, the surface g of constant K, the CMC disc f+."""
+    disc = shapes.disc(5000)
+    uv = 6.0 * disc.positions
+    f_look, g_look = looks()
+    turned = disc.positions @ [[0.5, 0.866], [-0.866, 0.5]]  # so that the openings are seen
+    for m in range(4):
+        rim = conditions.twisted(disc.domain, turned, disc.sides["outer"], m)
+        surface = solve_cmc(disc.domain, rim)
+        tell(f"m = {m}", surface)
+        x = 2.7 * m
+        drawn_normals(turned, rim, (x, 0.0, 4.6))
+        show(f"g, m = {m}", surface.g, surface.faces, uv, g_look, (x, 0.0, 2.35), 1.9)
+        show(f"f+, m = {m}", surface.f_plus, surface.faces, uv, f_look, (x, 0.0, 0.0), 2.15)
+    picture("figure3", (4.05, -26.0, 8.6), (4.05, 0.0, 2.25), 92.0, 0.62, samples)
+
+
+def nodoid(samples: int) -> None:
+    """A cylinder with opposite normals on its ends, from a start that winds around: f+, g and f- of a nodoid."""
+    band = shapes.cylinder(2 * np.pi, 3.3132763405, 96)
+    ends = conditions.fixed(band.domain, band.sides["bottom"], [0, 0, 1])
+    ends += conditions.fixed(band.domain, band.sides["top"], [0, 0, -1])
+    surface = solve_cmc(band.domain, ends, degree=1)
+    tell("nodoid", surface)
+    uv = band.positions[surface.faces] * (6 / np.pi)
+    seam = np.ptp(uv[:, :, 0], axis=1) > 6
+    uv[seam, :, 0] += np.where(uv[seam, :, 0] < 6, 12.0, 0.0)
+    f_look, g_look = looks()
+    names = (("f+", surface.f_plus, f_look), ("g", surface.g, g_look), ("f-", surface.f_minus, f_look))
+    for x, (name, points, look) in zip((0.0, 3.5, 6.0), names, strict=True):
+        show(name, points, surface.faces, uv, look, (x, 0.0, 0.0), None)
+    picture("nodoid", (2.6, -24.0, 9.0), (2.6, 0.0, 0.0), 88.0, 0.42, samples)
+
+
+def plans_and_shells(samples: int) -> None:
+    """The plans of assets/, each drawn on the ground below its shell, all to the same scale."""
+    places = {"pavilion": (-20, -14), "market": (16, -16), "courtyard": (52, -8), "hall": (-26, 24), "canopy": (28, 22)}
+    studio.add_ground(100.0)
+    studio.light()
+    plaster = studio.checker("Plaster", "Plan")
+    for name, place in places.items():
+        plan = make_assets.draw(plans.SKETCHES[name]())
+        plan.location[:2] = place
+        shell = portrait.form(plan)
+        portrait.paint(shell, plaster)
+        studio.thicken(shell, 0.25)
+        plan.hide_render = True
+        for loop in portrait.rims(plan):
+            studio.add_line("Outline", loop + [0.0, 0.0, 0.02], width=0.22)
+    studio.add_person((-12.0, -26.0, 0.0), (0.0, -100.0, 0.0))
+    picture("plans", (14.0, -120.0, 74.0), (15.0, 4.0, 0.0), 50.0, 0.52, samples, sky=False)
+
+
+PICTURES: dict[str, Callable[[int], None]] = {
+    "pavilion": pavilion,
+    "plans": plans_and_shells,
+    "figure3": figure3,
+    "nodoid": nodoid,
+}
+
+
+# --- how they are made ---------------------------------------------------------------------
+
+def looks() -> tuple[bpy.types.Material, bpy.types.Material]:
+    """Plaster for surfaces of constant H, blue for those of constant K."""
+    return studio.checker("H", "UVMap"), studio.checker("K", "UVMap", light=BLUE, dark=BLUE_DARK)
+
+
+def show(name: str, points, faces, uv, material, place, size: float | None) -> bpy.types.Object:
+    """A surface as a smooth object centred at `place` and scaled to `size`; uv of vertices or of corners (F, 3, 2)."""
+    points = points - 0.5 * (points.min(axis=0) + points.max(axis=0))
+    if size is not None:
+        points = points * (size / np.linalg.norm(np.ptp(points, axis=0)) * np.sqrt(2.0))
+    ob = studio.mesh_object(name, points, faces, material)
+    layer = ob.data.uv_layers.new(name="UVMap")
+    corners = uv[faces] if np.ndim(uv) == 2 else uv
+    layer.uv.foreach_set("vector", np.asarray(corners, dtype=np.float32).ravel())
+    ob.data.shade_smooth()
+    ob.location = place
+    return ob
+
+
+def drawn_normals(positions, rim, place) -> None:
+    """The plan disc and the normals prescribed along its rim, as hairs."""
+    flat = np.column_stack([positions, np.zeros(len(positions))])
+    sites, normals = rim.resolve()
+    order = np.argsort(np.arctan2(flat[sites, 1], flat[sites, 0]))
+    sites, normals = sites[order], normals[order]
+    offset = np.array(place)
+    studio.add_line("Rim", 0.62 * flat[sites] + offset, 0.025)
+    for k in range(0, len(sites), 3):
+        foot = 0.62 * flat[sites[k]] + offset
+        studio.add_line("Normal", [foot, foot + 0.34 * normals[k]], 0.016, closed=False, colour=(0.55, 0.12, 0.06))
+
+
+def picture(name: str, eye, target, lens: float, height: float, samples: int, sky: bool = True) -> Path:
+    """Render what is in the scene to docs/images/NAME.png; `height` as a part of the width."""
+    if sky:
+        studio.light(sun=(-0.5, -0.8, 0.9), strength=2.6, sky=0.8)
+        paper = studio.matte("Paper", (0.83, 0.83, 0.82))
+        far = 60.0
+        corners = [(-far, far, -far), (2 * far, far, -far), (2 * far, far, far), (-far, far, far)]
+        studio.mesh_object("Backdrop", corners, [(0, 1, 2, 3)], paper).visible_shadow = False
+    studio.aim(eye, target, lens)
+    return studio.render(IMAGES / f"{name}.png", WIDTH, round(height * WIDTH), samples)
+
+
+def tell(name: str, surface: CmcSurface) -> None:
+    harmonic = surface.harmonic
+    print(f"{name}: energy {harmonic.energy:.4f}, degree {harmonic.degree:.3f}. {surface.message}")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Render the pictures of docs/.")
+    parser.add_argument("names", nargs="*", choices=[*PICTURES, []], help="which of them (all)")
+    parser.add_argument("--samples", type=int, default=16, help="samples a pixel (16)")
+    arguments = parser.parse_args()
+    for name in arguments.names or PICTURES:
+        blender_session.empty_scene()
+        PICTURES[name](arguments.samples)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
