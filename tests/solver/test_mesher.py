@@ -44,6 +44,33 @@ def comb() -> np.ndarray:
     return np.array([(0, -2), *teeth[1:-1], (16.5, -2)], dtype=float)[::-1]
 
 
+def corridor() -> np.ndarray:
+    t = np.linspace(0, 1, 60)
+    centre = np.column_stack([4 * t, 0.5 * np.sin(9 * t)])
+    along = np.gradient(centre, axis=0)
+    left = 0.19 * np.column_stack([-along[:, 1], along[:, 0]]) / np.linalg.norm(along, axis=1)[:, None]
+    return np.concatenate([centre - left, (centre + left)[::-1]])
+
+
+def skyline() -> np.ndarray:
+    """Towers with a step of 0.013 in one of them, far from which large triangles have their circumcentres."""
+    roof = [
+        (3.089, 1.475),
+        (2.094, 1.475),
+        (2.094, 0.497),
+        (1.504, 0.497),
+        (1.504, 1.323),
+        (1.145, 1.323),
+        (1.145, 1.307),
+        (0.817, 1.307),
+        (0.817, 1.796),
+        (0.486, 1.796),
+        (0.486, 0.219),
+        (0.414, 0.219),
+    ]
+    return np.array([(0.414, 0.0), (3.089, 0.0), *roof])
+
+
 COLUMNS = [ellipse(25, 0.35, 0.35, (x, y)) for x in range(2, 19, 4) for y in range(2, 11, 4)]
 HALL = np.array([[0.0, 0.0], [20.0, 0.0], [20.0, 12.0], [0.0, 12.0]])
 SLIT = np.array([[0, 0], [10, 0], [10, 6], [5.02, 6], [5.02, 1.5], [5, 1.5], [5, 6], [0, 6]], dtype=float)
@@ -63,6 +90,9 @@ ZOO = {
     "slit": dict(outline=SLIT, max_edge=0.5),
     "circle": dict(outline=ellipse(100, 1, 1), max_edge=0.12),
     "huge radius": dict(outline=L_SHAPE, max_edge=0.6, corner_radius=100.0),
+    "flat": dict(outline=SQUARE * [1, 0.35], max_edge=0.9),
+    "corridor": dict(outline=corridor(), max_edge=0.2),
+    "skyline": dict(outline=skyline(), max_edge=0.0535, corner_radius=0.27),
     "coarse": dict(outline=L_SHAPE, max_edge=9.0),
 }
 
