@@ -15,7 +15,14 @@ def tell(hands):
     assert plan.name == "BézierCircle Plan" and len(plan.data.polygons) > 1000
     yield from hands.picture("meshed")
     yield from hands.press("F9")
+    field = hands.view[0] + 206, hands.view[1] - 55  # Edge Length, in the panel that has opened at the mouse
+    yield from hands.click(*field)
+    yield from hands.press("A", field, ctrl=True)
+    yield from hands.type("0.2", field)
     yield from hands.picture("redo-panel")
+    plan = bpy.context.object
+    assert len(bpy.data.objects) == 2 and 1000 < len(plan.data.polygons) < 2000
+    assert abs(bpy.context.scene.cmc.edge_length - 0.2) < 1e-6
     yield from hands.press("ESC")
 
     yield from hands.press("TAB")
