@@ -16,7 +16,9 @@ from .outline import crossing_pairs, following_of
 from .rounding import Curve, turning
 from .sizes import SizeField, graded, graded_along
 
-_TURN = np.radians(30.0)
+# Measured on a square whose corners are rounded by a tenth of its side, edges a twelfth of it: the energy with outward
+# conormals is 5 % below that of fine meshes with 30°, 1.5 % with 15°.
+_TURN = np.radians(15.0)
 _ACROSS = 0.4  # of the width of a neck: two rows of vertices inside it
 _SPACING = 0.25  # of the samples that measure the plan
 _SMALLEST = 1 / 32  # bends and necks refine no further than this

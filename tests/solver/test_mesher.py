@@ -130,7 +130,7 @@ def test_every_plan_is_meshed_well(name):
     assert domain.edge_lengths[domain.boundary_edges].max() <= ZOO[name]["max_edge"] * (1 + 1e-9)
 
 
-@pytest.mark.parametrize("name", ["square", "blob", "L", "pavilion", "courtyard"])
+@pytest.mark.parametrize("name", ["square", "blob", "L", "pavilion"])
 def test_wide_plans_have_the_length_asked_for(name):
     mesh = mesh_plan(**ZOO[name])
     lengths = check(mesh).edge_lengths / ZOO[name]["max_edge"]
@@ -246,7 +246,7 @@ def test_where_a_curve_meets_a_chord_the_corner_is_rounded_smoothly():
     step = np.roll(boundary, -1, axis=0) - boundary
     before = np.roll(step, 1, axis=0)
     turn = np.arctan2(before[:, 0] * step[:, 1] - before[:, 1] * step[:, 0], np.sum(before * step, axis=1))
-    assert np.degrees(np.abs(turn).max()) < 35
+    assert np.degrees(np.abs(turn).max()) < 18
     assert_allclose(turn.sum(), 2 * np.pi, rtol=1e-12)
 
 
