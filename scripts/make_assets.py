@@ -1,6 +1,9 @@
 """Draw the plans of `plans.py` in Blender and write them into assets/: .blend marked as Blender assets, and .obj.
 
-    .venv/bin/python scripts/make_assets.py
+    .venvs/full-4.5/bin/python scripts/make_assets.py
+
+The oldest Blender that the extension supports writes them, since newer files lose data in older ones; any other will
+do to try things out. `make test-versions` makes that environment.
 
 Add the folder in Blender's Preferences > File Paths > Asset Libraries, and drag a plan from the asset browser
 into a scene: its boundary groups come along, and Solve forms a shell over it.
@@ -58,7 +61,9 @@ def main() -> None:
 def draw(sketch: plans.Sketch) -> bpy.types.Object:
     """The plan object of a sketch, alone in the scene and active, with its boundary groups."""
     bpy.context.scene.unit_settings.system = "METRIC"
-    return _meshed(sketch) if isinstance(sketch, plans.OutlineSketch) else _quads(sketch)
+    plan = _meshed(sketch) if isinstance(sketch, plans.OutlineSketch) else _quads(sketch)
+    plan.cmc.blend = sketch.blend
+    return plan
 
 
 def _meshed(sketch: plans.OutlineSketch) -> bpy.types.Object:
@@ -152,7 +157,7 @@ def preview(sketch: plans.Sketch) -> np.ndarray:
     plan = draw(sketch)
     portrait.stage(plan, portrait.form(plan), sketch.view, aspect=1.0, people=False)
     with tempfile.TemporaryDirectory() as scratch:
-        file = studio.render(Path(scratch) / "preview.png", PREVIEW, PREVIEW, samples=32)
+        file = studio.render(Path(scratch) / "preview.png", PREVIEW, PREVIEW, samples=16)
         image = bpy.data.images.load(str(file))
         return np.array(image.pixels[:], dtype=np.float32).reshape(PREVIEW, PREVIEW, 4)
 

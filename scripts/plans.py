@@ -31,6 +31,8 @@ class Sketch:
     description: str
     tags: Sequence[str]
     rims: Sequence[Rim] = ()
+    blend: float = 0.0
+    """Length of rim over which the tilts of neighbouring groups flow into each other."""
     view: tuple[float, float] = (-60.0, 0.17)
     """Where a picture is taken from: direction in plan, in degrees, and slope of the line of sight."""
 
@@ -63,20 +65,19 @@ def pavilion() -> OutlineSketch:
     """A superellipse: rounded all the way, so that no curvature jumps anywhere along the rim."""
     outline = superellipse(18.0, 13.0, 2.8)
     middle = 0.5 * (outline + np.roll(outline, -1, axis=0))
-    direction = np.degrees(np.arctan(np.abs(middle[:, 1] / middle[:, 0])))
-    ends, long_sides = direction < 20.0, direction > 45.0
+    at_end = np.degrees(np.arctan(np.abs(middle[:, 1] / middle[:, 0]))) < 32.0
     return OutlineSketch(
         name="Rounded Pavilion",
-        description="A pavilion of 18 x 13 m on a superellipse. Its rim leans in by 32 degrees on the long sides, "
-        "which open, by 20 at the ends and by 26 between them; it stands on four feet.",
+        description="A pavilion of 18 x 13 m on a superellipse. Its rim leans in by 38 degrees on the long sides, "
+        "which open, and by 15 at the ends, and changes over 6 m; it stands on four feet.",
         tags=("pavilion", "smooth outline"),
         outline=outline,
         edge_length=0.5,
         rims=(
-            Rim("Long Sides", 32.0, np.flatnonzero(long_sides).tolist()),
-            Rim("Corners", 26.0, np.flatnonzero(~long_sides & ~ends).tolist()),
-            Rim("Ends", 20.0, np.flatnonzero(ends).tolist()),
+            Rim("Long Sides", 38.0, np.flatnonzero(~at_end).tolist()),
+            Rim("Ends", 15.0, np.flatnonzero(at_end).tolist()),
         ),
+        blend=6.0,
         view=(-62.0, 0.14),
     )
 
@@ -113,6 +114,7 @@ def canopy() -> OutlineSketch:
             Rim("Street", 30.0, sides["inner"]),
             Rim("Ends", 45.0, sides["ends"]),
         ),
+        blend=4.0,
         view=(-65.0, 0.16),
     )
 
