@@ -295,7 +295,7 @@ def test_the_plan_is_updated_in_place() -> None:
     plan.name, plan.cmc.size, mesh = "Renamed", "RISE", plan.data
     coarse = len(mesh.polygons)
     again = mesh_plan(edge_length=0.5)  # with the plan active: meshes its outline anew
-    assert again == plan and plan.data == mesh and len(mesh.polygons) > 2 * coarse
+    assert again == plan and plan.data == mesh and len(mesh.polygons) > 1.4 * coarse
     assert (plan.name, plan.cmc.size, list(mesh.materials)) == ("Renamed", "RISE", [paint])
     ob.hide_set(False)
     ob.data.vertices[2].co.x = 12
