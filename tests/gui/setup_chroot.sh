@@ -15,13 +15,16 @@ if ! command -v debootstrap >/dev/null; then
   apt-get update -qq
   apt-get install -y -qq --no-install-recommends debootstrap >/dev/null
 fi
+LOG=$(mktemp)
+trap 'code=$?; [ $code = 0 ] || tail -n 30 "$LOG" >&2; rm -f "$LOG"' EXIT
+echo "installing Blender into $ROOT, once"
 if [ ! -x "$ROOT/usr/bin/apt-get" ]; then
-  debootstrap --variant=minbase --include=ca-certificates sid "$ROOT" >/dev/null
+  debootstrap --variant=minbase --include=ca-certificates sid "$ROOT" >>"$LOG" 2>&1
 fi
 cp /etc/resolv.conf "$ROOT/etc/resolv.conf"
 # The index of a rolling suite can look expired; its signature is still checked.
 chroot "$ROOT" env DEBIAN_FRONTEND=noninteractive LC_ALL=C sh -eu -c "
   apt-get -o Acquire::Check-Valid-Until=false update -qq
   apt-get install -y -qq --no-install-recommends $(echo $PACKAGES)
-  apt-get clean" >/dev/null
+  apt-get clean" >>"$LOG" 2>&1
 touch "$ROOT/.ready"
