@@ -73,21 +73,28 @@ def nodoid(samples: int) -> None:
 
 def plans_and_shells(samples: int) -> None:
     """The plans of assets/, each drawn on the ground below its shell, all to the same scale."""
-    places = {"pavilion": (-20, -14), "market": (16, -16), "courtyard": (52, -8), "hall": (-26, 24), "canopy": (28, 22)}
+    places = {  # x, y, and degrees turned
+        "pavilion": (-30, -14, 0),
+        "market": (8, -18, 31),
+        "courtyard": (46, -12, 0),
+        "hall": (-36, 24, 0),
+        "canopy": (32, 28, 0),
+    }
     studio.add_ground(100.0)
     studio.light()
     plaster = studio.checker("Plaster", "Plan")
     for name, place in places.items():
         plan = make_assets.draw(plans.SKETCHES[name]())
-        plan.location[:2] = place
+        plan.location[:2] = place[:2]
+        plan.rotation_euler.z = np.radians(place[2])
         shell = portrait.form(plan)
         portrait.paint(shell, plaster)
         studio.thicken(shell, 0.25)
         plan.hide_render = True
         for loop in portrait.rims(plan):
             studio.add_line("Outline", loop + [0.0, 0.0, 0.02], width=0.22)
-    studio.add_person((-12.0, -26.0, 0.0), (0.0, -100.0, 0.0))
-    picture("plans", (14.0, -120.0, 74.0), (15.0, 4.0, 0.0), 50.0, 0.52, samples, sky=False)
+    studio.add_person((-17.0, -26.0, 0.0), (0.0, -100.0, 0.0))
+    picture("plans", (8.0, -122.0, 74.0), (8.0, 5.0, 0.0), 45.0, 0.52, samples, sky=False)
 
 
 PICTURES: dict[str, Callable[[int], None]] = {

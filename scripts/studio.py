@@ -168,8 +168,8 @@ def _paint_sky(tree: bpy.types.NodeTree, strength: float) -> None:
     seen = nodes.new("ShaderNodeMapRange")
     low, high = ramp.color_ramp.elements
     low.position, low.color = 0.0, (0.94, 0.93, 0.90, 1.0)
-    high.position, high.color = 0.45, (0.34, 0.53, 0.82, 1.0)
-    seen.inputs["To Min"].default_value, seen.inputs["To Max"].default_value = strength, 1.15
+    high.position, high.color = 0.4, (0.25, 0.46, 0.80, 1.0)
+    seen.inputs["To Min"].default_value, seen.inputs["To Max"].default_value = strength, 0.95
     links.new(direction.outputs["Generated"], height.inputs["Vector"])
     links.new(height.outputs["Z"], ramp.inputs["Fac"])
     links.new(ramp.outputs["Color"], background.inputs["Color"])

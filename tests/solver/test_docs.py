@@ -1,0 +1,109 @@
+"""What docs/ and README say is true: examples run, job files load, every key is described, links lead somewhere."""
+
+from __future__ import annotations
+
+import inspect
+import re
+import tomllib
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from solver import job, plan
+from solver.errors import Status
+from solver.gauss.conditions import KINDS
+from solver.outputs import SHEET_KEYS
+from solver.selection import WAYS
+from solver.surface.placement import GROUNDS, SIZES
+
+ROOT = Path(__file__).parents[2]
+DOCS = sorted((ROOT / "docs").glob("*.md"))
+PAGES = [ROOT / "README.md", *DOCS]
+
+
+def blocks(page: Path, language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_python_examples_run(page, tmp_path, monkeypatch, capsys):
+    """The examples of a page run from top to bottom, as they stand, in the project's folder."""
+    monkeypatch.chdir(ROOT)
+    names: dict[str, object] = {}
+    for example in blocks(page, "python"):
+        exec(compile(example, str(page), "exec"), names)
+
+
+def test_there_are_examples():
+    assert len(blocks(ROOT / "docs" / "python.md", "python")) >= 8
+    assert blocks(ROOT / "README.md", "python") and blocks(ROOT / "README.md", "toml")
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_job_examples_load(page, tmp_path):
+    """Jobs with a mesh stand where the plan of that name is."""
+    for example in blocks(page, "toml"):
+        data = tomllib.loads(example)
+        loaded = job.make_job(data, ROOT / "assets" / "job.toml" if "mesh" in data else tmp_path / "job.toml")
+        assert len(loaded.plan.triangles)
+
+
+def described() -> set[str]:
+    """Words in back-quotes on the page of the job file, without quotes."""
+    words = re.findall(r"`([^`\n]+)`", (ROOT / "docs" / "job-file.md").read_text(encoding="utf-8"))
+    return {word.strip('"') for word in words}
+
+
+def job_keys() -> set[str]:
+    """Every key and every name that a job file may have."""
+    parameters = {parameter.name for kind in KINDS.values() for parameter in kind.parameters}
+    shapes = {name for make in job.SHAPES.values() for name in inspect.signature(make).parameters}
+    placing = {"rotate", "flip", "ground", "sheet", "side"} | set(SIZES) - {"match_plan"} | set(GROUNDS)
+    elsewhere = {"default_kind", "default_tilt", "size", "value"}
+    solving = {field.name for field in fields(plan.Settings)} - elsewhere
+    files = {*SHEET_KEYS, "report", "mesh", "up", "[shape]", "[[conditions]]", "[default]", "[size]", "[solver]", "[output]"}
+    return {*WAYS, *KINDS, *job.SHAPES, "kind", "scale", *plan.SHEETS} | parameters | shapes | placing | solving | files
+
+
+def test_every_key_of_a_job_is_described():
+    assert job_keys() - described() == set()
+
+
+def test_no_key_is_described_that_is_none():
+    """Keys stand in the first column of the tables."""
+    text = (ROOT / "docs" / "job-file.md").read_text(encoding="utf-8")
+    rows = [line.split("|")[1] for line in text.splitlines() if line.startswith("| `")]
+    keys = {word for cell in rows for word in re.findall(r"`([^`]+)`", cell)}
+    assert keys and keys - job_keys() == set()
+
+
+def test_kinds_and_statuses_are_described():
+    text = (ROOT / "docs" / "conventions.md").read_text(encoding="utf-8")
+    for name in [*KINDS, *(status.value for status in Status), *SIZES, *GROUNDS, *plan.SHEETS]:
+        assert f"`{name}`" in text, name
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_links_lead_somewhere(page):
+    text = page.read_text(encoding="utf-8")
+    targets = re.findall(r"\]\(([^)\s]+)\)", text)
+    local = [target.split("#")[0] for target in targets if not target.startswith(("http", "#"))]
+    missing = [target for target in local if not (page.parent / target).exists()]
+    assert not missing
+
+
+def test_every_picture_is_used_and_small():
+    texts = "".join(page.read_text(encoding="utf-8") for page in PAGES)
+    for picture in (ROOT / "docs" / "images").iterdir():
+        assert picture.name in texts, picture.name
+        assert picture.stat().st_size < 300_000, picture.name
+
+
+def test_the_nodoid_of_the_page_is_the_exact_one():
+    """h = (2/√c) K(-1/c) at c = ½."""
+    from scipy.special import ellipk
+
+    height = 2 / np.sqrt(0.5) * ellipk(-2.0)
+    assert f"{height:.10f}" in (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
