@@ -217,6 +217,18 @@ def test_selection_on_a_mesh_made_by_a_script() -> None:
     assert selected(ob) == set()
 
 
+@pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
+def test_hidden_edges_are_not_selected(grid, mode) -> None:
+    west = on_side(grid, 0, -1.0)
+    select(grid, west)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.context.tool_settings.mesh_select_mode = (False, True, False)
+    bpy.ops.mesh.hide(unselected=False)
+    bpy.ops.object.mode_set(mode=mode)
+    bpy.ops.cmc.select_ungrouped()
+    assert selected(grid) and not selected(grid) & set(west)
+
+
 def test_face_select_mode_changes_to_edges(grid) -> None:
     select(grid, on_side(grid, 0, -1.0))
     bpy.ops.cmc.group_add(assign=True)
