@@ -66,17 +66,17 @@ def nodoid(samples: int) -> None:
     uv[seam, :, 0] += np.where(uv[seam, :, 0] < 6, 12.0, 0.0)
     f_look, g_look = looks()
     names = (("f+", surface.f_plus, f_look), ("g", surface.g, g_look), ("f-", surface.f_minus, f_look))
-    for x, (name, points, look) in zip((0.0, 3.5, 6.0), names, strict=True):
+    for x, (name, points, look) in zip((0.0, 3.9, 6.4), names, strict=True):
         show(name, points, surface.faces, uv, look, (x, 0.0, 0.0), None)
-    picture("nodoid", (2.6, -24.0, 9.0), (2.6, 0.0, 0.0), 88.0, 0.42, samples)
+    picture("nodoid", (2.75, -24.0, 9.0), (2.75, 0.0, 0.0), 86.0, 0.42, samples)
 
 
 def plans_and_shells(samples: int) -> None:
     """The plans of assets/, each drawn on the ground below its shell, all to the same scale."""
     places = {  # x, y, and degrees turned
         "pavilion": (-30, -14, 0),
-        "market": (8, -18, 31),
-        "courtyard": (46, -12, 0),
+        "market": (5, -18, 31),
+        "courtyard": (41, -12, 0),
         "hall": (-36, 24, 0),
         "canopy": (32, 28, 0),
     }
