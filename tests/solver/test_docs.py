@@ -63,7 +63,8 @@ def job_keys() -> set[str]:
     placing = {"rotate", "flip", "ground", "sheet", "side"} | set(SIZES) - {"match_plan"} | set(GROUNDS)
     elsewhere = {"default_kind", "default_tilt", "size", "value"}
     solving = {field.name for field in fields(plan.Settings)} - elsewhere
-    files = {*SHEET_KEYS, "report", "mesh", "up", "[shape]", "[[conditions]]", "[default]", "[size]", "[solver]", "[output]"}
+    tables = {"[shape]", "[[conditions]]", "[default]", "[size]", "[solver]", "[output]"}
+    files = {*SHEET_KEYS, "report", "mesh", "up"} | tables
     return {*WAYS, *KINDS, *job.SHAPES, "kind", "scale", *plan.SHEETS} | parameters | shapes | placing | solving | files
 
 
