@@ -99,7 +99,7 @@ def write_blend() -> Path:
 
 
 def write_picture() -> Path:
-    return studio.render(OUTPUT / f"{NAME}.png", *SIZE, samples=16, dither=1.0)
+    return studio.render(OUTPUT / f"{NAME}.png", *SIZE, samples=10, dither=1.0)
 
 
 def moved(name: str, write) -> Path:
