@@ -1,4 +1,4 @@
-"""The direction of every import, function-level ones too (DESIGN.md, "rooms").
+"""The direction of every import, function-level ones too.
 
 A file of the solver imports from rooms to the left of its own, from its own room without cycles, and
 from `errors` and `linalg`. Nothing below `cmc_addon` knows Blender, and the add-on reaches the solver

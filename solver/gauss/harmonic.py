@@ -80,9 +80,8 @@ class HarmonicSolver:
     ) -> HarmonicMap:
         """A harmonic map with the prescribed normals, from `initial` (S, 3) or from a start of its own.
 
-        `side` ±1 chooses between the two sides of data that lie in one plane; `degree` asks for a homotopy
-        class. There
-        may be many harmonic maps for the same boundary: the result is the one reached, to be judged by its
+        `side` ±1 chooses between the two sides of data that lie in one plane; `degree` asks for a homotopy class.
+        There may be many harmonic maps for the same boundary: the result is the one reached, to be judged by its
         energy, degree and status. Raises `ConditionError` when nothing, or everything, is fixed.
         """
         _check_name("method", method, METHODS)

@@ -1,12 +1,10 @@
-"""Newton's method on the product of spheres, with conjugate gradients inside (MATH: the energy is ½ <LN, N>,
-|N_i| = 1).
+"""Newton's method on the product of spheres, with conjugate gradients inside.
 
-At a map N, let G = LN, λ_i = <N_i, G_i> and P the projection on the tangent planes. Then PG is the gradient
-and P (L - λ) P the Hessian. Each step solves P (L - λ) P d = -P G by conjugate gradients, preconditioned by
-the factor of L, which does not change; it stops early while N is far from critical. Where the curvature is
-negative the step goes
-as far along that direction as a step may: near a saddle the gradient alone would take hundreds of steps to
-leave.
+The energy is E = ½ <LN, N> with |N_i| = 1. At a map N, let G = LN, λ_i = <N_i, G_i> and P the projection on the
+tangent planes. Then PG is the gradient and P (L - λ) P the Hessian. Each step solves P (L - λ) P d = -P G by
+conjugate gradients, preconditioned by the factor of L, which does not change; it stops early while N is far from
+critical. Where the curvature is negative the step goes as far along that direction as a step may: near a saddle the
+gradient alone would take hundreds of steps to leave.
 """
 
 from __future__ import annotations

@@ -30,7 +30,7 @@ _SIMILAR = 1e-3
 class Report:
     """A solve and the sheets it gave. Lengths are those of the measured points, `scale` the factor to them.
 
-    `energy` is the Dirichlet energy of the normals, `residual` as in MATH.md §1, `closure_error` and `gap`
+    `energy` is the Dirichlet energy of the normals, `residual` as in docs/conventions.md, `closure_error` and `gap`
     (the longest period) are lengths; `periods` one vector a hole or handle. `sheet` names the sheet that is
     shown.
     """
@@ -92,15 +92,12 @@ def report(
     """Measure a surface: the solve, and curvature, distortion, size, overhang, intersections of its sheets.
 
     sheet: "f+" or "f-", the one that is shown.
-    outline: drawn positions (V, 2|3) of the domain's vertices, or a list of closed polylines, where the
-    measured points
-        lie; the distance of the shown sheet's boundary from it is reported. Two coordinates: the distance in
-        plan.
-    positions: (n, 3) points of the shown sheet where they were placed, or a mapping from "f+", "f-" to such
-    points;
+    outline: drawn positions (V, 2|3) of the domain's vertices, or a list of closed polylines, where the measured
+        points lie; the distance of the shown sheet's boundary from it is reported. Two coordinates: the distance
+        in plan.
+    positions: (n, 3) points of the shown sheet where they were placed, or a mapping from "f+", "f-" to such points;
         only these sheets are measured. They must be similarity images of the surface's own (moved, turned,
-        mirrored, scaled), all by the same; normals and target curvature follow. Default: both sheets as they
-        are.
+        mirrored, scaled), all by the same; normals and target curvature follow. Default: both sheets as they are.
     intersections: False leaves out self-intersections, the slowest part.
     up: the vertical (3,), for overhang, span and rise.
 

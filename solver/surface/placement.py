@@ -47,9 +47,9 @@ class Rule:
     """How a surface is sized and placed.
 
     size: one of `SIZES`; `value` is the span, the rise, the radius 1/H (lengths) or H (1/length), unused by
-    match_plan. ground: "lowest" puts the lowest point of the surface on the plan's plane, "rim" the mean
-    height of its boundary;
-        both hold after a flip as well.
+        match_plan.
+    ground: "lowest" puts the lowest point of the surface on the plan's plane, "rim" the mean height of its
+        boundary; both hold after a flip as well.
     rotate: allow the turn about the plan's normal that brings the boundary nearest the drawn one.
     flip: take the mirror image in the plan's plane, up for down.
     """
@@ -91,8 +91,7 @@ class Similarity:
     """x ↦ scale · linear x + translation.
 
     linear (3, 3) is orthogonal; the image is a mirror image where its determinant is -1.
-    likeness: cosine of the boundary and the drawn one, as vectors of all points from their centres: 1 where
-    they
+    likeness: cosine of the boundary and the drawn one, as vectors of all points from their centres: 1 where they
         are similar, 0 where the best scale is 0, negative where it is negative.
     """
 

@@ -133,20 +133,17 @@ def solve_cmc(
 ) -> CmcSurface:
     """The constant mean curvature surfaces f± whose normals ±N take the prescribed values on the boundary.
 
-    N is a discrete harmonic map (paper, Prop. 3.1), dg = N × *dN its conjugate (Prop. 3.2), f± = g ± N (Eq.
-    4).
+    N is a discrete harmonic map (paper, Prop. 3.1), dg = N × *dN its conjugate (Prop. 3.2), f± = g ± N (Eq. 4).
 
     tolerance: of the residual `sqrt(A Σ |P_i (LN)_i|² / A_i)`, which does not depend on units.
     mean_curvature: H > 0 of the result, in 1/length; ½ is the scale of the paper.
     averaging: how g comes to the vertices: "galerkin", "linear" or "area" (see `offsets`).
     initial, side, degree: where to start, see `HarmonicSolver.solve`.
-    period_tolerance: on a domain with holes, periods below this part of the diameter are projected out; above
-    it the
-        surface is cut open, has more rows than the domain has vertices, and says so in its status.
+    period_tolerance: on a domain with holes, periods below this part of the diameter are projected out; above it
+        the surface is cut open, has more rows than the domain has vertices, and says so in its status.
     progress: called as progress(iteration, residual) on every Newton step; returning False cancels.
 
-    Raises `ConditionError` on conditions that contradict each other or fix nothing. Not converging is a
-    status.
+    Raises `ConditionError` on conditions that contradict each other or fix nothing. Not converging is a status.
     """
     if delaunay:
         raise ConditionError("Intrinsic Delaunay triangulation is not available yet; pass delaunay=False.")

@@ -1,4 +1,4 @@
-"""Exact surfaces of constant mean curvature, sampled: patches over a jittered grid (MATH.md §7)."""
+"""Exact surfaces of constant mean curvature, sampled: patches over a jittered grid."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def cylinder(t: Array, s: Array) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class Delaunay:
-    """The Delaunay surface of MATH.md §7 with constant c and ψ(0) = `start`; `sign` +1 for f+, -1 for f-."""
+    """The Delaunay surface ψ'² = c + sin² ψ with constant c and ψ(0) = `start`; `sign` +1 for f+, -1 for f-."""
 
     c: float
     start: float
