@@ -52,6 +52,15 @@ def solve() -> dict:
     }
 
 
+def command(folder: Path) -> dict:
+    """`blender --command cmc` on the scene as a file; what it answered and wrote."""
+    plan = folder / "plan.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(plan))
+    cli = importlib.import_module(f"{MODULE}.cmc_addon.cli")
+    code = cli.run([str(plan), "--output", str(folder / "out"), "--format", "glb"])
+    return {"command": code, "written": sorted(path.name for path in (folder / "out").rglob("*.*"))}
+
+
 def size(ob: bpy.types.Object) -> list[float]:
     """Width, depth and height, in the object's own axes."""
     columns = zip(*(vertex.co for vertex in ob.data.vertices), strict=True)
@@ -74,7 +83,8 @@ def disable() -> dict:
 
 def main(archive: str, output: str) -> None:
     facts = versions()
-    for step in (lambda: install(archive), solve, origins, disable):
+    folder = Path(output).parent
+    for step in (lambda: install(archive), solve, lambda: command(folder), origins, disable):
         facts |= step()
         Path(output).write_text(json.dumps(facts), encoding="utf-8")
 

@@ -99,6 +99,11 @@ def test_solves(facts: dict) -> None:
     assert {"cmc_normal", "cmc_mean_curvature"} <= set(facts["attributes"])
 
 
+def test_the_command_line_works(facts: dict) -> None:
+    assert facts["command"] == 0
+    assert {"shell.glb", "report.json"} <= set(facts["written"])
+
+
 def test_uses_its_own_wheels(facts: dict) -> None:
     pins = dict(pin.split("==") for pin in PYPROJECT["dependency-groups"]["wheels"])
     assert set(facts["origins"]) == set(pins)
