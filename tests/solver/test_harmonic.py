@@ -56,6 +56,19 @@ def test_the_two_sides_are_mirror_images():
     assert_allclose(down, up * [1, 1, -1], rtol=0, atol=1e-9)
 
 
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("with_positions", [True, False])
+def test_up_is_the_plans_own_normal_however_it_lies_in_space(seed, with_positions):
+    domain, points = disc(300)
+    turn = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]
+    turn *= np.sign(np.linalg.det(turn))
+    condition = rim(domain, np.column_stack([points, 0 * points[:, 0]]) @ turn.T)
+    if not with_positions:
+        condition = conditions.fixed_at(domain, condition.sites, condition.normals)
+    found = HarmonicSolver(domain).solve(condition)
+    assert (found.normals @ turn[:, 2])[inside(domain)].min() > 0
+
+
 @pytest.mark.parametrize("name", PLANS)
 def test_flat_plans_bulge_upwards_and_their_energies_settle(name):
     outline, holes, radius = PLANS[name]
@@ -98,9 +111,9 @@ def test_energy_of_the_first_twisted_disc():
 
 def test_a_saddle_is_left():
     """Twisted twice, a symmetric start runs into a critical map that is no minimiser (E = 12.80)."""
-    domain, points = disc(8000, jitter=0.2)
+    domain, points = disc(8000, jitter=0.02)
     found = HarmonicSolver(domain).solve(conditions.twisted(domain, points, domain.boundary_edges, 2))
-    assert found.status is Status.CONVERGED and found.iterations < 40
+    assert found.status is Status.CONVERGED and found.iterations < 30
     assert found.energy < 12.78
 
 
