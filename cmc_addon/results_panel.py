@@ -113,7 +113,7 @@ def check_rows(report: dict, shown: dict) -> list[tuple[str, str]]:
         rows.append(("Off Outline", f"{mean}, at most {most}"))
     if shown["overhang"]:
         share = 100 * shown["overhang"]["area_share"]
-        rows.append(("Overhang", f"{share:.2g} % of the area" if share else "None"))
+        rows.append(("Overhang", f"{share:.2g} %, by {shown['overhang']['largest_lean']:.1f}°" if share else "None"))
     if shown["intersections"]:
         pairs = shown["intersections"]["count"]
         rows.append(("Crossing", f"{pairs} pairs of faces" if pairs else "None"))

@@ -22,8 +22,10 @@ Progress = Callable[[int, float], bool | None]
 
 __all__ = ["Formed", "Group", "Plan", "Settings", "form", "sheet_polygons"]
 
-# Share of the shell's area that may overhang before it is worth a warning: a vertical rim leans by rounding.
+# Share of the shell's area that may overhang, and degrees by which it may, before it is worth a warning: next to a
+# vertical rim the faces of an ordinary mesh lean by a degree or two.
 _OVERHANG = 0.01
+_LEAN = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,9 +199,12 @@ def _warnings(
             f"{shown.name} goes through itself: {shown.intersections.count} pairs of faces cross, the "
             f"first of them {pair[0]} and {pair[1]}."
         )
-    if shown.overhang is not None and shown.overhang.area_share > _OVERHANG:
-        share = 100 * shown.overhang.area_share
-        notes.append(f"{share:.0f} % of {shown.name} overhangs: its faces lean out past the vertical.")
+    leaning = shown.overhang
+    if leaning is not None and leaning.area_share > _OVERHANG and leaning.largest_lean > _LEAN:
+        notes.append(
+            f"{100 * leaning.area_share:.0f} % of {shown.name} overhangs: its faces lean out past the vertical, by up "
+            f"to {leaning.largest_lean:.0f}°."
+        )
     return notes
 
 

@@ -10,7 +10,7 @@ from .curvature import (
     vertex_mean_curvature,
 )
 from .distortion import conformal_distortion, distortion_energy, distortion_of_layout
-from .extent import boundary_sides, face_normals, overhanging_faces
+from .extent import boundary_sides, face_normals, leans, overhanging_faces
 from .intersections import self_intersections
 from .report import Report, report
 from .sheet import (
@@ -38,6 +38,7 @@ __all__ = [
     "face_frames",
     "face_normals",
     "gauss_curvature_of",
+    "leans",
     "mean_curvature_of",
     "overhanging_faces",
     "principal_curvatures",

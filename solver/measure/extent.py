@@ -12,8 +12,7 @@ from .arrays import Array, Indices, double_areas, edge_vectors, points_in_space,
 if TYPE_CHECKING:
     from ..domain.domain import Domain
 
-# Sine of the angle by which a face must lean past the vertical to count as overhanging: above rounding, below
-# drawing.
+# Angle by which a face must lean past the vertical to count as overhanging: above rounding, below drawing.
 _PAST_VERTICAL = 1e-6
 
 
@@ -35,11 +34,11 @@ def face_normals(vertices: ArrayLike, faces: ArrayLike) -> Array:
     return (np.cross(u, v, axis=0) / double_areas(u, v)).T
 
 
-def overhanging_faces(vertices: ArrayLike, faces: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0)) -> NDArray[np.int32]:
-    """Faces (k,) whose upper side looks below the horizon: they lean out past the vertical.
+def leans(vertices: ArrayLike, faces: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0)) -> Array:
+    """Angle (F,) in radians by which the upper side of each face leans out past the vertical; below 0 it does not.
 
     The upper side of a sheet is the one whose area vector points up. So the bowl that a flipped dome makes
-    does not overhang, whichever way its faces wind. `up` is a direction (3,). Degenerate faces do not count.
+    does not overhang, whichever way its faces wind. `up` is a direction (3,). Degenerate faces give nan.
     """
     points = points_in_space(vertices)
     triangles: Indices = triangles_of(faces, len(points))
@@ -47,5 +46,11 @@ def overhanging_faces(vertices: ArrayLike, faces: ArrayLike, up: ArrayLike = (0.
     u, v = edge_vectors(points, triangles)
     heights = direction @ np.cross(u, v, axis=0) / np.linalg.norm(direction)
     side = -1.0 if heights.sum() < 0 else 1.0
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.arcsin(np.clip(-side * heights / double_areas(u, v), -1.0, 1.0))
+
+
+def overhanging_faces(vertices: ArrayLike, faces: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0)) -> NDArray[np.int32]:
+    """Faces (k,) whose upper side looks below the horizon: they lean out past the vertical (see `leans`)."""
     with np.errstate(invalid="ignore"):
-        return np.flatnonzero(side * heights < -_PAST_VERTICAL * double_areas(u, v)).astype(np.int32)
+        return np.flatnonzero(leans(vertices, faces, up) > _PAST_VERTICAL).astype(np.int32)

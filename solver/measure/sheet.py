@@ -13,7 +13,7 @@ from ..surface.placement import span
 from .arrays import Array, Indices, face_areas_in_space, weighted_l2, weighted_mean
 from .curvature import gauss_curvature_of, mean_curvature_of
 from .distortion import conformal_distortion, distortion_energy
-from .extent import boundary_sides, overhanging_faces
+from .extent import boundary_sides, leans, overhanging_faces
 from .intersections import self_intersections
 from .outline import distance_to_segments, outline_segments
 
@@ -60,10 +60,14 @@ class DistortionReport:
 
 @dataclass(frozen=True)
 class OverhangReport:
-    """Faces that lean out past the vertical, and their share of the area, 0 to 1."""
+    """Faces that lean out past the vertical, their share of the area, 0 to 1, and the largest lean in degrees.
+
+    Next to a vertical rim faces lean by an angle that falls with the edge length, though the surface does not.
+    """
 
     count: int
     area_share: float
+    largest_lean: float
 
 
 @dataclass(frozen=True)
@@ -199,7 +203,11 @@ def _distortion(
 
 def _overhang(points: Array, faces: Indices, areas: Array, up: Array) -> OverhangReport:
     leaning = overhanging_faces(points, faces, up)
-    return OverhangReport(count=len(leaning), area_share=float(areas[leaning].sum() / areas.sum()))
+    return OverhangReport(
+        count=len(leaning),
+        area_share=float(areas[leaning].sum() / areas.sum()),
+        largest_lean=float(np.degrees(leans(points, faces, up)[leaning].max(initial=0.0))),
+    )
 
 
 def _intersections(points: Array, faces: Indices) -> IntersectionReport:

@@ -35,7 +35,10 @@ def measure_lines(shown: SheetReport, unit: str) -> list[str]:
         )
     if shown.overhang is not None:
         share = 100 * shown.overhang.area_share
-        lines.append(f"Overhang: {count(shown.overhang.count, 'face')}, {share:.1f} % of the area.")
+        lines.append(
+            f"Overhang: {count(shown.overhang.count, 'face')}, {share:.1f} % of the area, "
+            f"at most {shown.overhang.largest_lean:.1f}° past the vertical."
+        )
     if shown.intersections is not None:
         crossing = shown.intersections
         lines.append(

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from solver.domain import shapes
 from solver.domain.domain import Domain
 from solver.errors import MeshError
-from solver.measure import boundary_sides, face_normals, overhanging_faces
+from solver.measure import boundary_sides, face_normals, leans, overhanging_faces
 from solver.measure.outline import distance_to_segments, outline_segments
 from tests.solver.measure_surfaces import grid
 
@@ -52,6 +52,7 @@ def test_a_hemisphere_does_not_overhang_and_more_of_a_sphere_does():
     points, faces = dome(-0.6)
     leaning = overhanging_faces(points, faces)
     assert 0 < len(leaning) < len(faces)
+    assert np.degrees(leans(points, faces)[leaning].max()) == pytest.approx(np.degrees(np.arcsin(0.6)), abs=2.0)
     middle = points[faces].mean(axis=1)[:, 2]
     assert middle[leaning].max() < 0.05
     assert np.delete(middle, leaning).min() > -0.05

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
+from solver.domain import shapes
 from solver.errors import CmcError, ConditionError, MeshError, Status
 from solver.pipeline import Formed, Group, Plan, Settings, form, sheet_polygons
 from solver.plan import plan_domain
@@ -384,3 +385,15 @@ def with_nan() -> Plan:
 def test_meshes_that_are_no_surface(plan, message):
     with pytest.raises(MeshError, match=message):
         form(plan)
+
+
+def test_a_vertical_rim_is_no_overhang_worth_a_warning():
+    """Faces beside it lean by a degree or two, the surface does not; a rim that leans out by 20° is told."""
+    shape = shapes.polygon([(0, 0), (10, 0), (10, 10), (0, 10)], max_edge=0.25, corner_radius=1.0)
+    points = np.column_stack([shape.positions, np.zeros(len(shape.positions))])
+    plan = Plan(points, shape.domain.faces)
+    upright, leaning = (form(plan, Settings(default_tilt=np.radians(tilt))) for tilt in (0, -20))
+    assert upright.report.shown.overhang.count > 0
+    assert not any("overhangs" in note for note in upright.warnings)
+    assert any("overhangs" in note for note in leaning.warnings)
+    assert leaning.report.shown.overhang.largest_lean == pytest.approx(20, abs=5)
