@@ -25,7 +25,7 @@ __all__ = ["Formed", "Group", "Plan", "Settings", "form", "sheet_polygons"]
 # Share of the shell's area that may overhang, and degrees by which it may, before it is worth a warning: next to a
 # vertical rim the faces of an ordinary mesh lean by a degree or two.
 _OVERHANG = 0.01
-_LEAN = 3.0
+_LEAN = 5.0
 
 
 @dataclass(frozen=True, eq=False)
