@@ -1,4 +1,4 @@
-"""Sparse linear algebra, in one place: the factorisation of symmetric positive definite matrices.
+"""Arrays and sparse linear algebra, in one place: the factorisation of symmetric positive definite matrices.
 
 cholespy (a supernodal Cholesky factorisation) is used where it is installed; SciPy's SuperLU otherwise.
 """
@@ -11,8 +11,10 @@ from typing import Any, Protocol
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.sparse.linalg import splu
+
+from .errors import CmcError
 
 Array = NDArray[np.float64]
 Sparse = Any  # scipy.sparse ships no types
@@ -24,6 +26,14 @@ class Factor(Protocol):
     def solve(self, b: Array) -> Array:
         """Solve A x = b; b is (n,) or (n, k), and x has its shape."""
         ...
+
+
+def as_numbers(values: ArrayLike, what: str, error: type[CmcError]) -> Array:
+    """The values as a float64 array; `error`, naming `what`, where they are ragged or no numbers."""
+    try:
+        return np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise error(f"{what} must be numbers in a regular array.") from None
 
 
 def sum_rows(rows: NDArray[np.integer], values: Array, count: int) -> Array:

@@ -32,7 +32,10 @@ class Edges(NamedTuple):
 
 def as_faces(faces: ArrayLike) -> Int:
     """Triangles as an (F, 3) int32 array of vertex indices that are not negative; `MeshError` otherwise."""
-    array = np.asarray(faces)
+    try:
+        array = np.asarray(faces)
+    except ValueError:
+        raise MeshError("Faces must be an (F, 3) array of triangles; some have more corners than others.") from None
     if array.size == 0:
         raise MeshError("The mesh has no faces; fill the outline with faces first.")
     if array.ndim != 2 or array.shape[1] != 3:

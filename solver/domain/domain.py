@@ -15,7 +15,7 @@ import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import MeshError, listed, plural
-from ..linalg import sum_rows
+from ..linalg import as_numbers, sum_rows
 from . import connectivity
 from .connectivity import Edges, Int
 
@@ -67,7 +67,7 @@ class Domain:
         `faces` says which corners are one vertex; the two sides of a glued edge must be equally long. Edges
         that join the same two vertices but are different edges are told apart by `face_edges` (F, 3).
         """
-        points = np.asarray(corners, dtype=np.float64)
+        points = as_numbers(corners, "Corners", MeshError)
         triangles = connectivity.as_faces(faces)
         if points.shape not in ((len(triangles), 3, 2), (len(triangles), 3, 3)):
             raise MeshError(
@@ -88,7 +88,7 @@ class Domain:
         fails.
         """
         triangles = connectivity.as_faces(faces)
-        sides = np.asarray(lengths, dtype=np.float64)
+        sides = as_numbers(lengths, "Lengths", MeshError)
         if sides.shape != triangles.shape:
             raise MeshError(f"Lengths must have the shape of faces, {triangles.shape}, not {sides.shape}.")
         bad = np.flatnonzero(~(np.isfinite(sides) & (sides > 0)).all(axis=1))
@@ -230,7 +230,7 @@ class Domain:
 
 
 def _as_positions(vertices: ArrayLike) -> Array:
-    positions = np.asarray(vertices, dtype=np.float64)
+    positions = as_numbers(vertices, "Vertices", MeshError)
     if positions.size == 0:
         raise MeshError("The mesh has no vertices.")
     if positions.ndim != 2 or positions.shape[1] not in (2, 3):

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
 from ..errors import ConditionError
-from ..linalg import sum_rows
+from ..linalg import as_numbers, sum_rows
 from .frames import (
     Frames,
     area_vectors,
@@ -96,7 +96,10 @@ def fixed(domain: Domain, edges: ArrayLike, normal: ArrayLike) -> Conditions:
 
 def fixed_at(domain: Domain, vertices: ArrayLike, normals: ArrayLike) -> Conditions:
     """Normals (n, 3), or one for all (3,), at vertices (n,), inside or on the boundary."""
-    sites = np.atleast_1d(np.asarray(vertices)).astype(np.int64)
+    given = np.atleast_1d(np.asarray(vertices))
+    if given.ndim != 1 or (given.size and not np.issubdtype(given.dtype, np.integer)):
+        raise ConditionError(f"Vertices must be indices (n,), not {given.dtype} {given.shape}.")
+    sites = given.astype(np.int64)
     check_range(sites, domain.vertex_count, "vertex")
     return Conditions(sites, unit(normals, sites, "vertex"))
 
@@ -110,7 +113,7 @@ def binormal(domain: Domain, positions: ArrayLike, edges: ArrayLike, tilt: Array
     with weights 1/a and 1/b, which is second order where the boundary is smooth; one tilt for all is exact everywhere.
     """
     chosen = boundary_edges(domain, edges)
-    tilts = np.asarray(tilt, dtype=np.float64)
+    tilts = as_numbers(tilt, "Tilts", ConditionError)
     if tilts.shape not in ((), chosen.shape) or not np.isfinite(tilts).all():
         raise ConditionError(f"The tilt must be a finite angle, or {len(chosen)} of them, one for each edge.")
     frames = vertex_frames(domain, positions, chosen)

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
 from ..errors import ConditionError, listed, plural
-from ..linalg import sum_rows
+from ..linalg import as_numbers, sum_rows
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -132,9 +132,12 @@ def blend(sites: Int, normals: Array, weights: Array, of_what: str) -> tuple[Int
 
 
 def in_space(domain: Domain, positions: ArrayLike) -> Array:
-    points = np.asarray(positions, dtype=np.float64)
+    points = as_numbers(positions, "Positions", ConditionError)
     if points.ndim != 2 or points.shape[0] != domain.vertex_count or points.shape[1] not in (2, 3):
         raise ConditionError(f"Positions must be ({domain.vertex_count}, 2) or (…, 3), not {points.shape}.")
+    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    if bad.size:
+        raise ConditionError(f"Coordinates of {plural('vertex', bad)} are not finite numbers.", vertices=bad)
     if points.shape[1] == 2:
         points = np.column_stack([points, np.zeros(len(points))])
     return points
@@ -147,7 +150,7 @@ def area_vectors(points: Array, faces: Int) -> Array:
 
 def unit(normals: ArrayLike, owners: Int, noun: str) -> Array:
     """Unit vectors (n, 3) from one vector or one an owner."""
-    given = np.asarray(normals, dtype=np.float64)
+    given = as_numbers(normals, "Normals", ConditionError)
     if given.shape not in ((3,), (len(owners), 3)):
         raise ConditionError(
             f"Normals must have shape (3,) or ({len(owners)}, 3), one for each {noun}, not {given.shape}."

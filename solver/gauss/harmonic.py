@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
 from ..errors import ConditionError, Status
+from ..linalg import as_numbers
 from . import sphere
 from .conditions import Conditions
 from .dirichlet import Dirichlet
@@ -137,6 +138,8 @@ class HarmonicSolver:
     ) -> Array:
         if side not in (1, -1):
             raise ConditionError(f"The side must be +1 or -1, not {side}.")
+        if degree is not None and not np.isfinite(degree):
+            raise ConditionError(f"The degree must be a finite number, not {degree}.")
         if initial is None:
             start = harmonic_start(self.domain, dirichlet, data, up, side)
         else:
@@ -169,7 +172,7 @@ def _problem(domain: Domain, dirichlet: Dirichlet, data: Array) -> DirichletProb
 
 
 def _as_unit(initial: ArrayLike, count: int) -> Array:
-    given = np.asarray(initial, dtype=np.float64)
+    given = as_numbers(initial, "The normals of an initial map", ConditionError)
     if given.shape != (count, 3):
         raise ConditionError(f"The initial map must have shape ({count}, 3), not {given.shape}.")
     length = np.linalg.norm(given, axis=1)

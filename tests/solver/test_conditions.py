@@ -188,3 +188,18 @@ def test_every_kind_can_be_built_with_its_defaults(kind, disc):
 
 def test_no_edges_are_no_condition(strip):
     assert len(conditions.fixed(strip.domain, [], [0, 0, 1]).sites) == 0
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda s: conditions.fixed(s.domain, s.sides["top"], "up"),
+        lambda s: conditions.fixed_at(s.domain, [1.5], [0, 0, 1]),
+        lambda s: conditions.binormal(s.domain, [[0, 1], [2]], s.sides["top"]),
+        lambda s: conditions.binormal(s.domain, s.positions, s.sides["top"], tilt="steep"),
+        lambda s: conditions.binormal(s.domain, s.positions * np.nan, s.sides["top"]),
+    ],
+)
+def test_what_is_no_array_of_numbers_is_a_condition_error(strip, make):
+    with pytest.raises(ConditionError, match=r"must be|not finite"):
+        make(strip)

@@ -215,3 +215,8 @@ def test_a_closed_mesh_is_a_domain():
     points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
     domain = Domain.from_positions(points, TETRAHEDRON)
     assert (domain.euler_characteristic, domain.genus, domain.boundary_loops) == (2, 0, [])
+
+
+def test_refuses_what_is_no_array_of_numbers():
+    assert "more corners than others" in str(refused(SQUARE, [[0, 1, 2], [0, 2]]))
+    assert "must be numbers" in str(refused([["a", "b"]], [[0, 1, 2]]))
