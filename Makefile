@@ -7,7 +7,7 @@
 
 PYTHON := .venv/bin/python
 PYTEST := $(PYTHON) -m pytest --timeout=300
-SETUP := pyproject.toml scripts/setup_env.sh scripts/requirements.py scripts/system_libraries.sh
+SETUP := Makefile pyproject.toml scripts/setup_env.sh scripts/requirements.py scripts/system_libraries.sh
 SHIPPED := __init__.py blender_manifest.toml pyproject.toml scripts/build_extension.py \
            $(shell find solver cmc_addon -name '*.py')
 BLENDERS := .venvs/bpy-4.5/ready .venvs/bpy-5.0/ready .venvs/bpy-5.2/ready
@@ -61,16 +61,16 @@ dist/here: .venv/ready $(SHIPPED)
 	basename "$$(ls -t dist/*.zip | head -n 1)" >$@
 
 .venv/ready: $(SETUP)
-	scripts/setup_env.sh $(@D) 3.11 base fast blender test
+	scripts/setup_env.sh $(@D) 3.11 base fast intrinsic blender test
 
 .venvs/bpy-4.5/ready .venvs/bpy-5.0/ready: .venvs/%/ready: $(SETUP)
 	scripts/setup_env.sh $(@D) 3.11 $*
 
 .venvs/full-4.5/ready: $(SETUP)
-	scripts/setup_env.sh $(@D) 3.11 base fast test bpy-4.5
+	scripts/setup_env.sh $(@D) 3.11 base fast intrinsic test bpy-4.5
 
 .venvs/full-5.2/ready: $(SETUP)
-	scripts/setup_env.sh $(@D) 3.13 base fast test bpy-5.2
+	scripts/setup_env.sh $(@D) 3.13 base fast intrinsic test bpy-5.2
 
 # Blender 5.2 runs on Python 3.13, which not every machine has; tests/blender/test_extension.py says so.
 .venvs/bpy-5.2/ready: $(SETUP)
