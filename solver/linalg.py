@@ -43,6 +43,16 @@ def sum_rows(rows: NDArray[np.integer], values: Array, count: int) -> Array:
     return np.stack([sum_rows(rows, column, count) for column in values.T], axis=1)
 
 
+def graph_laplacian(links: NDArray[np.integer], weights: Array, count: int) -> sp.csr_array:
+    """L (count, count) of the `links` (K, 2): `<Lu, u> = Σ weight (u_i - u_j)²`; one from i to i adds nothing."""
+    i, j = links.T
+    diagonal = np.bincount(i, weights, count) + np.bincount(j, weights, count)
+    every = np.arange(count, dtype=np.int32)
+    rows, cols = np.concatenate([i, j, every]), np.concatenate([j, i, every])
+    data = np.concatenate([-weights, -weights, diagonal])
+    return sp.csr_array(sp.coo_array((data, (rows, cols)), shape=(count, count)))
+
+
 def factorize(A: Sparse, backend: str = "auto") -> Factor:
     """Factor the symmetric positive definite sparse matrix A (n, n).
 

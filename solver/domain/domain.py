@@ -15,7 +15,7 @@ import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import MeshError, listed, plural
-from ..linalg import as_numbers, sum_rows
+from ..linalg import as_numbers, graph_laplacian, sum_rows
 from . import connectivity
 from .connectivity import Edges, Int
 
@@ -118,17 +118,36 @@ class Domain:
         """(E, 2) left and right face of each edge; -1 on the right of a boundary edge."""
         return self._mesh.edge_faces
 
-    @cached_property
-    def twins(self) -> Int:
-        """(3 F,) the half-edge on the other side of each, -1 on the boundary.
+    @property
+    def half_edges(self) -> Int:
+        """(E, 2) the half-edges of each edge, in its left and its right face; -1 on the right of a boundary edge.
 
         Half-edge `3 f + k` is opposite corner k of face f and runs from its corner k + 1 to its corner k + 2.
         """
-        left, right = self._mesh.half_edges.T
+        return self._mesh.half_edges
+
+    @cached_property
+    def twins(self) -> Int:
+        """(3 F,) the half-edge on the other side of each, -1 on the boundary."""
+        left, right = self.half_edges.T
         twins = np.full(self.faces.size, -1, dtype=np.int32)
         twins[left] = right
         twins[right[right >= 0]] = left[right >= 0]
         return twins
+
+    @cached_property
+    def fan_starts(self) -> Int:
+        """(V,) the first corner `3 f + k` of the fan of faces around each vertex, counter-clockwise.
+
+        At a boundary vertex it is the corner before which the boundary edge leaves; inside, any one.
+        """
+        corners = np.arange(self.faces.size)
+        starts = np.empty(self.vertex_count, dtype=np.int64)
+        starts[self.faces.ravel()] = corners
+        leaving = corners - corners % 3 + (corners + 2) % 3
+        on_rim = corners[self.twins[leaving] < 0]
+        starts[self.faces.ravel()[on_rim]] = on_rim
+        return starts
 
     @cached_property
     def boundary_edges(self) -> Int:
@@ -205,13 +224,7 @@ class Domain:
     @cached_property
     def laplacian(self) -> sp.csr_array:
         """(V, V) positive semidefinite: E(N) = ½ <LN, N>, natural (Neumann) on the boundary."""
-        i, j = self.edges.T
-        w = self.cotan_weights
-        n = self.vertex_count
-        diagonal = np.bincount(i, w, n) + np.bincount(j, w, n)
-        every = np.arange(n, dtype=np.int32)
-        rows, cols = np.concatenate([i, j, every]), np.concatenate([j, i, every])
-        return sp.csr_array(sp.coo_array((np.concatenate([-w, -w, diagonal]), (rows, cols)), shape=(n, n)))
+        return graph_laplacian(self.edges, self.cotan_weights, self.vertex_count)
 
     @cached_property
     def layout(self) -> Array:

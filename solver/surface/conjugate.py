@@ -16,6 +16,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from ..domain.domain import Domain
+from ..domain.sites import SiteGraph
 from ..domain.topology import Homology
 from ..gauss.energies import EdgeEnergy
 from ..linalg import factorize, sum_rows
@@ -69,7 +70,7 @@ def conjugate_form(domain: Domain, N: Array, energy: EdgeEnergy) -> Array:
     """tau (E, 3) = star N_i × N_j (paper, Eq. 9)."""
     i, j = domain.edges.T
     a, b = N[i], N[j]
-    star = energy.star(np.einsum("ij,ij->i", a, b), domain.cotan_weights)
+    star = energy.star(np.einsum("ij,ij->i", a, b), SiteGraph.of(domain, "vertices"))
     return star[:, None] * cross(a, b)
 
 
