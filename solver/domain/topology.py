@@ -194,16 +194,22 @@ class CutSurface:
         return cls(faces.astype(np.int32), source[ordered].astype(np.int32), offsets)
 
 
+def _next(corner: int) -> int:
+    """The next corner of the face, counter-clockwise."""
+    return corner - corner % 3 + (corner + 1) % 3
+
+
 def _offsets(homology: Homology, faces: Int, count: int) -> Int:
     """Walk across the cuts around each vertex, from its first row: the left row is the right row minus the crossing."""
     domain = homology.domain
+    row_of_corner = faces.ravel().tolist()
     steps: dict[int, list[tuple[int, NDArray]]] = {}
     for e in homology.cut:
         crossing = homology.crossings[e].astype(np.int64)
-        left, right = domain.edge_faces[e]
-        for vertex in domain.edges[e]:
-            a = int(faces[left][domain.faces[left] == vertex][0])
-            b = int(faces[right][domain.faces[right] == vertex][0])
+        left, right = domain.half_edges[e].tolist()
+        # by corners, as a face may have a vertex twice: what starts the left side ends the right one
+        for left_corner, right_corner in ((_next(left), _next(_next(right))), (_next(_next(left)), _next(right))):
+            a, b = row_of_corner[left_corner], row_of_corner[right_corner]
             steps.setdefault(b, []).append((a, -crossing))
             steps.setdefault(a, []).append((b, crossing))
     offsets = np.zeros((count, len(homology.generators)), dtype=np.int64)
