@@ -231,22 +231,24 @@ def _joined(a: _Places, b: _Places) -> _Places:
 def _assemble(corners: Corners, places: _Places, sizes: Int, items: Int, shifts: Int) -> Complex:
     """The complex of polygons with `sizes` (p,) places each, in `items` (m,) one after the other, shifted by `shifts`.
 
-    A vertex of the complex is a place on a sheet: (item, shift).
+    A vertex of the complex is a place on a sheet, (item, shift), that some polygon has.
     """
     count = len(places.source)
     numbers = items.copy()
     moved = np.flatnonzero(shifts.any(axis=1))
     others, which = np.unique(np.column_stack([items[moved], shifts[moved]]), axis=0, return_inverse=True)
     numbers[moved] = count + which.ravel()
+    numbers, sizes = _proper(numbers, sizes)
     used = np.zeros(count + len(others), dtype=bool)
     used[numbers] = True
-    rows = (np.cumsum(used) - 1)[numbers]
+    rows = (np.cumsum(used) - 1)[numbers].astype(np.int32)
     place = np.concatenate([np.arange(count), others[:, 0]])[used]
     jumps = np.concatenate([np.zeros((count, len(corners.periods)), dtype=np.int64), others[:, 1:]])[used]
+    ends = np.cumsum(sizes)
     return Complex(
         conjugate=places.conjugate[place] + jumps @ corners.periods,
         normals=places.normals[place],
-        polygons=_polygons(rows.astype(np.int32), sizes),
+        polygons=[rows[a:b] for a, b in zip((ends - sizes).tolist(), ends.tolist(), strict=True)],
         source=places.source[place],
         triangles=places.triangles[place],
         barycentric=places.barycentric[place],
@@ -254,16 +256,14 @@ def _assemble(corners: Corners, places: _Places, sizes: Int, items: Int, shifts:
     )
 
 
-def _polygons(rows: NDArray[np.int32], sizes: Int) -> list[NDArray[np.int32]]:
-    """Rows cut into polygons, without steps from a row to itself and without polygons of fewer than three rows."""
+def _proper(numbers: Int, sizes: Int) -> tuple[Int, Int]:
+    """Polygons without steps from a vertex to itself, and without those that have fewer than three vertices left."""
     ends = np.cumsum(sizes)
     filled = sizes > 0
-    previous = np.arange(-1, len(rows) - 1)
+    previous = np.arange(-1, len(numbers) - 1)
     previous[(ends - sizes)[filled]] = ends[filled] - 1
-    kept = rows != rows[previous]
+    kept = numbers != numbers[previous]
     owner = np.repeat(np.arange(len(sizes)), sizes)
     sizes = np.bincount(owner[kept], minlength=len(sizes))
     kept &= sizes[owner] >= 3
-    sizes = sizes[sizes >= 3]
-    rows, ends = rows[kept], np.cumsum(sizes)
-    return [rows[start:end] for start, end in zip((ends - sizes).tolist(), ends.tolist(), strict=True)]
+    return numbers[kept], sizes[sizes >= 3]
