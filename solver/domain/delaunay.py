@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import importlib
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,8 @@ Int = NDArray[np.int32]
 
 # A domain counts as Delaunay with weights above this: those of diagonals of a grid are zero up to rounding.
 _LEAST_WEIGHT = -1e-12
+# Flips leave the area as it is, up to rounding: 1e-9 of it where the smallest angle is a millionth of a degree.
+_SAME_AREA = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,10 +50,9 @@ def intrinsic_delaunay(domain: Domain) -> Retriangulation:
     """
     igl = _libigl()
     if _is_delaunay(domain):
-        new = domain
-    elif _told_apart_by_vertices(domain):
-        new = _flipped_by(igl, domain)
-    else:
+        return Retriangulation(domain, _followed(domain, domain))
+    new = _flipped_by(igl, domain) if _told_apart_by_vertices(domain) else None
+    if new is None:
         new = Flips(domain).run()
     return Retriangulation(new, _followed(domain, new))
 
@@ -75,12 +77,26 @@ def _told_apart_by_vertices(domain: Domain) -> bool:
     return int(pairs.max()) + 1 == len(domain.edges) and bool((domain.edges[:, 0] != domain.edges[:, 1]).all())
 
 
-def _flipped_by(igl: Any, domain: Domain) -> Domain:
-    """By libigl, which numbers the edges of its input by their two vertices, but not those of its result."""
+def _flipped_by(igl: Any, domain: Domain) -> Domain | None:
+    """By libigl, for edges that are told apart by their vertices; None where it has lost track of them.
+
+    Edges of the result may share their vertices. But flipping one whose two triangles share another edge as well
+    leaves libigl (2.6.3) with lists of sides that contradict each other, and from then on it flips the wrong ones.
+    """
     result = igl.intrinsic_delaunay_triangulation(domain.side_lengths, domain.faces.astype(np.int64))
-    lengths, faces, edge_of_side = result[0], result[1], result[4]
+    lengths, faces, edge_of_side, sides_of_edge = result[0], result[1], result[4], result[5]
+    if not _agree(edge_of_side, sides_of_edge):
+        return None
     # its side f + F c is opposite corner c of face f
-    return Domain.from_edge_lengths(faces, lengths, face_edges=edge_of_side.reshape(3, -1).T)
+    new = Domain.from_edge_lengths(faces, lengths, face_edges=edge_of_side.reshape(3, -1).T)
+    return new if abs(new.area - domain.area) <= _SAME_AREA * domain.area else None
+
+
+def _agree(edge_of_side: NDArray[np.integer], sides_of_edge: list[list[int]]) -> bool:
+    """Whether both tables of the sides tell the same, every side having one edge."""
+    sides = np.fromiter(chain.from_iterable(sides_of_edge), dtype=np.int64)
+    edges = np.repeat(np.arange(len(sides_of_edge)), [len(sides) for sides in sides_of_edge])
+    return len(np.unique(sides)) == len(sides) == len(edge_of_side) and np.array_equal(edge_of_side[sides], edges)
 
 
 def _followed(old: Domain, new: Domain) -> Int:

@@ -1,0 +1,227 @@
+"""Intrinsic Delaunay triangulations: the same metric, better triangles; edges that share their vertices, too."""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from scipy.spatial import Delaunay
+
+from solver import CmcError, Domain, shapes
+from solver.domain import delaunay
+from solver.domain.delaunay import intrinsic_delaunay
+from solver.domain.flips import Flips
+from tests.solver import coarse, meshes
+
+WITH_HOLES = (
+    [(0, 0), (4, 0), (4, 3), (0, 3)],
+    [[(0.5, 0.5), (1.5, 0.5), (1.5, 1.5), (0.5, 1.5)], [(2.3, 1.2), (3.4, 1.2), (3.4, 2.4), (2.3, 2.4)]],
+)
+
+
+def sheared_grid(columns: int = 20, rows: int = 6, shear: float = 3.3) -> tuple[np.ndarray, np.ndarray]:
+    x, y = (a.ravel() for a in np.meshgrid(np.arange(columns), np.arange(rows), indexing="ij"))
+    i, j = (a.ravel() for a in np.meshgrid(np.arange(columns - 1), np.arange(rows - 1), indexing="ij"))
+    o = i * rows + j
+    faces = np.concatenate([np.column_stack([o, o + rows, o + rows + 1]), np.column_stack([o, o + rows + 1, o + 1])])
+    return np.column_stack([x + shear * y, y]).astype(float), faces
+
+
+def stretched(factor: float, n: int = 400, seed: int = 3) -> tuple[np.ndarray, np.ndarray]:
+    """Random points in a square, triangulated well, then drawn apart in y: needles."""
+    points = np.random.default_rng(seed).random((n, 2))
+    faces = Delaunay(points).simplices
+    a, b, c = (points[faces[:, k]] for k in range(3))
+    clockwise = (b - a)[:, 0] * (c - a)[:, 1] < (b - a)[:, 1] * (c - a)[:, 0]
+    return points * [1.0, factor], np.where(clockwise[:, None], faces[:, ::-1], faces)
+
+
+def thin_strip() -> tuple[np.ndarray, np.ndarray]:
+    """Fans across a strip, 40 times as long as wide, with vertices at its two long sides only."""
+    n = 30
+    x = np.linspace(0, 40, n)
+    points = np.concatenate([np.column_stack([x, 0 * x]), np.column_stack([x, 0 * x + 1])])
+    k = np.arange(n - 1)
+    # all of the bottom hangs on the first vertex of the top, all of the top on the last one of the bottom
+    faces = np.concatenate([np.column_stack([k, k + 1, 0 * k + n]), np.column_stack([n + k + 1, n + k, 0 * k + n - 1])])
+    return points, faces
+
+
+FLAT = {
+    "a sheared grid": sheared_grid,
+    "needles": lambda: stretched(30.0),
+    "finer needles": lambda: stretched(1e3),
+    "a thin strip": thin_strip,
+}
+DOMAINS = {name: lambda make=make: Domain.from_positions(*make()) for name, make in FLAT.items()} | {
+    "a stretched annulus": lambda: Domain.from_positions(
+        shapes.annulus(0.4, 1.0, 300).positions * [1, 5], shapes.annulus(0.4, 1.0, 300).domain.faces
+    ),
+    "two holes, stretched": lambda: Domain.from_positions(
+        shapes.polygon(*WITH_HOLES, max_edge=0.3).positions * [1, 7],
+        shapes.polygon(*WITH_HOLES, max_edge=0.3).domain.faces,
+    ),
+    "a twisted sphere": lambda: Domain.from_positions(*_twisted_sphere()),
+    "a torus in space": lambda: Domain.from_positions(*meshes.torus(20, 8, 0.8, 14)),
+    "a torus of one vertex": lambda: coarse.small_torus(1, 1, (1.0, 0.0), (5.3, 1.0)),
+    "a torus of nine vertices": lambda: coarse.small_torus(3, 3, (1.0, 0.0), (5.3, 1.0)),
+    "seven vertices": lambda: coarse.seven_vertex_torus((1.0, 0.0), (2.03, 0.1)),
+    "a cylinder of one column": lambda: coarse.small_cylinder(1, (1.0, 0.0), (3.3, 1.0)),
+    "a cylinder of two columns": lambda: coarse.small_cylinder(2, (1.0, 0.0), (3.3, 1.0)),
+    "a cylinder of three columns": lambda: coarse.small_cylinder(3, (1.0, 0.0), (3.3, 1.0)),
+    "a tube": lambda: coarse.helix(9, (0.4, 1.0), (1.8, 2.0)),
+}
+
+
+def _twisted_sphere():
+    points, faces = meshes.sphere(300, 0.3)
+    return meshes.twisted(points, 20.0), faces
+
+
+@pytest.fixture(params=DOMAINS)
+def domain(request) -> Domain:
+    return DOMAINS[request.param]()
+
+
+def cone_angles(domain: Domain) -> np.ndarray:
+    return np.bincount(domain.faces.ravel(), domain.corner_angles.ravel())
+
+
+def opposite_angles(domain: Domain) -> np.ndarray:
+    """(n,) sum of the two angles opposite each interior edge."""
+    return np.bincount(domain.face_edges.ravel(), domain.corner_angles.ravel())[domain.interior_edges]
+
+
+def as_list(domain: Domain) -> tuple[np.ndarray, np.ndarray]:
+    """Edges by their vertices and lengths, in an order that no numbering changes."""
+    pairs = np.sort(domain.edges, axis=1)
+    order = np.lexsort((np.round(domain.edge_lengths, 9), *pairs.T))
+    return pairs[order], domain.edge_lengths[order]
+
+
+def test_there_is_something_to_do(domain):
+    assert domain.cotan_weights[domain.interior_edges].min() < -0.1
+
+
+def test_every_interior_edge_is_delaunay(domain):
+    new = intrinsic_delaunay(domain).domain
+    assert opposite_angles(new).max() <= np.pi + 1e-10
+    assert new.cotan_weights[new.interior_edges].min() >= -1e-12
+
+
+def test_the_metric_stays(domain):
+    """Area, the angles around each vertex, the boundary; and how many vertices, faces, handles and loops."""
+    new = intrinsic_delaunay(domain).domain
+    assert_allclose(new.area, domain.area, rtol=1e-9, atol=0)
+    assert_allclose(cone_angles(new), cone_angles(domain), rtol=0, atol=1e-7)
+    assert (new.vertex_count, len(new.faces), new.genus) == (domain.vertex_count, len(domain.faces), domain.genus)
+    assert len(new.boundary_loops) == len(domain.boundary_loops)
+    for mine, theirs in zip(new.boundary_loops, domain.boundary_loops, strict=True):
+        assert_array_equal(mine, theirs)
+
+
+def test_boundary_edges_are_followed(domain):
+    new, edges = intrinsic_delaunay(domain).domain, intrinsic_delaunay(domain).edges
+    rim = domain.boundary_edges
+    assert_array_equal(new.edges[edges[rim]], domain.edges[rim])
+    assert_array_equal(new.edge_lengths[edges[rim]], domain.edge_lengths[rim])
+    assert_array_equal(np.sort(edges[rim]), new.boundary_edges)
+    assert (edges[domain.interior_edges] == -1).all() and len(edges) == len(domain.edges)
+
+
+def test_what_is_delaunay_stays_as_it_is(domain):
+    once = intrinsic_delaunay(domain)
+    twice = intrinsic_delaunay(once.domain)
+    assert_array_equal(twice.domain.faces, once.domain.faces)
+    assert_array_equal(twice.domain.edge_lengths, once.domain.edge_lengths)
+    rim = once.domain.boundary_edges
+    assert_array_equal(twice.edges[rim], rim)
+
+
+def test_the_energy_falls(domain):
+    """Of all triangulations of the vertices the Delaunay one has the least Dirichlet energy (Rippa)."""
+    new = intrinsic_delaunay(domain).domain
+    values = np.random.default_rng(5).normal(size=(domain.vertex_count, 4))
+    before = np.einsum("vi,vi->i", values, domain.laplacian @ values)
+    after = np.einsum("vi,vi->i", values, new.laplacian @ values)
+    assert (after <= before * (1 + 1e-9)).all()
+
+
+@pytest.mark.parametrize("name", FLAT)
+def test_triangles_of_the_plane_stay_triangles_of_the_plane(name):
+    """Where the plan is convex, edges are straight, and linear functions harmonic."""
+    points, faces = FLAT[name]()
+    new = intrinsic_delaunay(Domain.from_positions(points, faces)).domain
+    a, b, c = (points[new.faces[:, k]] for k in range(3))
+    twice = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
+    assert_allclose(new.face_areas, 0.5 * twice, rtol=1e-4, atol=0)  # lengths do not tell a needle better
+    lengths = np.linalg.norm(points[new.edges[:, 1]] - points[new.edges[:, 0]], axis=1)
+    assert_allclose(new.edge_lengths, lengths, rtol=1e-9, atol=0)
+    inside = np.setdiff1d(np.arange(len(points)), new.boundary_vertices)
+    scale = np.abs(new.laplacian).max() * np.abs(points).max()
+    assert_allclose((new.laplacian @ points)[inside], 0, rtol=0, atol=1e-12 * scale)
+
+
+def test_is_the_delaunay_triangulation_of_the_plane():
+    """Inside of a ring of many vertices the points have one Delaunay triangulation, whatever they start from."""
+    random = np.random.default_rng(2)
+    angle = 2 * np.pi * np.arange(60) / 60
+    points = np.concatenate([np.column_stack([np.cos(angle), np.sin(angle)]), 0.85 * (random.random((80, 2)) - 0.5)])
+    points[60:, 1] *= 0.5
+    start = Delaunay(points * [1, 30]).simplices
+    best = np.unique(np.sort(Delaunay(points).simplices, axis=1), axis=0)
+    a, b, c = (points[start[:, k]] for k in range(3))
+    clockwise = (b - a)[:, 0] * (c - a)[:, 1] < (b - a)[:, 1] * (c - a)[:, 0]
+    start = np.where(clockwise[:, None], start[:, ::-1], start)
+    new = intrinsic_delaunay(Domain.from_positions(points, start)).domain
+    inner = lambda faces: {tuple(face) for face in np.sort(faces, axis=1).tolist() if max(face) >= 60}  # noqa: E731
+    assert inner(start) != inner(best)
+    assert inner(new.faces) == inner(best)
+
+
+@pytest.mark.parametrize("vertices", [1, 9])
+def test_a_lattice_has_its_shortest_vectors_for_edges(vertices):
+    """(1, 0), (5.3, 1) generate the same lattice as (1, 0), (0.3, 1)."""
+    n = round(vertices**0.5)
+    new = intrinsic_delaunay(coarse.small_torus(n, n, (1.0, 0.0), (5.3, 1.0))).domain
+    lengths = np.sort(new.edge_lengths).reshape(3, -1)
+    assert_allclose(lengths, np.repeat([[1.0], [1.09**0.5], [1.49**0.5]], vertices, axis=1), rtol=1e-12, atol=0)
+
+
+def test_an_edge_may_join_a_vertex_to_itself():
+    """Around a tube whose vertices are further apart along it than around it."""
+    u, v = (0.4, 1.0), (1.8, 2.0)
+    domain = coarse.helix(12, u, v)
+    new = intrinsic_delaunay(domain).domain
+    closed = new.edges[:, 0] == new.edges[:, 1]
+    assert not (domain.edges[:, 0] == domain.edges[:, 1]).any()
+    assert_allclose(new.edge_lengths[closed], 1.0, rtol=1e-12, atol=0)  # v - 2 u, the circumference
+    assert closed.sum() >= 6
+    # height along the tube is linear, and so harmonic: an edge from a vertex to itself weighs nothing
+    height = coarse.helix_height(12, u, v)
+    inside = np.setdiff1d(np.arange(12), new.boundary_vertices)
+    assert_allclose((new.laplacian @ height)[inside], 0, rtol=0, atol=1e-12)
+    assert_allclose(new.laplacian.sum(axis=1), 0, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["a sheared grid", "needles", "two holes, stretched", "a twisted sphere"])
+def test_our_flips_and_libigl_agree(name):
+    domain = DOMAINS[name]()
+    ours, theirs = as_list(Flips(domain).run()), as_list(intrinsic_delaunay(domain).domain)
+    assert_array_equal(ours[0], theirs[0])
+    assert_allclose(ours[1], theirs[1], rtol=1e-9, atol=0)
+
+
+def test_libigl_does_what_it_can(monkeypatch):
+    """Our flips, which are slow, run for the coarse domains only."""
+    monkeypatch.setattr(delaunay, "Flips", lambda domain: pytest.fail("libigl was not used"))
+    for name in ("a sheared grid", "needles", "two holes, stretched", "a twisted sphere"):
+        intrinsic_delaunay(DOMAINS[name]())
+
+
+def test_is_said_to_need_libigl(monkeypatch):
+    monkeypatch.setitem(sys.modules, "igl", None)  # what makes an import fail
+    with pytest.raises(CmcError, match=r'needs libigl.*pip install "cmc-formfinding\[intrinsic\]"'):
+        intrinsic_delaunay(Domain.from_positions(*sheared_grid()))
