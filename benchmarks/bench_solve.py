@@ -51,10 +51,10 @@ def from_scratch(points: np.ndarray, faces: np.ndarray, m: int) -> CmcSolver:
 def tilted(domain: Domain, points: np.ndarray, m: int, tilt: float) -> conditions.Conditions:
     """Normals of Figure 3, all turned by a further angle around the boundary tangent."""
     data = conditions.twisted(domain, points, domain.boundary_edges, m)
-    radial = np.column_stack([points[data.sites], np.zeros(len(data.sites))])
+    radial = np.column_stack([points[data.vertices], np.zeros(len(data.vertices))])
     around = np.cross(radial, [0.0, 0.0, 1.0])
-    turned = np.cos(tilt) * data.normals + np.sin(tilt) * np.cross(data.normals, around) * -1.0
-    return conditions.fixed_at(domain, data.sites, turned)
+    turned = np.cos(tilt) * data.vertex_normals + np.sin(tilt) * np.cross(data.vertex_normals, around) * -1.0
+    return conditions.fixed_at(domain, data.vertices, turned)
 
 
 def seconds(work: Callable[[], object]) -> float:

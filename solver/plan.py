@@ -140,7 +140,7 @@ def plan_conditions(plan: Plan, settings: Settings, domain: Domain) -> Condition
         chosen = [(group, edges) for group, edges in chosen if group.kind != "binormal"]
     for group, edges in chosen:
         total = total + _build(group, domain, plan.positions, edges)
-    if not len(total.sites):
+    if total.is_empty:
         raise ConditionError(
             "All boundary edges are free, so nothing holds the tangent planes; give some of them another condition."
         )

@@ -50,6 +50,14 @@ SITES = {
 
 
 @dataclass(frozen=True, eq=False)
+class LinkSubset:
+    """Some links of a graph, as far as an energy sees them."""
+
+    weights: Array
+    angles: Array
+
+
+@dataclass(frozen=True, eq=False)
 class SiteGraph:
     """S sites and K links between them; what the energies, the minimisers and the conjugate see of a domain.
 
@@ -129,9 +137,34 @@ class SiteGraph:
         """
         return self.domain.faces if self.at_vertices else _fans(self.domain)
 
+    def subset(self, links: Int) -> LinkSubset:
+        return LinkSubset(self.weights[links], self.angles[links])
+
     def laplacian(self, weights: Array) -> sp.csr_array:
         """(S, S) symmetric: `<LN, N> = Σ_links weight |N_i - N_j|²`."""
         return graph_laplacian(self.links, weights, self.count)
+
+    @property
+    def incidence(self) -> tuple[Int, Int]:
+        """A site and a cell (3 F,) at each corner `3 f + k`, those of a vertex and its face."""
+        faces, vertices = np.repeat(np.arange(len(self.domain.faces)), 3), self.domain.faces.ravel()
+        return (vertices, faces) if self.at_vertices else (faces, vertices)
+
+    def completed(self, form: Array) -> Array:
+        """A form (E, k) on all edges from one on the links (K, k), its sums around sites on the boundary closed.
+
+        At vertices links are edges. At faces a boundary edge gets what makes the sum of its face zero (paper, Fig. 7,
+        bottom): a half each where a face has two.
+        """
+        if self.at_vertices:
+            return form
+        domain = self.domain
+        whole = np.zeros((len(domain.edge_lengths), form.shape[1]))
+        whole[self.edges] = form
+        behind = domain.edge_faces[domain.boundary_edges, 0]
+        count = np.bincount(behind, minlength=self.count)
+        whole[domain.boundary_edges] = -(self.sums(form) / np.maximum(count, 1)[:, None])[behind]
+        return whole
 
     def sums(self, form: Array) -> Array:
         """(S, k) sum of a form on the links (K, k) around each site, outgoing links counted positive."""
@@ -157,3 +190,6 @@ def _fans(domain: Domain) -> Int:
     first = domain.fan_starts[domain.faces.ravel()]
     proper = (following >= 0) & (corner != first) & (following != first)
     return np.stack([first[proper], corner[proper], following[proper]], axis=1) // 3
+
+
+Links = SiteGraph | LinkSubset

@@ -16,58 +16,10 @@ from numpy.typing import NDArray
 from scipy.sparse.csgraph import breadth_first_order
 
 from .domain import Domain
+from .trees import Tree
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
-
-
-def accumulate(parent: Int, increments: Array) -> Array:
-    """Sum increments along the path to the root: `x[i] = increments[i] + x[parent[i]]`; a root is its own
-    parent.
-
-    By pointer jumping: as many rounds as the logarithm of the depth, each over whole arrays. Roots add
-    nothing.
-    """
-    total = np.array(increments, dtype=np.float64)
-    total[parent == np.arange(len(parent))] = 0.0
-    while True:
-        above = parent[parent]
-        total = total + total[parent]
-        if (above == parent).all():
-            return total
-        parent = above
-
-
-@dataclass(frozen=True)
-class DualTree:
-    """A spanning tree of the faces: `parent` (F,), and the `edge` (F,) towards it; the root is its own parent."""
-
-    parent: Int
-    edge: Int
-
-    @classmethod
-    def of(cls, domain: Domain) -> DualTree:
-        inside = domain.interior_edges
-        left, right = domain.edge_faces[inside].T
-        n = len(domain.faces)
-        rows, cols = np.concatenate([left, right]), np.concatenate([right, left])
-        adjacency = sp.csr_array((np.ones(rows.size), (rows, cols)), shape=(n, n))
-        before = breadth_first_order(adjacency, 0, directed=True)[1]
-        parent = np.where(before < 0, np.arange(n), before)
-        neighbours = _neighbours(domain)
-        across = np.argmax(neighbours == parent[:, None], axis=1)
-        return cls(parent, domain.face_edges[np.arange(n), across])
-
-    def integrate(self, domain: Domain, form: Array) -> Array:
-        """Values (F, k) of the integral of `form` (E, k) along the tree; zero at the root."""
-        sign = np.where(domain.edge_faces[self.edge, 0] == np.arange(len(self.parent)), 1.0, -1.0)
-        return accumulate(self.parent, sign[:, None] * form[self.edge])
-
-
-def _neighbours(domain: Domain) -> Int:
-    """(F, 3) the face across the edge opposite each corner, -1 outside."""
-    twins = domain.twins.reshape(-1, 3)
-    return twins // 3
 
 
 @dataclass(frozen=True)
@@ -82,17 +34,17 @@ class Homology:
     """
 
     domain: Domain
-    tree: DualTree
+    tree: Tree
     generators: Int
     crossings: NDArray[np.int8]
 
     @classmethod
     def of(cls, domain: Domain) -> Homology:
-        tree = DualTree.of(domain)
+        inside = domain.interior_edges
+        tree = Tree.of(domain.edge_faces[inside], len(domain.faces))
         free = np.ones(len(domain.edges), dtype=bool)
         free[domain.boundary_edges] = False
-        has_parent = tree.parent != np.arange(len(tree.parent))
-        free[tree.edge[has_parent]] = False
+        free[inside[tree.pair[tree.pair >= 0]]] = False
         candidates = np.flatnonzero(free)
         count = len(candidates) - domain.vertex_count + len(domain.boundary_vertices)
         if len(domain.boundary_edges) == 0:
@@ -111,6 +63,10 @@ class Homology:
     def cut(self) -> Int:
         """Edges across which an integral may jump."""
         return np.flatnonzero(self.crossings.any(axis=1))
+
+    def integrate(self, form: Array) -> Array:
+        """Values (F, d) on the faces of the integral of `form` (E, d), along the tree."""
+        return self.tree.integrate(form[self.domain.interior_edges])
 
     def periods(self, form: Array, values: Array) -> Array:
         """Jumps (k, d) of the `values` (F, d), integrated along the tree from `form` (E, d), at the generators."""

@@ -1,28 +1,35 @@
 """Boundary conditions: what the tangent planes do along the boundary.
 
-A condition fixes the normals N at some sites (here: vertices). Conditions are combined with `+`; where two of
-them fix the same vertex, it gets the normalised sum of their normals. Sites of which nothing is said are
-free: there the natural condition ∂N/∂ν = 0 holds by itself (paper, Sec. 5.1).
+A condition fixes the normals N at some sites. Conditions are combined with `+`; where two of them fix the same
+site, it gets the normalised sum of their normals. Sites of which nothing is said are free: there the natural
+condition ∂N/∂ν = 0 holds by itself (paper, Sec. 5.1).
+
+Conditions along boundary edges serve both kinds of site. With normals at vertices they hold at the vertices of the
+edges. With normals at faces an edge fixes the normal of the face behind it, to what holds in the middle of the edge:
+half a triangle further in (paper, Fig. 7, bottom). The shell then answers to a plan that is narrower by that much, a
+first-order change of its boundary normals; it has constant mean curvature all the same.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
-from ..errors import ConditionError
+from ..errors import ConditionError, plural
 from ..linalg import as_numbers, sum_rows
 from .frames import (
+    EdgeFrames,
     Frames,
     area_vectors,
     at_ends,
     blend,
     boundary_edges,
     check_range,
+    edge_frames,
     in_space,
     loop_angles,
     unit,
@@ -34,32 +41,81 @@ Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
 
+def _none() -> Int:
+    return np.zeros(0, dtype=np.int64)
+
+
+def _no_normals() -> Array:
+    return np.zeros((0, 3))
+
+
 @dataclass(frozen=True, eq=False)
 class Conditions:
-    """Prescribed normals, not yet combined: `sites` (n,) may repeat, `normals` (n, 3) are unit vectors.
+    """Prescribed unit normals, not yet combined: owners (n,) may repeat.
 
-    `up` (3,) is the oriented area vector of the positions the conditions were made from, zero if there were
-    none: the side to which data that lie in one plane bulge (see `initial`).
+    vertices, vertex_normals: at vertices. edges, edge_normals: the same conditions in the middle of boundary edges.
+    faces, face_normals: at faces, prescribed one by one. only_vertices: those of `vertices` that were prescribed one
+    by one and so say nothing about faces.
+    up: (3,) the oriented area vector of the positions the conditions were made from, zero if there were none: the
+    side to which data that lie in one plane bulge (see `initial`).
     """
 
-    sites: Int = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
-    normals: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    vertices: Int = field(default_factory=_none)
+    vertex_normals: Array = field(default_factory=_no_normals)
+    edges: Int = field(default_factory=_none)
+    edge_normals: Array = field(default_factory=_no_normals)
+    faces: Int = field(default_factory=_none)
+    face_normals: Array = field(default_factory=_no_normals)
+    only_vertices: Int = field(default_factory=_none)
     up: Array = field(default_factory=lambda: np.zeros(3))
 
     def __add__(self, other: Conditions) -> Conditions:
-        return Conditions(
-            np.concatenate([self.sites, other.sites]),
-            np.concatenate([self.normals, other.normals]),
-            # conditions on one surface all say the same; a sum would only change the length
-            self.up if self.up.any() else other.up,
-        )
+        names = [item.name for item in fields(self) if item.name != "up"]
+        joined = {name: np.concatenate([getattr(self, name), getattr(other, name)]) for name in names}
+        # conditions on one surface all say the same; a sum would only change the length
+        return Conditions(**joined, up=self.up if self.up.any() else other.up)
 
-    def resolve(self) -> tuple[Int, Array]:
-        """Sorted fixed sites (n,) and the one unit normal (n, 3) of each.
+    @property
+    def is_empty(self) -> bool:
+        """Whether every site is free."""
+        return not (self.vertices.size or self.edges.size or self.faces.size)
 
-        Raises `ConditionError` naming the sites whose normals cancel.
+    def resolve(self, sites: str = "vertices", behind: Int | None = None) -> tuple[Int, Array]:
+        """Sorted fixed sites (n,) and the one unit normal (n, 3) of each, with normals at vertices or at faces.
+
+        behind: (E,) the face that each boundary edge fixes, needed at faces. Raises `ConditionError` naming the
+        sites whose normals cancel, or normals prescribed one by one at the other kind of site.
         """
-        return blend(self.sites, self.normals, np.ones(len(self.sites)), "conditions")
+        if sites == "vertices":
+            self._refuse(self.faces, "face", "faces", "vertices")
+            return blend(self.vertices, self.vertex_normals, np.ones(len(self.vertices)), "conditions")
+        self._refuse(self.only_vertices, "vertex", "vertices", "faces")
+        if behind is None:
+            raise ConditionError("The faces behind the boundary edges are needed where normals live on faces.")
+        owners = np.concatenate([np.asarray(behind, dtype=np.int64)[self.edges], self.faces])
+        normals = np.concatenate([self.edge_normals, self.face_normals])
+        return blend(owners, normals, np.ones(len(owners)), "conditions", "face")
+
+    def carried(self, edges: Int) -> Conditions:
+        """The same on another triangulation of the domain, `edges` (E,) being the boundary edges there.
+
+        Raises `ConditionError` for normals prescribed at faces one by one, since those faces are gone.
+        """
+        if self.faces.size:
+            raise ConditionError(
+                f"Normals are prescribed at {plural('face', np.unique(self.faces))}, which the Delaunay triangulation "
+                "does not have; prescribe them along boundary edges, or solve with delaunay=False.",
+                faces=self.faces,
+            )
+        return replace(self, edges=np.asarray(edges, dtype=np.int64)[self.edges])
+
+    def _refuse(self, single: Int, noun: str, given: str, wanted: str) -> None:
+        if single.size:
+            raise ConditionError(
+                f"Normals are prescribed at {plural(noun, np.unique(single))}, but live on {wanted} here; solve with "
+                f"sites={given!r}, or prescribe them along boundary edges.",
+                **{given: single},
+            )
 
 
 @dataclass(frozen=True)
@@ -91,17 +147,28 @@ def fixed(domain: Domain, edges: ArrayLike, normal: ArrayLike) -> Conditions:
     """
     chosen = boundary_edges(domain, edges)
     normals = unit(normal, chosen, "edge")
-    return Conditions(*at_ends(domain, chosen, normals, np.ones(len(chosen))))
+    return Conditions(*at_ends(domain, chosen, normals, np.ones(len(chosen))), chosen, normals)
 
 
 def fixed_at(domain: Domain, vertices: ArrayLike, normals: ArrayLike) -> Conditions:
-    """Normals (n, 3), or one for all (3,), at vertices (n,), inside or on the boundary."""
-    given = np.atleast_1d(np.asarray(vertices))
-    if given.ndim != 1 or (given.size and not np.issubdtype(given.dtype, np.integer)):
-        raise ConditionError(f"Vertices must be indices (n,), not {given.dtype} {given.shape}.")
-    sites = given.astype(np.int64)
-    check_range(sites, domain.vertex_count, "vertex")
-    return Conditions(sites, unit(normals, sites, "vertex"))
+    """Normals (n, 3), or one for all (3,), at vertices (n,), inside or on the boundary; not for normals on faces."""
+    sites = _indices(vertices, domain.vertex_count, "vertex", "Vertices")
+    return Conditions(sites, unit(normals, sites, "vertex"), only_vertices=sites)
+
+
+def fixed_at_faces(domain: Domain, faces: ArrayLike, normals: ArrayLike) -> Conditions:
+    """Normals (n, 3), or one for all (3,), at faces (n,), inside or on the boundary, where normals live on faces."""
+    sites = _indices(faces, len(domain.faces), "face", "Faces")
+    return Conditions(faces=sites, face_normals=unit(normals, sites, "face"))
+
+
+def _indices(given: ArrayLike, count: int, noun: str, what: str) -> Int:
+    indices = np.atleast_1d(np.asarray(given))
+    if indices.ndim != 1 or (indices.size and not np.issubdtype(indices.dtype, np.integer)):
+        raise ConditionError(f"{what} must be indices (n,), not {indices.dtype} {indices.shape}.")
+    indices = indices.astype(np.int64)
+    check_range(indices, count, noun)
+    return indices
 
 
 def binormal(domain: Domain, positions: ArrayLike, edges: ArrayLike, tilt: ArrayLike = 0.0) -> Conditions:
@@ -116,8 +183,10 @@ def binormal(domain: Domain, positions: ArrayLike, edges: ArrayLike, tilt: Array
     tilts = as_numbers(tilt, "Tilts", ConditionError)
     if tilts.shape not in ((), chosen.shape) or not np.isfinite(tilts).all():
         raise ConditionError(f"The tilt must be a finite angle, or {len(chosen)} of them, one for each edge.")
-    frames = vertex_frames(domain, positions, chosen)
-    return _tilted(frames, frames.mean(np.broadcast_to(tilts, chosen.shape)))
+    tilts = np.broadcast_to(tilts, chosen.shape)
+    along = edge_frames(domain, positions, chosen)
+    frames = vertex_frames(domain, chosen, along)
+    return _tilted(chosen, along, tilts, frames, frames.mean(tilts))
 
 
 def twisted(domain: Domain, positions: ArrayLike, edges: ArrayLike, m: float) -> Conditions:
@@ -128,18 +197,33 @@ def twisted(domain: Domain, positions: ArrayLike, edges: ArrayLike, m: float) ->
     """
     if not np.isfinite(m):
         raise ConditionError(f"The number of twists must be finite, not {m}.")
-    frames = vertex_frames(domain, positions, boundary_edges(domain, edges))
-    return _tilted(frames, m * loop_angles(domain)[frames.vertices])
+    chosen = boundary_edges(domain, edges)
+    along = edge_frames(domain, positions, chosen)
+    frames = vertex_frames(domain, chosen, along)
+    angles, middles = loop_angles(domain)
+    return _tilted(chosen, along, m * middles[chosen], frames, m * angles[frames.vertices])
 
 
-def _tilted(frames: Frames, angle: Array) -> Conditions:
-    """cos(angle) conormal + sin(angle) normal, with an angle (n,) for each vertex."""
-    cosine, sine = np.cos(angle)[:, None], np.sin(angle)[:, None]
-    return Conditions(frames.vertices, cosine * frames.conormals + sine * frames.normals, frames.up)
+def _tilted(edges: Int, along: EdgeFrames, tilts: Array, frames: Frames, angles: Array) -> Conditions:
+    """cos(tilt) conormal + sin(tilt) normal, with a tilt (K,) for each edge and an angle (n,) for each vertex."""
+    return Conditions(
+        frames.vertices,
+        _turned(frames.conormals, frames.normals, angles),
+        edges,
+        _turned(along.conormals, along.normals, tilts),
+        up=along.up,
+    )
+
+
+def _turned(conormals: Array, normals: Array, angles: Array) -> Array:
+    return np.cos(angles)[:, None] * conormals + np.sin(angles)[:, None] * normals
 
 
 def gauss_map(domain: Domain, positions: ArrayLike, edges: ArrayLike) -> Conditions:
-    """The normals of the surface `positions` (V, 2|3) itself at the vertices of boundary edges, weighted by angle."""
+    """The normals of the surface `positions` (V, 2|3) itself along boundary edges.
+
+    At a vertex the mean over its faces, weighted by their angles there; at a face its own.
+    """
     chosen = boundary_edges(domain, edges)
     points = in_space(domain, positions)
     faces = domain.faces
@@ -148,7 +232,8 @@ def gauss_map(domain: Domain, positions: ArrayLike, edges: ArrayLike) -> Conditi
     sums = sum_rows(faces.ravel(), weighted.reshape(-1, 3), domain.vertex_count)
     sites = np.unique(domain.edges[chosen]).astype(np.int64)
     normals = unit_rows(sums[sites], "vertex", "has faces whose normals cancel", sites)
-    return Conditions(sites, normals, area_vectors(points, faces).sum(axis=0))
+    behind = face_normals[domain.edge_faces[chosen, 0]]
+    return Conditions(sites, normals, chosen, behind, up=area_vectors(points, faces).sum(axis=0))
 
 
 def free(domain: Domain, edges: ArrayLike) -> Conditions:

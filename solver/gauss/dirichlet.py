@@ -1,4 +1,4 @@
-"""Linear problems of the scalar Laplacian with values given at some sites: factored once, solved often."""
+"""Linear problems of a graph Laplacian with values given at some sites: factored once, solved often."""
 
 from __future__ import annotations
 
@@ -6,28 +6,34 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from ..linalg import Sparse, factorize
+from ..domain.sites import SiteGraph
+from ..linalg import factorize
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
 
 class Dirichlet:
-    """`L u = f` at the unknown sites, u given at the `fixed` ones, of which there is at least one.
+    """`L u = f` at the unknown sites, u given at the `fixed` ones.
 
-    Unknown boundary sites get the natural condition. L: (S, S) positive semidefinite, of one component.
+    L is the Laplacian of the graph with the `weights` (K,) of its links, positive semidefinite; unknown boundary
+    sites get the natural condition. Where no site is fixed L is singular and L + M takes its place, with the areas of
+    the sites, as parts of the whole, for M (the H¹ product).
     """
 
-    def __init__(self, L: Sparse, fixed: Int) -> None:
-        unknown = np.ones(L.shape[0], dtype=bool)
+    def __init__(self, graph: SiteGraph, weights: Array, fixed: Int) -> None:
+        self.graph = graph
+        self.weights = weights
+        unknown = np.ones(graph.count, dtype=bool)
         unknown[fixed] = False
         self.fixed = fixed
         self.unknown = np.flatnonzero(unknown)
+        L = graph.laplacian(weights)
+        if len(fixed) == 0:
+            L = sp.csr_array(L + sp.diags_array(graph.areas / graph.areas.sum()))
         rows = L[self.unknown]
-        self.L = sp.csr_array(rows[:, self.unknown])
         self.coupling = sp.csr_array(rows[:, fixed])
-        self.fixed_block = sp.csr_array(L[fixed][:, fixed])
-        self.factor = factorize(self.L)
+        self.factor = factorize(sp.csr_array(rows[:, self.unknown]))
 
     def solve(self, source: Array, values: Array) -> Array:
         """All of u (S, k), from `source` f (S, k) and `values` (n, k) at the fixed sites."""
@@ -39,3 +45,11 @@ class Dirichlet:
     def extend(self, values: Array) -> Array:
         """The harmonic extension (S, k) of `values` (n, k) at the fixed sites."""
         return self.solve(np.zeros((len(self.unknown) + len(self.fixed), values.shape[1])), values)
+
+    def precondition(self, X: Array) -> Array:
+        """L⁻¹ X (S, k) at the unknown sites; zero at the fixed ones."""
+        if len(self.fixed) == 0:
+            return self.factor.solve(X)
+        Y = np.zeros_like(X)
+        Y[self.unknown] = self.factor.solve(X[self.unknown])
+        return Y

@@ -16,6 +16,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ..domain.sites import Links
 from ..errors import ConditionError
 
 Array = NDArray[np.float64]
@@ -26,18 +27,11 @@ _COCIRCULAR = 1e-4
 _OPPOSITE = 1e-14
 
 
-class Links(Protocol):
-    """What an energy may know of K links: weights (K,), and the angles (K, 2) opposite the edge they cross."""
-
-    @property
-    def weights(self) -> Array: ...
-
-    @property
-    def angles(self) -> Array: ...
-
-
 class EdgeEnergy(Protocol):
-    """`c` is (K,), as is every result. `sites`: where normals may live. `quadratic`: whether star is constant."""
+    """`c` (K,) belongs to the links of a graph, of which only `weights` and `angles` are read; results are (K,).
+
+    sites: where the normals may live. quadratic: whether the star is constant.
+    """
 
     label: str
     description: str

@@ -73,7 +73,6 @@ class Frames:
     vertices: Int
     conormals: Array
     normals: Array
-    up: Array
     ends: Int
     weights: Array
 
@@ -84,30 +83,48 @@ class Frames:
         return sum_rows(places, weights * np.repeat(values, 2), len(self.vertices)) / total
 
 
-def vertex_frames(domain: Domain, positions: ArrayLike, edges: Int) -> Frames:
-    """Blend the frames of edges at their ends, each edge with the inverse of its length."""
+@dataclass(frozen=True)
+class EdgeFrames:
+    """Right angles along boundary edges (K,): outward conormals t × n and the normals n of the faces behind."""
+
+    conormals: Array
+    normals: Array
+    lengths: Array
+    up: Array
+
+
+def edge_frames(domain: Domain, positions: ArrayLike, edges: Int) -> EdgeFrames:
+    """At the midpoints of boundary edges, from the `positions` (V, 2|3)."""
     points = in_space(domain, positions)
     vectors = points[domain.edges[edges, 1]] - points[domain.edges[edges, 0]]
     faces = domain.edge_faces[edges, 0]
     areas = area_vectors(points, domain.faces)
     tangents = unit_rows(vectors, "edge", "has no length in these positions", edges)
-    edge_normals = unit_rows(areas[faces], "face", "has no area in these positions", faces)
-    weights = 1.0 / np.linalg.norm(vectors, axis=1)
-    vertices, conormals = at_ends(domain, edges, np.cross(tangents, edge_normals), weights)
-    _, normals = at_ends(domain, edges, edge_normals, weights)
+    normals = unit_rows(areas[faces], "face", "has no area in these positions", faces)
+    return EdgeFrames(np.cross(tangents, normals), normals, np.linalg.norm(vectors, axis=1), areas.sum(axis=0))
+
+
+def vertex_frames(domain: Domain, edges: Int, along: EdgeFrames) -> Frames:
+    """Blend the frames of edges at their ends, each edge with the inverse of its length."""
+    weights = 1.0 / along.lengths
+    vertices, conormals = at_ends(domain, edges, along.conormals, weights)
+    _, normals = at_ends(domain, edges, along.normals, weights)
     normals = normals - np.einsum("ij,ij->i", normals, conormals)[:, None] * conormals
     normals = unit_rows(normals, "vertex", "has faces that are folded over each other", vertices)
     ends = np.searchsorted(vertices, domain.edges[edges])
-    return Frames(vertices, conormals, normals, areas.sum(axis=0), ends, weights)
+    return Frames(vertices, conormals, normals, ends, weights)
 
 
-def loop_angles(domain: Domain) -> Array:
-    """θ (V,) along the boundary loops; nan inside."""
+def loop_angles(domain: Domain) -> tuple[Array, Array]:
+    """θ along the boundary loops: at vertices (V,), and in the middle of edges (E,); nan inside."""
     angles = np.full(domain.vertex_count, np.nan)
+    middles = np.full(len(domain.edge_lengths), np.nan)
     for loop, edges in zip(domain.boundary_loops, domain.boundary_loop_edges, strict=True):
         lengths = domain.edge_lengths[edges]
-        angles[loop] = 2.0 * np.pi * (np.cumsum(lengths) - lengths) / lengths.sum()
-    return angles
+        end = np.cumsum(lengths)
+        angles[loop] = 2.0 * np.pi * (end - lengths) / end[-1]
+        middles[edges] = 2.0 * np.pi * (end - 0.5 * lengths) / end[-1]
+    return angles, middles
 
 
 def at_ends(domain: Domain, edges: Int, normals: Array, weights: Array) -> tuple[Int, Array]:
@@ -116,7 +133,9 @@ def at_ends(domain: Domain, edges: Int, normals: Array, weights: Array) -> tuple
     return blend(ends, np.repeat(normals, 2, axis=0), np.repeat(weights, 2), "edges")
 
 
-def blend(sites: Int, normals: Array, weights: Array, of_what: str) -> tuple[Int, Array]:
+def blend(
+    sites: Int, normals: Array, weights: Array, of_what: str, noun: str = "vertex"
+) -> tuple[Int, Array]:
     """Normalised weighted sum of the normals at each site; refuses sums that vanish."""
     unique, inverse = np.unique(sites, return_inverse=True)
     sums = sum_rows(inverse, weights[:, None] * normals, len(unique))
@@ -124,9 +143,9 @@ def blend(sites: Int, normals: Array, weights: Array, of_what: str) -> tuple[Int
     bad = unique[length <= _OPPOSITE * np.bincount(inverse, weights, len(unique))]
     if bad.size:
         raise ConditionError(
-            f"The normals that {of_what} prescribe at {plural('vertex', bad)} are opposite and cancel; "
+            f"The normals that {of_what} prescribe at {plural(noun, bad)} are opposite and cancel; "
             "change one of them, or leave an edge between them free.",
-            vertices=bad,
+            **{_PLURALS[noun]: bad},
         )
     return unique, sums / length[:, None]
 

@@ -3,25 +3,27 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
+from ..domain.sites import SiteGraph
 from ..errors import ConditionError, Status
 from ..linalg import as_numbers
 from . import sphere
 from .conditions import Conditions
 from .dirichlet import Dirichlet
-from .energies import ENERGIES
+from .energies import energy_on
 from .initial import harmonic_start, wound_start
-from .minimise import METHODS, DirichletProblem, Iterate, Progress
+from .methods import METHODS
+from .minimise import Iterate, Progress
+from .problem import EnergyProblem
 
 Array = NDArray[np.float64]
 
-SITES = ("vertices",)
 # Factors kept for as many different sets of fixed sites.
 _KEPT_FACTORS = 4
 # Energy, as a part of 4π, below which a map counts as constant.
@@ -30,11 +32,11 @@ _COLLAPSED = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class HarmonicMap:
-    """A (nearly) critical point of the Dirichlet energy.
+    """A (nearly) critical point of a discrete Dirichlet energy.
 
-    normals: (S, 3) unit vectors. energy: ½ <LN, N>. residual: `sqrt(A Σ |P_i (LN)_i|² / A_i)` at these
-    normals.
-    degree: signed area covered, as a part of the sphere. iterations: Newton steps taken.
+    normals: (S, 3) unit vectors, at the vertices or at the faces. energy: Σ ε; ½ <LN, N> for the cotangent one.
+    residual: `sqrt(A Σ |P_i (LN)_i|² / A_i)` at these normals, with the weights star in L.
+    degree: signed area covered, as a part of the sphere. iterations: steps of the method taken.
     history: energy, residual, back-solves and step length, one line for each map reached.
     """
 
@@ -48,20 +50,32 @@ class HarmonicMap:
 
 
 class HarmonicSolver:
-    """Solves on one domain for many boundary conditions; factors are kept, keyed by the set of fixed sites."""
+    """Solves on one domain for many boundary conditions; factors are kept, keyed by the set of fixed sites.
+
+    sites: "vertices" or "faces". energy: a name in `ENERGIES` that is defined there.
+    """
 
     def __init__(self, domain: Domain, sites: str = "vertices", energy: str = "cotan") -> None:
-        _check_name("sites", sites, SITES)
-        _check_name("energy", energy, ENERGIES)
         self.domain = domain
-        self.energy = ENERGIES[energy]
+        self.graph = SiteGraph.of(domain, sites)
+        self.energy = energy_on(energy, sites)
         self._factors: OrderedDict[bytes, Dirichlet] = OrderedDict()
+
+    @cached_property
+    def _weights(self) -> Array:
+        """Those of the Laplacian that starts and preconditions: star at equal normals.
+
+        At vertices the Laplacian is that of piecewise linear functions, positive whatever the signs. The dual one is
+        not, so its weights are made positive.
+        """
+        star = self.energy.star(np.ones(len(self.graph.links)), self.graph)
+        return star if self.graph.at_vertices else np.abs(star)
 
     def dirichlet(self, fixed: NDArray[np.integer]) -> Dirichlet:
         """The factored Laplacian with values given at the `fixed` sites."""
         key = np.asarray(fixed, dtype=np.int64).tobytes()
         if key not in self._factors:
-            self._factors[key] = Dirichlet(self.domain.laplacian, fixed)
+            self._factors[key] = Dirichlet(self.graph, self._weights, fixed)
             if len(self._factors) > _KEPT_FACTORS:
                 self._factors.popitem(last=False)
         self._factors.move_to_end(key)
@@ -76,54 +90,54 @@ class HarmonicSolver:
         degree: float | None = None,
         method: str = "newton",
         tolerance: float = 1e-6,
-        max_iterations: int = 200,
+        max_iterations: int | None = None,
         progress: Progress | None = None,
     ) -> HarmonicMap:
         """A harmonic map with the prescribed normals, from `initial` (S, 3) or from a start of its own.
 
         `side` ±1 chooses between the two sides of data that lie in one plane; `degree` asks for a homotopy class.
+        method: a name in `METHODS`; max_iterations: of its steps, by default as many as suit it.
         There may be many harmonic maps for the same boundary: the result is the one reached, to be judged by its
-        energy, degree and status. Raises `ConditionError` when nothing, or everything, is fixed.
+        energy, degree and status. Raises `ConditionError` when everything is fixed, or nothing is and there is no
+        initial map to start from.
         """
-        _check_name("method", method, METHODS)
-        fixed, data = self._fixed(conditions)
+        if method not in METHODS:
+            raise ConditionError(f"There is no method {method!r}; known are {', '.join(METHODS)}.")
+        fixed, data = self._fixed(conditions, initial is not None)
         dirichlet = self.dirichlet(fixed)
         start = self._start(dirichlet, data, conditions.up, initial, side, degree)
-        problem = _problem(self.domain, dirichlet, data)
-        found = METHODS[method](
-            problem,
-            start[dirichlet.unknown],
-            tolerance=tolerance,
-            max_iterations=max_iterations,
-            progress=progress,
-        )
-        normals = start
-        normals[dirichlet.unknown] = found.X
+        limit = {} if max_iterations is None else {"max_iterations": max_iterations}
+        problem = EnergyProblem(self.graph, self.energy, dirichlet)
+        found = METHODS[method].of(problem, start, tolerance=tolerance, progress=progress, **limit)
+        energy = found.history[-1].energy
         return HarmonicMap(
-            normals,
-            found.history[-1].energy,
+            found.N,
+            energy,
             found.residual,
-            sphere.degree(normals, self.domain.faces),
-            self._status(normals, dirichlet, found.status, found.history[-1].energy),
+            sphere.degree(found.N, self.graph.triangles),
+            self._status(found.N, dirichlet, found.status),
             len(found.history) - 1,
             found.history,
         )
 
-    def _fixed(self, conditions: Conditions) -> tuple[NDArray[np.integer], Array]:
-        fixed, data = conditions.resolve()
-        if len(fixed) == 0:
+    def _fixed(self, conditions: Conditions, has_start: bool) -> tuple[NDArray[np.integer], Array]:
+        domain, graph = self.domain, self.graph
+        fixed, data = conditions.resolve(graph.name, domain.edge_faces[:, 0])
+        if len(fixed) == 0 and not has_start:
             raise ConditionError(
                 "Nothing fixes the normals: every boundary edge is free, and the only minimiser is constant; "
-                "prescribe normals along some edges."
-                if len(self.domain.boundary_edges)
-                else "The mesh is closed: it has no boundary along which normals could be prescribed."
+                "prescribe normals along some edges, or give an initial map."
+                if len(domain.boundary_edges)
+                else "The mesh is closed: it has no boundary along which normals could be prescribed; "
+                "give an initial map."
             )
-        if fixed[-1] >= self.domain.vertex_count:
-            raise ConditionError(f"The conditions fix vertex {fixed[-1]}, which this domain does not have.")
-        if len(fixed) == self.domain.vertex_count:
+        noun = "vertex" if graph.at_vertices else "face"
+        if len(fixed) and fixed[-1] >= graph.count:
+            raise ConditionError(f"The conditions fix {noun} {fixed[-1]}, which this domain does not have.")
+        if len(fixed) == graph.count:
             raise ConditionError(
-                f"All {len(fixed)} vertices are fixed and none is left to solve for; subdivide the mesh, "
-                "so that it has vertices inside."
+                f"All {len(fixed)} {graph.name} are fixed and none is left to solve for; subdivide the mesh, "
+                f"so that it has {graph.name} inside."
             )
         return fixed, data
 
@@ -141,48 +155,36 @@ class HarmonicSolver:
         if degree is not None and not np.isfinite(degree):
             raise ConditionError(f"The degree must be a finite number, not {degree}.")
         if initial is None:
-            start = harmonic_start(self.domain, dirichlet, data, up, side)
+            start = harmonic_start(dirichlet, data, up, side)
         else:
-            start = _as_unit(initial, self.domain.vertex_count)
+            start = _as_unit(initial, self.graph)
             start[dirichlet.fixed] = data
-        return start if degree is None else wound_start(self.domain, dirichlet, start, degree)
+        return start if degree is None else wound_start(dirichlet, start, degree)
 
-    def _status(self, normals: Array, dirichlet: Dirichlet, status: Status, energy: float) -> Status:
+    def _status(self, normals: Array, dirichlet: Dirichlet, status: Status) -> Status:
         """What the solver said, unless the map itself says worse."""
         if status is Status.CANCELLED:
             return status
-        if energy < 4.0 * np.pi * _COLLAPSED:
-            return Status.COLLAPSED
-        is_fixed = np.zeros(self.domain.vertex_count, dtype=bool)
+        is_fixed = np.zeros(self.graph.count, dtype=bool)
         is_fixed[dirichlet.fixed] = True
-        i, j = self.domain.edges[~is_fixed[self.domain.edges].all(axis=1)].T
-        torn = np.einsum("ij,ij->i", normals[i], normals[j]).min() < 0.0
+        i, j = self.graph.links.T
+        c = np.einsum("ij,ij->i", normals[i], normals[j])
+        if float(np.abs(self._weights * (1.0 - c)).sum()) < 4.0 * np.pi * _COLLAPSED:
+            return Status.COLLAPSED
+        torn = c[~(is_fixed[i] & is_fixed[j])].min(initial=1.0) < 0.0
         return Status.UNDER_RESOLVED if torn else status
 
 
-def _problem(domain: Domain, dirichlet: Dirichlet, data: Array) -> DirichletProblem:
-    return DirichletProblem(
-        L=dirichlet.L,
-        load=dirichlet.coupling @ data,
-        areas=domain.vertex_areas[dirichlet.unknown],
-        total_area=domain.area,
-        constant=0.5 * sphere.inner(data, dirichlet.fixed_block @ data),
-        factor=dirichlet.factor,
-    )
-
-
-def _as_unit(initial: ArrayLike, count: int) -> Array:
+def _as_unit(initial: ArrayLike, graph: SiteGraph) -> Array:
     given = as_numbers(initial, "The normals of an initial map", ConditionError)
-    if given.shape != (count, 3):
-        raise ConditionError(f"The initial map must have shape ({count}, 3), not {given.shape}.")
+    if given.shape != (graph.count, 3):
+        raise ConditionError(
+            f"The initial map must have shape ({graph.count}, 3), a normal for each of the {graph.name}, not "
+            f"{given.shape}."
+        )
     length = np.linalg.norm(given, axis=1)
     bad = np.flatnonzero(~(np.isfinite(length) & (length > 1e-9)))
     if bad.size:
-        raise ConditionError(f"The initial map is zero or not finite at vertex {bad[0]}.", vertices=bad)
+        noun = "vertex" if graph.at_vertices else "face"
+        raise ConditionError(f"The initial map is zero or not finite at {noun} {bad[0]}.", **{graph.name: bad})
     return given / length[:, None]
-
-
-def _check_name(what: str, name: str, known: Iterable[str]) -> None:
-    names = list(known)
-    if name not in names:
-        raise ConditionError(f"There is no {what} {name!r}; known are {', '.join(names)}.")

@@ -14,8 +14,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..domain.domain import Domain
-from ..domain.topology import DualTree
+from ..domain.sites import SiteGraph
+from ..domain.trees import Tree
 from ..errors import ConditionError
 from ..linalg import sum_rows
 from .dirichlet import Dirichlet
@@ -23,7 +23,6 @@ from .sphere import degree as degree_of
 from .sphere import dot, normalize
 
 Array = NDArray[np.float64]
-Int = NDArray[np.integer]
 
 # Data count as coplanar when the smallest singular value of the boundary normals is below this part of the
 # largest.
@@ -37,8 +36,8 @@ _LEANING = 0.05
 _BUBBLE = 0.5
 
 
-def harmonic_start(domain: Domain, dirichlet: Dirichlet, data: Array, up: Array, side: int) -> Array:
-    """Unit normals (V, 3) from the fixed normals `data` (n, 3); `up` (3,) is the oriented normal of the
+def harmonic_start(dirichlet: Dirichlet, data: Array, up: Array, side: int) -> Array:
+    """Unit normals (S, 3) from the fixed normals `data` (n, 3); `up` (3,) is the oriented normal of the
     domain, or zero.
 
     Candidates, the first that is nowhere short winning: the extension itself (unless the data are coplanar);
@@ -46,11 +45,11 @@ def harmonic_start(domain: Domain, dirichlet: Dirichlet, data: Array, up: Array,
     the least one first.
     """
     extension = dirichlet.extend(data)
-    axes = _axes(data, up if up.any() else _winding(domain, dirichlet.fixed, data))
+    axes = _axes(data, up if up.any() else _winding(dirichlet, data))
     room = np.sqrt(np.maximum(0.0, 1.0 - dot(extension, extension)))
     candidates = [] if _is_coplanar(data) else [extension]
     if up.any() and side * float((data @ up).mean()) < -_LEANING * np.linalg.norm(up):
-        depth = _depth(dirichlet, domain)[:, None]
+        depth = _depth(dirichlet)[:, None]
         candidates.insert(0, extension + 2.0 * side * depth * up / np.linalg.norm(up))
     candidates += [extension + sign * side * room * axis for axis in axes for sign in (1, -1)]
     shortest = np.array([np.sqrt(dot(c, c).min()) for c in candidates])
@@ -63,29 +62,30 @@ def harmonic_start(domain: Domain, dirichlet: Dirichlet, data: Array, up: Array,
     return start
 
 
-def wound_start(domain: Domain, dirichlet: Dirichlet, start: Array, degree: float) -> Array:
-    """A map with the boundary normals of `start` (V, 3) whose degree is the one nearest to `degree` in its
+def wound_start(dirichlet: Dirichlet, start: Array, degree: float) -> Array:
+    """A map with the boundary normals of `start` (S, 3) whose degree is the one nearest to `degree` in its
     class.
 
     On a domain with two boundary loops whose normals are a and -a it winds around the axis a. On a disc it
     grafts a bubble in the middle. Other domains raise `ConditionError`.
     """
-    turns = round(degree - degree_of(start, domain.faces))
+    graph = dirichlet.graph
+    turns = round(degree - degree_of(start, graph.triangles))
     if turns == 0:
         return start
-    loops = domain.boundary_loops
-    if len(loops) == 2 and domain.genus == 0 and _ends_are_antipodal(domain, start):
-        wound = _winding_cylinder(domain, dirichlet, start, round(degree))
-        other = _winding_cylinder(domain, dirichlet, start, -round(degree))
-    elif len(loops) == 1 and domain.genus == 0:
-        wound = _grafted(domain, dirichlet, start, turns)
-        other = _grafted(domain, dirichlet, start, -turns)
+    rings, genus = graph.rings, graph.domain.genus
+    if len(rings) == 2 and genus == 0 and _ends_are_antipodal(graph, start):
+        wound = _winding_cylinder(dirichlet, start, round(degree))
+        other = _winding_cylinder(dirichlet, start, -round(degree))
+    elif len(rings) == 1 and genus == 0:
+        wound = _grafted(dirichlet, start, turns)
+        other = _grafted(dirichlet, start, -turns)
     else:
         raise ConditionError(
             f"A start of degree {degree:g} is known for discs, and for cylinders whose two ends carry "
             "opposite constant normals; give an initial map instead."
         )
-    miss, other_miss = (abs(degree_of(map_, domain.faces) - degree) for map_ in (wound, other))
+    miss, other_miss = (abs(degree_of(map_, graph.triangles) - degree) for map_ in (wound, other))
     return wound if miss <= other_miss else other
 
 
@@ -101,56 +101,56 @@ def _axes(data: Array, up: Array) -> list[Array]:
     return list(signs[:, None] * basis)
 
 
-def _winding(domain: Domain, fixed: Int, data: Array) -> Array:
+def _winding(dirichlet: Dirichlet, data: Array) -> Array:
     """The vector area Σ N_i × N_j of the normals along the longest boundary loop: positive around an outline."""
-    loops = domain.boundary_loops
-    if not loops:
+    graph = dirichlet.graph
+    if not graph.rings:
         return np.zeros(3)
-    lengths = [domain.edge_lengths[edges].sum() for edges in domain.boundary_loop_edges]
-    normals = np.zeros((domain.vertex_count, 3))
-    normals[fixed] = data
-    around = normals[loops[int(np.argmax(lengths))]]
+    lengths = [graph.domain.edge_lengths[edges].sum() for edges in graph.domain.boundary_loop_edges]
+    normals = np.zeros((graph.count, 3))
+    normals[dirichlet.fixed] = data
+    around = normals[graph.rings[int(np.argmax(lengths))]]
     return np.cross(around, np.roll(around, -1, axis=0)).sum(axis=0)
 
 
-def _depth(dirichlet: Dirichlet, domain: Domain) -> Array:
-    """(V,) in [0, 1]: the solution of Δu = -1 that vanishes at the fixed sites, scaled."""
-    depth = dirichlet.solve(domain.vertex_areas[:, None], np.zeros((len(dirichlet.fixed), 1)))[:, 0]
+def _depth(dirichlet: Dirichlet) -> Array:
+    """(S,) in [0, 1]: the solution of Δu = -1 that vanishes at the fixed sites, scaled."""
+    depth = dirichlet.solve(dirichlet.graph.areas[:, None], np.zeros((len(dirichlet.fixed), 1)))[:, 0]
     return depth / depth.max()
 
 
-def _ends_are_antipodal(domain: Domain, start: Array) -> bool:
-    first, second = (start[loop] for loop in domain.boundary_loops)
+def _ends_are_antipodal(graph: SiteGraph, start: Array) -> bool:
+    first, second = (start[ring] for ring in graph.rings)
     a, b = first[0], second[0]
     return bool(np.allclose(first, a) and np.allclose(second, b) and np.allclose(a, -b, atol=1e-6))
 
 
-def _winding_cylinder(domain: Domain, dirichlet: Dirichlet, start: Array, turns: int) -> Array:
+def _winding_cylinder(dirichlet: Dirichlet, start: Array, turns: int) -> Array:
     """cos(πu) a + sin(πu) (cos kv b + sin kv a × b): meridians from a to -a that turn with the conformal angle v."""
-    first, second = domain.boundary_loops
-    values = np.zeros((domain.vertex_count, 1))
+    first, second = dirichlet.graph.rings
+    values = np.zeros((len(start), 1))
     values[second] = 1.0
     u = dirichlet.extend(values[dirichlet.fixed])
     axis = start[first[0]]
-    spin = _angle_around(domain, u[:, 0]) ** turns
+    spin = _angle_around(dirichlet, u[:, 0]) ** turns
     return _meridians(axis, np.pi * u, spin)
 
 
-def _grafted(domain: Domain, dirichlet: Dirichlet, start: Array, turns: int) -> Array:
-    """Replace the map around the deepest vertex p by one that leaves N(p) along all meridians and comes back
+def _grafted(dirichlet: Dirichlet, start: Array, turns: int) -> Array:
+    """Replace the map around the deepest site p by one that leaves N(p) along all meridians and comes back
     to N.
 
     The polar coordinates around p are conformal: ρ = exp(-2πG) with Green's function G, and its conjugate
     angle.
     """
-    source = np.zeros((domain.vertex_count, 1))
-    centre = int(np.argmax(_depth(dirichlet, domain)))
+    source = np.zeros((len(start), 1))
+    centre = int(np.argmax(_depth(dirichlet)))
     source[centre] = 1.0
     green = dirichlet.solve(source, np.zeros((len(dirichlet.fixed), 1)))
     radius = np.exp(-2.0 * np.pi * green)
     inside = radius[:, 0] < _BUBBLE
     pole = start[centre]
-    bubble = _meridians(pole, np.pi * (1.0 - radius / _BUBBLE), _angle_around(domain, green[:, 0]) ** turns)
+    bubble = _meridians(pole, np.pi * (1.0 - radius / _BUBBLE), _angle_around(dirichlet, green[:, 0]) ** turns)
     grafted = start.copy()
     grafted[inside] = _carried(pole, start[inside], bubble[inside])
     return grafted
@@ -170,22 +170,21 @@ def _carried(pole: Array, targets: Array, vectors: Array) -> Array:
     return cosine * vectors + np.cross(axis, vectors) + axis * dot(axis, vectors) / np.maximum(1.0 + cosine, 1e-12)
 
 
-def _angle_around(domain: Domain, potential: Array) -> NDArray[np.complex128]:
-    """exp(iv) (V,) with v the harmonic conjugate of a potential, scaled to turn once around its source or its hole."""
-    i, j = domain.edges.T
-    flux = domain.cotan_weights * (potential[j] - potential[i])
-    total = abs(_outflow(domain, flux))
-    v = DualTree.of(domain).integrate(domain, flux[:, None])[:, 0] * (2.0 * np.pi / total)
-    spin: NDArray[np.complex128] = np.exp(1j * np.repeat(v, 3))
-    corners = domain.faces.ravel()
-    n = domain.vertex_count
-    sums = sum_rows(corners, spin.real, n) + 1j * sum_rows(corners, spin.imag, n)
+def _angle_around(dirichlet: Dirichlet, potential: Array) -> NDArray[np.complex128]:
+    """exp(iv) (S,) with v the harmonic conjugate of a potential, scaled to turn once around its source or its hole.
+
+    v lives on the cells; a site gets the mean of its own.
+    """
+    graph = dirichlet.graph
+    i, j = graph.links.T
+    flux = dirichlet.weights * (potential[j] - potential[i])
+    on_ring = np.zeros(graph.count)
+    on_ring[graph.rings[0]] = 1.0
+    total = abs(float(np.sum(flux * (on_ring[j] - on_ring[i]))))
+    inside = (graph.cells >= 0).all(axis=1)
+    tree = Tree.of(graph.cells[inside], graph.cell_count)
+    v = tree.integrate(flux[inside, None])[:, 0] * (2.0 * np.pi / total)
+    sites, cells = graph.incidence
+    spin: NDArray[np.complex128] = np.exp(1j * v)[cells]
+    sums = sum_rows(sites, spin.real, graph.count) + 1j * sum_rows(sites, spin.imag, graph.count)
     return sums / np.maximum(np.abs(sums), 1e-12)
-
-
-def _outflow(domain: Domain, flux: Array) -> float:
-    """Flux of a potential through the first boundary loop."""
-    on_loop = np.zeros(domain.vertex_count)
-    on_loop[domain.boundary_loops[0]] = 1.0
-    i, j = domain.edges.T
-    return float(np.sum(flux * (on_loop[j] - on_loop[i])))

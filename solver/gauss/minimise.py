@@ -1,10 +1,9 @@
 """Newton's method on the product of spheres, with conjugate gradients inside.
 
-The energy is E = ½ <LN, N> with |N_i| = 1. At a map N, let G = LN, λ_i = <N_i, G_i> and P the projection on the
-tangent planes. Then PG is the gradient and P (L - λ) P the Hessian. Each step solves P (L - λ) P d = -P G by
-conjugate gradients, preconditioned by the factor of L, which does not change; it stops early while N is far from
-critical. Where the curvature is negative the step goes as far along that direction as a step may: near a saddle the
-gradient alone would take hundreds of steps to leave.
+At a map N, let G be the gradient in R³ and P the projection on the tangent planes (see `problem`). Each step solves
+P H P d = -P G by conjugate gradients, preconditioned with a factored Laplacian that does not change; it stops early
+while N is far from critical. Where the curvature is negative the step goes as far along that direction as a step
+may: near a saddle the gradient alone would take hundreds of steps to leave.
 """
 
 from __future__ import annotations
@@ -13,12 +12,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from ..errors import Status
-from ..linalg import Factor
-from .sphere import dot, exp, inner, project
+from .problem import EnergyProblem, Point
+from .sphere import dot, exp, inner
 
 Array = NDArray[np.float64]
 Progress = Callable[[int, float], bool | None]
@@ -29,33 +27,6 @@ _LARGEST_FORCING = 0.1
 _SUFFICIENT_DECREASE = 1e-4
 _HALVINGS = 30
 _CG_LIMIT = 200
-
-
-@dataclass(frozen=True)
-class DirichletProblem:
-    """E(N) = ½ <LN, N> as a function of the unknown normals X (U, 3), the others being fixed.
-
-    L: (U, U) of the unknown sites; load: (U, 3), L_UF N_F; areas: (U,); total_area: of the whole domain;
-    constant: ½ <N_F, L_FF N_F>; factor: of L.
-    """
-
-    L: sp.csr_array
-    load: Array
-    areas: Array
-    total_area: float
-    constant: float
-    factor: Factor
-
-    def gradient(self, X: Array) -> Array:
-        """dE/dX in R³, before projection."""
-        return self.L @ X + self.load
-
-    def energy(self, X: Array, gradient: Array) -> float:
-        return 0.5 * inner(X, gradient + self.load) + self.constant
-
-    def residual(self, tangent: Array) -> float:
-        """sqrt(A Σ |P_i (LN)_i|² / A_i): the L² norm of N × (d*dN) on the domain scaled to unit area."""
-        return float(np.sqrt(self.total_area * np.sum(dot(tangent, tangent)[:, 0] / self.areas)))
 
 
 @dataclass(frozen=True)
@@ -70,41 +41,50 @@ class Iterate:
 
 @dataclass(frozen=True)
 class Minimum:
-    X: Array
+    N: Array
     residual: float
     status: Status
     history: list[Iterate]
 
 
-def newton(
-    problem: DirichletProblem,
-    X: Array,
+@dataclass(frozen=True)
+class Step:
+    """The next map, the back-solves it took to find, and the length of the step as a part of the full one."""
+
+    point: Point
+    solves: int
+    length: float
+
+
+def descend(
+    problem: EnergyProblem,
+    N: Array,
+    take_step: Callable[[Point], Step | int],
     *,
     tolerance: float,
     max_iterations: int,
     progress: Progress | None = None,
 ) -> Minimum:
-    """Minimise from X (U, 3). Never raises for want of convergence: the status says how it ended.
+    """Take steps from N (S, 3) until the residual is within the tolerance.
 
-    `progress(iteration, residual)` is called at each map reached; returning False cancels.
+    `take_step` returns the number of back-solves it took in vain where it finds no better map. Never raises for want
+    of convergence: the status says how it ended. `progress(iteration, residual)` is called at each map reached;
+    returning False cancels.
     """
     history: list[Iterate] = []
-    gradient = problem.gradient(X)
+    point = problem.at(N)
     while True:
-        energy = problem.energy(X, gradient)
-        tangent = project(X, gradient)
-        residual = problem.residual(tangent)
-        goes_on = progress is None or progress(len(history), residual) is not False
-        status = _ended(residual, tolerance, len(history), max_iterations, goes_on)
+        goes_on = progress is None or progress(len(history), point.residual) is not False
+        status = _ended(point.residual, tolerance, len(history), max_iterations, goes_on)
         if status is not None:
-            history.append(Iterate(energy, residual, 0, 0.0))
-            return Minimum(X, residual, status, history)
-        direction, solves = _direction(problem, X, gradient, tangent, residual)
-        found = _line_search(problem, X, gradient, tangent, direction)
-        history.append(Iterate(energy, residual, solves, found[2] if found else 0.0))
-        if found is None:
-            return Minimum(X, residual, Status.STALLED, history)
-        X, gradient, _ = found
+            history.append(Iterate(point.energy, point.residual, 0, 0.0))
+            return Minimum(point.N, point.residual, status, history)
+        step = take_step(point)
+        if not isinstance(step, Step):
+            history.append(Iterate(point.energy, point.residual, step, 0.0))
+            return Minimum(point.N, point.residual, Status.STALLED, history)
+        history.append(Iterate(point.energy, point.residual, step.solves, step.length))
+        point = step.point
 
 
 def _ended(residual: float, tolerance: float, step: int, limit: int, goes_on: bool) -> Status | None:
@@ -115,26 +95,50 @@ def _ended(residual: float, tolerance: float, step: int, limit: int, goes_on: bo
     return Status.ITERATION_LIMIT if step >= limit else None
 
 
-def _direction(
-    problem: DirichletProblem, X: Array, gradient: Array, tangent: Array, residual: float
+def newton(
+    problem: EnergyProblem,
+    N: Array,
+    *,
+    tolerance: float,
+    max_iterations: int = 200,
+    progress: Progress | None = None,
+) -> Minimum:
+    """Newton's method with truncated conjugate gradients and Armijo's rule along great circles."""
+
+    def take_step(point: Point) -> Step | int:
+        forcing = min(_LARGEST_FORCING, point.residual)
+        direction, solves = conjugate_gradients(problem, point, problem.hessian(point), forcing)
+        return line_search(problem, point, direction, solves)
+
+    return descend(problem, N, take_step, tolerance=tolerance, max_iterations=max_iterations, progress=progress)
+
+
+def conjugate_gradients(
+    problem: EnergyProblem, point: Point, operator: Callable[[Array], Array], forcing: float
 ) -> tuple[Array, int]:
-    """A descent direction by truncated conjugate gradients, and the back-solves it took."""
-    multiplier = dot(X, gradient)
-    rest = -tangent
-    z = project(X, problem.factor.solve(rest))
+    """A descent direction d with `operator(d) ≈ -PG`, and the back-solves it took.
+
+    operator: symmetric on admissible vectors. Ends when the preconditioned rest has fallen by `forcing`, or at the
+    first direction of negative curvature.
+    """
+
+    def precondition(X: Array) -> Array:
+        return problem.project(point.N, problem.dirichlet.precondition(X))
+
+    rest = -point.tangent
+    z = precondition(rest)
     p = z
     rest_z = first = inner(rest, z)
-    forcing = min(_LARGEST_FORCING, residual)
-    d = np.zeros_like(X)
+    d = np.zeros_like(rest)
     for solves in range(1, _CG_LIMIT):
-        curved = project(X, problem.L @ p - multiplier * p)
+        curved = operator(p)
         curvature = inner(p, curved)
         if curvature <= 0.0:
-            return d + p * (_LARGEST_ROTATION / _longest(p)), solves
+            return d + p * (_LARGEST_ROTATION / longest(p)), solves
         alpha = rest_z / curvature
         d = d + alpha * p
         rest = rest - alpha * curved
-        z = project(X, problem.factor.solve(rest))
+        z = precondition(rest)
         rest_z, last = inner(rest, z), rest_z
         if rest_z <= forcing**2 * first:
             return d, solves + 1
@@ -142,27 +146,18 @@ def _direction(
     return d, _CG_LIMIT
 
 
-def _line_search(
-    problem: DirichletProblem, X: Array, gradient: Array, tangent: Array, direction: Array
-) -> tuple[Array, Array, float] | None:
-    """Armijo's rule along exp_N; the next map, its gradient and the step, or None.
-
-    The decrease is computed as ½ <X' - X, G' + G>, not as a difference of energies, which would drown in
-    rounding long before the tolerance is reached.
-    """
-    slope = inner(tangent, direction)
-    step = min(1.0, _LARGEST_ROTATION / _longest(direction))
+def line_search(problem: EnergyProblem, point: Point, direction: Array, solves: int) -> Step | int:
+    """Armijo's rule along exp_N, from the full step; one into infinite energy is never taken."""
+    slope = inner(point.tangent, direction)
+    length = min(1.0, _LARGEST_ROTATION / longest(direction))
     for _ in range(_HALVINGS):
-        trial = exp(X, step * direction)
-        after = problem.gradient(trial)
-        if 0.5 * inner(trial - X, after + gradient) <= _SUFFICIENT_DECREASE * step * slope:
-            return trial, after, step
-        step *= 0.5
-    return None
+        trial = problem.at(exp(point.N, length * direction))
+        if problem.change(point, trial) <= _SUFFICIENT_DECREASE * length * slope:
+            return Step(trial, solves, length)
+        length *= 0.5
+    return solves
 
 
-def _longest(d: Array) -> float:
+def longest(d: Array) -> float:
+    """The largest |d_i|."""
     return float(np.sqrt(dot(d, d).max()))
-
-
-METHODS: dict[str, Callable[..., Minimum]] = {"newton": newton}

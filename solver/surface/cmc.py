@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..domain.domain import Domain
+from ..domain.sites import SiteGraph
 from ..errors import ConditionError, Status
 from ..gauss.harmonic import HarmonicMap
 from .conjugate import Conjugate
@@ -32,19 +33,26 @@ class PolygonMesh:
 class CmcSurface:
     """The two CMC surfaces f± = g ± N of a harmonic map, and g, in scaled units (H as asked for).
 
-    domain, harmonic, conjugate: what it was made of (conjugate at scale 1).
-    g, f_plus, f_minus: (n, 3); g is centred at the mean of its boundary.
+    domain: the one asked about, whose triangles the surface has. graph: the sites and links of the normals; its
+    domain is another triangulation of the same, where a Delaunay one was asked for.
+    harmonic, conjugate: on that graph, the conjugate at scale 1, without its periods if they were projected out.
+    averaging: how g or N came to the vertices. centre: (3,) where the origin of the surface is on the conjugate.
+    g, f_plus, f_minus: (n, 3); g is centred at the mean of its boundary. normals: (n, 3) unit N.
     faces: (F, 3) rows. source: (n,) the vertex of the domain each row comes from.
     scale: 1 / (2 H). periods: (k, 3) translations around the holes and handles, scaled.
     is_open: whether the surface is cut open along seams across which it jumps by the periods; then n > V.
     """
 
     domain: Domain
+    graph: SiteGraph
     harmonic: HarmonicMap
     conjugate: Conjugate
+    averaging: str
+    centre: Array
     g: Array
     f_plus: Array
     f_minus: Array
+    normals: Array
     faces: NDArray[np.int32]
     source: NDArray[np.int32]
     scale: float
@@ -55,11 +63,6 @@ class CmcSurface:
     def mean_curvature(self) -> float:
         """H of f+ with the normal N, and of f- with the normal -N."""
         return 0.5 / self.scale
-
-    @property
-    def normals(self) -> Array:
-        """N (n, 3), a row each."""
-        return self.harmonic.normals[self.source]
 
     @property
     def gap(self) -> float:

@@ -1,37 +1,39 @@
-"""From normals to the conjugate surface g of constant Gauss curvature, dg = τ = N × *dN (paper, Prop. 3.2).
+"""From normals to the conjugate surface g of constant Gauss curvature, dg = τ = N × *dN (paper, Prop. 3.2 and 4.2).
 
-`tau_ij = star_ij N_i × N_j` is the edge of g dual to edge ij: `g_left - g_right` across i → j. Around an
-interior vertex these edges close exactly when N is harmonic there. So g lives on the faces, at their
-circumcentres; where the domain has holes it is integrated on the domain cut open, and jumps by a period
-across each cut.
+`tau = star N_i × N_j` is the edge of g that runs between the two cells beside a link, `g_left - g_right`. Around a
+site the edges close exactly when N is harmonic there: they are orthogonal to N_i, so g has planar polygons with the
+normals N. With normals at vertices g lives on the faces, at their circumcentres, as a dual polygon mesh; with normals
+at faces it lives on the vertices, as a triangle mesh. Where the domain has holes it is integrated on the domain cut
+open, and jumps by a period across each cut.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from ..domain.domain import Domain
 from ..domain.sites import SiteGraph
 from ..domain.topology import Homology
+from ..domain.trees import Tree
+from ..gauss.dirichlet import Dirichlet
 from ..gauss.energies import EdgeEnergy
-from ..linalg import factorize, sum_rows
+from .ears import unfold_ears
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class Conjugate:
-    """The discrete conjugate at scale 1 (H = ½), its first face at the origin.
+    """The discrete conjugate at scale 1 (H = ½), its first cell at the origin.
 
-    tau: (E, 3). g: (F, 3), one point a face. boundary_points: (B, 3), one on each of `domain.boundary_edges`,
-    which complete the dual polygons of the boundary vertices (paper, Fig. 7). closure_error: the largest gap
-    |Σ tau| around an interior vertex. periods: (k, 3), the jumps across the cuts of a domain with holes or
-    handles.
+    tau: (E, 3). With normals at vertices g: (F, 3), one point a face, and boundary_points: (B, 3), one on each of
+    `domain.boundary_edges`, which complete the dual polygons of the boundary vertices (paper, Fig. 7). With normals at
+    faces g: (n, 3), one point a vertex, on a domain with holes a row of the domain cut open (`Homology.sheets`), and
+    no boundary points. closure_error: the largest gap |Σ tau| around a site inside. periods: (k, 3), the jumps across
+    the cuts of a domain with holes or handles.
     """
 
     tau: Array
@@ -42,66 +44,109 @@ class Conjugate:
 
 
 class Conjugation:
-    """Conjugates on one domain; the tree along which they are integrated is kept."""
+    """Conjugates on one domain; the trees along which they are integrated are kept."""
 
-    def __init__(self, domain: Domain) -> None:
-        self.domain = domain
+    def __init__(self, graph: SiteGraph) -> None:
+        self.graph = graph
+        self.domain = graph.domain
 
     @cached_property
     def homology(self) -> Homology:
         return Homology.of(self.domain)
 
     def conjugate(self, N: Array, energy: EdgeEnergy) -> Conjugate:
-        """Integrate tau of the unit normals N (V, 3) along a spanning tree of the faces."""
-        domain = self.domain
-        tau = conjugate_form(domain, N, energy)
-        g = self.homology.tree.integrate(domain, tau)
-        rim = domain.boundary_edges
-        return Conjugate(
-            tau=tau,
-            g=g,
-            boundary_points=g[domain.edge_faces[rim, 0]] - tau[rim],
-            closure_error=_closure_error(domain, tau),
-            periods=self.homology.periods(tau, g),
-        )
+        """Integrate tau of the unit normals N (S, 3)."""
+        tau = conjugate_form(self.graph, N, energy)
+        error = _closure_error(self.graph, tau)
+        if self.graph.at_vertices:
+            return self._on_faces(tau, error)
+        return self._on_vertices(self.graph.completed(tau), N, error)
+
+    def _on_faces(self, tau: Array, error: float) -> Conjugate:
+        g = self.homology.integrate(tau)
+        rim = self.domain.boundary_edges
+        points = g[self.domain.edge_faces[rim, 0]] - tau[rim]
+        return Conjugate(tau, g, points, error, self.homology.periods(tau, g))
+
+    def _on_vertices(self, tau: Array, N: Array, error: float) -> Conjugate:
+        domain, homology = self.domain, self.homology
+        rows = domain.faces if homology.is_trivial else homology.sheets.faces
+        g = self._row_tree.integrate(self._along_sides(tau))
+        g, tau = unfold_ears(domain, rows, g, tau, N)
+        periods = np.zeros((0, 3))
+        if not homology.is_trivial:
+            sheets = homology.sheets
+            copies = np.arange(domain.vertex_count, len(sheets.source))
+            jumps = g[copies] - g[sheets.source[copies]]
+            periods = np.linalg.lstsq(sheets.offsets[copies].astype(np.float64), jumps, rcond=None)[0]
+        return Conjugate(tau, g, np.zeros((0, 3)), error, periods)
+
+    @cached_property
+    def _row_tree(self) -> Tree:
+        """A tree of the vertices along the sides of the faces; of their rows, where the domain is cut open."""
+        homology = self.homology
+        rows = self.domain.faces if homology.is_trivial else homology.sheets.faces
+        pairs = np.stack([rows[:, [2, 0, 1]], rows[:, [1, 2, 0]]], axis=2).reshape(-1, 2)
+        return Tree.of(pairs, int(rows.max()) + 1)
+
+    def _along_sides(self, tau: Array) -> Array:
+        """(3 F, 3) from the start of each half-edge to its end."""
+        half_edges = np.arange(self.domain.faces.size)
+        edges = self.domain.face_edges.ravel()
+        sign = np.where(self.domain.half_edges[edges, 0] == half_edges, 1.0, -1.0)
+        return sign[:, None] * tau[edges]
+
+    def closed(self, conjugate: Conjugate) -> Conjugate:
+        """The conjugate without its periods: the exact part of tau (Hodge decomposition, paper, Remark 4).
+
+        g minimises Σ weight |dg - tau|² over the edges of its cells, one row a cell.
+        """
+        if self.homology.is_trivial:
+            return conjugate
+        tau = conjugate.tau
+        if self.graph.at_vertices:
+            g = self._exact(tau[self.domain.interior_edges], "faces")
+            rim = self.domain.boundary_edges
+            points = g[self.domain.edge_faces[rim, 0]] - tau[rim]
+            return replace(conjugate, g=g, boundary_points=points)
+        return replace(conjugate, g=self._exact(-tau, "vertices"))
+
+    def _exact(self, differences: Array, cells: str) -> Array:
+        """Values on cells, the sites of the other graph, from `value(i) - value(j)` along its links (K, 3)."""
+        graph = SiteGraph.of(self.domain, cells)
+        weights = np.abs(graph.weights)
+        anchor = np.zeros(1, dtype=np.int64)
+        source = graph.sums(weights[:, None] * differences)
+        return Dirichlet(graph, weights, anchor).solve(source, np.zeros((1, 3)))
 
 
-def conjugate_form(domain: Domain, N: Array, energy: EdgeEnergy) -> Array:
-    """tau (E, 3) = star N_i × N_j (paper, Eq. 9)."""
-    i, j = domain.edges.T
+def conjugate_form(graph: SiteGraph, N: Array, energy: EdgeEnergy) -> Array:
+    """tau (K, 3) = star N_i × N_j on the links (paper, Eq. 9 and 14)."""
+    i, j = graph.links.T
     a, b = N[i], N[j]
-    star = energy.star(np.einsum("ij,ij->i", a, b), SiteGraph.of(domain, "vertices"))
+    star = energy.star(np.einsum("ij,ij->i", a, b), graph)
     return star[:, None] * cross(a, b)
 
 
-def solve_dual_poisson(domain: Domain, N: Array) -> Array:
-    """The conjugate (F, 3) of a simply connected domain by the dual Poisson equation, centred at its mean.
+def solve_dual_poisson(graph: SiteGraph, N: Array) -> Array:
+    """The conjugate of normals at vertices by the dual Poisson equation, (F, 3) centred at its mean.
 
     Σ w*_e (g_left - g_right) = Σ N_i × N_j around every face, w* = 1/w the dual cotangent weights, with the
-    natural condition along the boundary (paper, Eq. 10). Defined where no interior weight vanishes; a second
-    way to g, which agrees with the integral of tau as far as N is harmonic.
+    natural condition along the boundary (paper, Eq. 10 and Appendix C). For simply connected Delaunay domains; a
+    second way to g, which agrees with the integral of tau as far as N is harmonic.
     """
-    inside = domain.interior_edges
-    left, right = domain.edge_faces[inside].T
-    i, j = domain.edges[inside].T
-    dual = 1.0 / domain.cotan_weights[inside]
-    n = len(domain.faces)
-    signs = np.concatenate([np.ones(len(inside)), -np.ones(len(inside))])
-    columns = np.concatenate([left, right])
-    d = sp.csr_array((signs, (np.tile(np.arange(len(inside)), 2), columns)), shape=(len(inside), n))
-    L = sp.csr_array(d.T @ (d * dual[:, None]))
-    flux = d.T @ cross(N[i], N[j])
-    g = np.zeros((n, 3))
-    g[1:] = factorize(L[1:][:, 1:], backend="superlu").solve(flux[1:])
+    inside = graph.domain.interior_edges
+    i, j = graph.links[inside].T
+    faces = SiteGraph.of(graph.domain, "faces")
+    anchor = np.zeros(1, dtype=np.int64)
+    g = Dirichlet(faces, faces.weights, anchor).solve(faces.sums(cross(N[i], N[j])), np.zeros((1, 3)))
     return g - g.mean(axis=0)
 
 
-def _closure_error(domain: Domain, tau: Array) -> float:
-    """Largest |Σ_j tau_ij| around an interior vertex i."""
-    i, j = domain.edges.T
-    n = domain.vertex_count
-    sums = sum_rows(i, tau, n) - sum_rows(j, tau, n)
-    sums[domain.boundary_vertices] = 0.0
+def _closure_error(graph: SiteGraph, tau: Array) -> float:
+    """Largest |Σ_j tau_ij| around a site i that is not on the boundary."""
+    sums = graph.sums(tau)
+    sums[graph.rim] = 0.0
     return float(np.sqrt(np.einsum("ij,ij->i", sums, sums).max()))
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..domain.domain import Domain
-from ..domain.topology import accumulate
+from ..domain.trees import accumulate
 
 Int = NDArray[np.integer]
 

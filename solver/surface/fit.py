@@ -14,7 +14,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from ..domain.domain import Domain
-from ..domain.topology import accumulate
+from ..domain.trees import accumulate
 from ..linalg import sum_rows
 
 Array = NDArray[np.float64]
@@ -25,21 +25,25 @@ Int = NDArray[np.integer]
 _RANK = 1e-6
 
 
-def fit_weights(domain: Domain, vertices: Int) -> tuple[sp.csr_array, sp.csr_array]:
-    """Matrices (n, F) and (n, B): values at `vertices` (n,) from those at faces and at `domain.boundary_edges`."""
+def fit_weights(domain: Domain, vertices: Int, rim: bool = True) -> tuple[sp.csr_array, sp.csr_array]:
+    """Matrices (n, 3 F) and (n, 2 B): values at `vertices` (n,) from those at corners and at ends of boundary edges.
+
+    A corner stands for the circumcentre of its face, as its vertex sees it; an end of one of `domain.boundary_edges`
+    (start before end) for the midpoint of the edge. With `rim` false the second matrix is zero.
+    """
     row = np.full(domain.vertex_count, -1)
     row[vertices] = np.arange(len(vertices))
     corners = np.flatnonzero(row[domain.faces.ravel()] >= 0)
     midpoints, midpoint_vertices = _midpoints(domain)
-    kept = np.flatnonzero(row[midpoint_vertices] >= 0)
+    kept = np.flatnonzero(rim & (row[midpoint_vertices] >= 0))
     rows = np.concatenate([row[domain.faces.ravel()[corners]], row[midpoint_vertices[kept]]])
     samples = np.concatenate([_circumcentres(domain, corners), midpoints[kept]])
     weights = _value_at_origin(rows, samples, len(vertices))
-    n, shape = len(corners), (len(vertices), len(domain.faces))
-    faces = sp.csr_array((weights[:n], (rows[:n], corners // 3)), shape=shape)
-    shape = (len(vertices), len(domain.boundary_edges))
-    rim = sp.csr_array((weights[n:], (rows[n:], kept // 2)), shape=shape)
-    return faces, rim
+    n = len(corners)
+    shape = (len(vertices), domain.faces.size)
+    at_corners = sp.csr_array((weights[:n], (rows[:n], corners)), shape=shape)
+    shape = (len(vertices), 2 * len(domain.boundary_edges))
+    return at_corners, sp.csr_array((weights[n:], (rows[n:], kept)), shape=shape)
 
 
 def _value_at_origin(rows: Int, samples: Array, count: int) -> Array:

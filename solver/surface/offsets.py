@@ -1,13 +1,17 @@
-"""From the conjugate on the faces to g on the vertices, so that f± = g ± N share the triangles of the domain.
+"""From sites to cells and back: g and N at the same places, so that f± = g ± N can be formed (paper, Sec. 3).
 
-Three averages, by name:
+With normals at vertices g is known on the faces, at their circumcentres, and comes to the vertices by
 
 galerkin: the conforming solution of min Σ_f A_f |∇g - τ_f|² with τ_f = N̄ × *∇N on each face; first order in
 H.
 linear: a linear fit around each vertex to the values at circumcentres; first order in H.
 area: the area-weighted mean of the paper (Eq. 11), which does not converge on irregular meshes.
 
-On a domain with holes all three are taken on the cover: values across a cut are shifted by its period.
+With normals at faces it is N that comes to the vertices, by the linear fit (galerkin has no equation to solve
+there) or by the mean of Eq. 11. What is known at vertices comes to the faces with the barycentric weights of their
+circumcentres, or by Eq. 12.
+
+On a domain with holes all of them are taken on the cover: values across a cut are shifted by its period.
 """
 
 from __future__ import annotations
@@ -22,6 +26,7 @@ from numpy.typing import NDArray
 from ..domain.domain import Domain
 from ..domain.topology import Homology
 from ..gauss.dirichlet import Dirichlet
+from ..gauss.sphere import normalize
 from ..linalg import sum_rows
 from .conjugate import Conjugate, cross
 from .fit import fit_weights
@@ -44,60 +49,100 @@ class Averaging:
     N: Array
     fixed: Int
     dirichlet: Callable[[Int], Dirichlet]
-    periods: Array  # (k, 3): those of the conjugate, or zeros to project them out
-
-    @property
-    def keeps_periods(self) -> bool:
-        return bool(self.periods.any())
 
 
 def galerkin(a: Averaging) -> Array:
     """g (V, 3) on the first rows of the cut surface, from `L g = Σ_f ∫ <∇φ_i, τ_f - ∇(offsets)>`.
 
     On a simply connected domain the factor of the normals serves again: g is fitted linearly at the fixed
-    vertices and solved for at the others. With holes, one vertex is held and the whole Laplacian factored.
+    vertices and solved for at the others. With holes, one vertex is fitted and the whole Laplacian factored.
     """
     load = _galerkin_load(a.domain, a.N)
     if a.homology.is_trivial:
-        faces, rim = fit_weights(a.domain, a.fixed)
-        fitted = faces @ a.conjugate.g
-        fitted += rim @ a.conjugate.boundary_points
-        return a.dirichlet(a.fixed).solve(load, fitted)
-    if a.keeps_periods:
-        load = load - _offset_load(a.domain, a.homology, a.periods)
+        return a.dirichlet(a.fixed).solve(load, _mean(a, *fit_weights(a.domain, a.fixed)))
+    if a.conjugate.periods.any():
+        load = load - _offset_load(a.domain, a.homology, a.conjugate.periods)
     anchor = np.zeros(1, dtype=np.int64)
-    return a.dirichlet(anchor).solve(load, np.zeros((1, 3)))
+    return a.dirichlet(anchor).solve(load, _mean(a, *fit_weights(a.domain, anchor)))
 
 
 def linear(a: Averaging) -> Array:
     """g (V, 3) by a linear fit to the conjugate at circumcentres and boundary points around each vertex."""
-    faces, rim = fit_weights(a.domain, np.arange(a.domain.vertex_count))
-    return _on_the_cover(a, faces) + rim @ a.conjugate.boundary_points + _rim_offsets(a, rim)
+    return _mean(a, *fit_weights(a.domain, np.arange(a.domain.vertex_count)))
 
 
 def area(a: Averaging) -> Array:
     """g (V, 3) as the area-weighted mean of the conjugate on the faces around each vertex (paper, Eq. 11)."""
-    domain = a.domain
-    face = np.repeat(np.arange(len(domain.faces)), 3)
-    totals = np.bincount(domain.faces.ravel(), domain.face_areas[face], domain.vertex_count)
-    weights = domain.face_areas[face] / totals[domain.faces.ravel()]
-    shape = (domain.vertex_count, len(domain.faces))
-    return _on_the_cover(a, sp.csr_array((weights, (domain.faces.ravel(), face)), shape=shape))
+    return _mean(a, _area_weights(a.domain))
+
+
+def _area_weights(domain: Domain) -> sp.csr_array:
+    """(V, 3 F) of the corners around each vertex; rows sum to one."""
+    vertices = domain.faces.ravel()
+    areas = np.repeat(domain.face_areas, 3)
+    weights = areas / np.bincount(vertices, areas, domain.vertex_count)[vertices]
+    shape = (domain.vertex_count, len(vertices))
+    return sp.csr_array((weights, (vertices, np.arange(len(vertices)))), shape=shape)
+
+
+def fitted_normals(domain: Domain, N: Array) -> Array:
+    """Unit normals (V, 3) from those of the faces (F, 3), by a linear fit at circumcentres around each vertex.
+
+    On the boundary, too, only the faces count: there the fit extrapolates, by half a triangle.
+    """
+    weights, _ = fit_weights(domain, np.arange(domain.vertex_count), rim=False)
+    return normalize(weights @ np.repeat(N, 3, axis=0))
+
+
+def mean_normals(domain: Domain, N: Array) -> Array:
+    """Area-weighted means (V, 3) of the normals of the faces (F, 3) around each vertex (paper, Eq. 11), made unit."""
+    return normalize(_area_weights(domain) @ np.repeat(N, 3, axis=0))
+
+
+def circumcentres(domain: Domain) -> Array:
+    """Barycentric coordinates (F, 3) of the circumcentres, ½ cot θ_k (cot θ_i + cot θ_j).
+
+    The one of an obtuse corner is negative: the circumcentre lies beyond the opposite edge.
+    """
+    a, b, c = domain.corner_cotans.T
+    return 0.5 * np.stack([a * (b + c), b * (c + a), c * (a + b)], axis=1)
+
+
+def vertex_shares(domain: Domain) -> Array:
+    """A_v / Σ A_v over the corners of each face, (F, 3), with the barycentric areas A_v (paper, Eq. 12)."""
+    areas = domain.vertex_areas[domain.faces]
+    return areas / areas.sum(axis=1, keepdims=True)
 
 
 @dataclass(frozen=True)
 class Average:
-    """An average as a user interface offers it; `of` gives g (V, 3)."""
+    """An average as a user interface offers it.
+
+    conjugate: g (V, 3), from normals at vertices. normals: N (V, 3), from normals at faces. to_faces: weights (F, 3)
+    of what is known at the corners of each face.
+    """
 
     label: str
     description: str
-    of: Callable[[Averaging], Array]
+    conjugate: Callable[[Averaging], Array]
+    normals: Callable[[Domain, Array], Array]
+    to_faces: Callable[[Domain], Array]
 
 
 AVERAGINGS = {
-    "galerkin": Average("Galerkin", "Conforming solve; converges on every mesh", galerkin),
-    "linear": Average("Linear fit", "Fit at circumcentres; converges on every mesh", linear),
-    "area": Average("Area", "The paper's average (Eq. 11); does not converge on irregular meshes", area),
+    "galerkin": Average(
+        "Galerkin", "Conforming solve; converges on every mesh", galerkin, fitted_normals, circumcentres
+    ),
+    "linear": Average(
+        "Linear fit", "Fit at circumcentres; converges on every mesh", linear, fitted_normals, circumcentres
+    ),
+    "area": Average(
+        "Area",
+        "The paper's averages (Eq. 11 and 12); do not converge on irregular meshes",
+        area,
+        mean_normals,
+        vertex_shares,
+    ),
 }
 
 
@@ -135,28 +180,24 @@ def _offset_load(domain: Domain, homology: Homology, periods: Array) -> Array:
     return load
 
 
-def _on_the_cover(a: Averaging, weights: sp.csr_array) -> Array:
-    """Average face values (V, F) around each vertex, every face brought to the sheet of the vertex's first row."""
-    mean = weights @ a.conjugate.g
-    if not a.conjugate.periods.size:
-        return mean
-    sheets = a.homology.sheets
-    shift = sheets.offsets[sheets.faces] @ a.conjugate.periods
-    matrix = weights.tocoo()
-    corner = np.argmax(a.domain.faces[matrix.col] == matrix.row[:, None], axis=1)
-    moved = matrix.data[:, None] * shift[matrix.col, corner]
-    np.subtract.at(mean, matrix.row, moved)
-    return mean
+def _mean(a: Averaging, corners: sp.csr_array, ends: sp.csr_array | None = None) -> Array:
+    """Weighted mean (n, 3) of the conjugate at the corners (n, 3 F) and at the ends of boundary edges (n, 2 B).
 
-
-def _rim_offsets(a: Averaging, rim: sp.csr_array) -> Array:
-    """What `_on_the_cover` does for faces, for boundary points: their sheet is that of the face behind them."""
-    moved = np.zeros((a.domain.vertex_count, 3))
-    if a.conjugate.periods.size:
+    Every face is brought to the sheet of the first row of the vertex at the corner; boundary points go with the
+    face behind them.
+    """
+    shift = np.zeros((a.domain.faces.size, 3))
+    if a.conjugate.periods.any():
         sheets = a.homology.sheets
-        matrix = rim.tocoo()
-        face = a.domain.edge_faces[a.domain.boundary_edges[matrix.col], 0]
-        corner = np.argmax(a.domain.faces[face] == matrix.row[:, None], axis=1)
-        shift = sheets.offsets[sheets.faces[face, corner]] @ a.conjugate.periods
-        np.subtract.at(moved, matrix.row, matrix.data[:, None] * shift)
-    return moved
+        shift = (sheets.offsets @ a.conjugate.periods)[sheets.faces.ravel()]
+    mean = corners @ (np.repeat(a.conjugate.g, 3, axis=0) - shift)
+    if ends is None:
+        return mean
+    behind = a.domain.half_edges[a.domain.boundary_edges, 0]
+    corner = np.stack([_around(behind, 1), _around(behind, 2)], axis=1).ravel()
+    return mean + ends @ (np.repeat(a.conjugate.boundary_points, 2, axis=0) - shift[corner])
+
+
+def _around(corners: Int, steps: int) -> Int:
+    """The corner `steps` further around the same face."""
+    return corners - corners % 3 + (corners + steps) % 3

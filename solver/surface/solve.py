@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..domain.delaunay import intrinsic_delaunay
 from ..domain.domain import Domain
+from ..domain.sites import SiteGraph
 from ..errors import ConditionError, plural
 from ..gauss.conditions import Conditions
 from ..gauss.harmonic import HarmonicMap, HarmonicSolver
@@ -15,15 +19,26 @@ from .conjugate import Conjugate, Conjugation
 from .offsets import AVERAGINGS, Averaging
 
 Array = NDArray[np.float64]
+Int = NDArray[np.integer]
+
+# Periods below this part of the diameter are rounding.
+_CLOSED = 1e-9
 
 
 class CmcSolver:
-    """Solves on one domain for many boundary conditions: factors, trees and cuts are kept."""
+    """Solves on one domain for many boundary conditions: factors, trees and cuts are kept.
 
-    def __init__(self, domain: Domain, sites: str = "vertices", energy: str = "cotan") -> None:
+    sites, energy, delaunay: see `solve_cmc`.
+    """
+
+    def __init__(
+        self, domain: Domain, sites: str = "vertices", energy: str = "cotan", delaunay: bool = False
+    ) -> None:
         self.domain = domain
-        self.harmonic = HarmonicSolver(domain, sites=sites, energy=energy)
-        self.conjugation = Conjugation(domain)
+        self._carried = intrinsic_delaunay(domain) if delaunay else None
+        solved_on = self._carried.domain if self._carried else domain
+        self.harmonic = HarmonicSolver(solved_on, sites=sites, energy=energy)
+        self.conjugation = Conjugation(self.harmonic.graph)
 
     def solve(
         self,
@@ -33,7 +48,7 @@ class CmcSolver:
         averaging: str = "galerkin",
         method: str = "newton",
         tolerance: float = 1e-6,
-        max_iterations: int = 200,
+        max_iterations: int | None = None,
         mean_curvature: float = 0.5,
         side: int = +1,
         degree: float | None = None,
@@ -44,7 +59,9 @@ class CmcSolver:
         scale = _scale(mean_curvature)
         if averaging not in AVERAGINGS:
             raise ConditionError(f"There is no average {averaging!r}; known are {', '.join(AVERAGINGS)}.")
-        self._check_sites(conditions)
+        if self._carried:
+            conditions = conditions.carried(self._carried.edges)
+        fixed = self._fixed(conditions)
         harmonic = self.harmonic.solve(
             conditions,
             initial,
@@ -56,62 +73,78 @@ class CmcSolver:
             progress=progress,
         )
         conjugate = self.conjugation.conjugate(harmonic.normals, self.harmonic.energy)
-        return self._surface(conditions, harmonic, conjugate, averaging, scale, period_tolerance)
+        return self._surface(fixed, harmonic, conjugate, averaging, scale, period_tolerance)
 
-    def _check_sites(self, conditions: Conditions) -> None:
-        inside = np.setdiff1d(conditions.sites, self.domain.boundary_vertices)
+    def _fixed(self, conditions: Conditions) -> Int:
+        """The fixed sites, which must lie on the boundary: elsewhere the conjugate would not close around them."""
+        graph = self.harmonic.graph
+        fixed, _ = conditions.resolve(graph.name, graph.domain.edge_faces[:, 0])
+        inside = np.setdiff1d(fixed, graph.rim)
         if inside.size:
+            noun = "vertex" if graph.at_vertices else "face"
             raise ConditionError(
-                f"Normals are prescribed inside, at {plural('vertex', inside)}; a CMC surface takes them on the "
-                "boundary only, since its conjugate does not close around other prescribed vertices.",
-                vertices=inside,
+                f"Normals are prescribed inside, at {plural(noun, inside)}; a CMC surface takes them on the "
+                f"boundary only, since its conjugate does not close around other prescribed {graph.name}.",
+                **{graph.name: inside},
             )
+        return fixed
 
     def _surface(
         self,
-        conditions: Conditions,
+        fixed: Int,
         harmonic: HarmonicMap,
         conjugate: Conjugate,
         averaging: str,
         scale: float,
         period_tolerance: float,
     ) -> CmcSurface:
-        domain, homology = self.domain, self.conjugation.homology
-        is_open = not homology.is_trivial and (
-            _longest(conjugate.periods) > period_tolerance * _diameter(domain, harmonic.normals, conjugate.g)
-        )
-        sheets = homology.sheets if is_open else None
-        g = AVERAGINGS[averaging].of(
-            Averaging(
-                domain=domain,
-                homology=homology,
-                conjugate=conjugate,
-                N=harmonic.normals,
-                fixed=np.unique(conditions.sites),
-                dirichlet=self.harmonic.dirichlet,
-                periods=conjugate.periods if is_open else np.zeros_like(conjugate.periods),
+        graph, homology = self.harmonic.graph, self.conjugation.homology
+        diameter = _diameter(graph, harmonic.normals, conjugate.g)
+        gap = _longest(conjugate.periods)
+        is_open = gap > period_tolerance * diameter
+        if is_open and self._carried:
+            raise ConditionError(
+                "The surface does not close around the holes of the plan, and it cannot be cut open on its intrinsic "
+                "Delaunay triangulation; solve with delaunay=False."
             )
-        )
-        g = g - g[domain.boundary_vertices].mean(axis=0)
-        source = np.arange(domain.vertex_count, dtype=np.int32)
-        faces = domain.faces
-        if sheets is not None:
+        whole = replace(conjugate, periods=np.zeros_like(conjugate.periods) if not is_open else conjugate.periods)
+        if not is_open and gap > _CLOSED * diameter:
+            whole = self.conjugation.closed(whole)
+        g, N = self._at_vertices(fixed, harmonic.normals, whole, averaging)
+        centre = g[graph.domain.boundary_vertices].mean(axis=0) if len(graph.rim) else g.mean(axis=0)
+        g = g - centre
+        source = np.arange(self.domain.vertex_count, dtype=np.int32)
+        faces = self.domain.faces
+        if is_open:
+            sheets = homology.sheets
             source, faces = sheets.source, sheets.faces
             g = g[source] + sheets.offsets @ conjugate.periods
-        N = harmonic.normals[source]
+        N = N[source]
         return CmcSurface(
-            domain=domain,
+            domain=self.domain,
+            graph=graph,
             harmonic=harmonic,
-            conjugate=conjugate,
+            conjugate=replace(whole, periods=conjugate.periods),
+            averaging=averaging,
+            centre=centre,
             g=scale * g,
             f_plus=scale * (g + N),
             f_minus=scale * (g - N),
+            normals=N,
             faces=faces,
             source=source,
             scale=scale,
             periods=scale * conjugate.periods,
             is_open=is_open,
         )
+
+    def _at_vertices(self, fixed: Int, N: Array, conjugate: Conjugate, averaging: str) -> tuple[Array, Array]:
+        """g and N (V, 3); where the surface is cut open, on the first row of each vertex."""
+        graph, average = self.harmonic.graph, AVERAGINGS[averaging]
+        if not graph.at_vertices:
+            return conjugate.g[: graph.domain.vertex_count], average.normals(graph.domain, N)
+        given = Averaging(graph.domain, self.conjugation.homology, conjugate, N, fixed, self.harmonic.dirichlet)
+        return average.conjugate(given), N
 
 
 def solve_cmc(
@@ -137,17 +170,19 @@ def solve_cmc(
 
     tolerance: of the residual `sqrt(A Σ |P_i (LN)_i|² / A_i)`, which does not depend on units.
     mean_curvature: H > 0 of the result, in 1/length; ½ is the scale of the paper.
-    averaging: how g comes to the vertices: "galerkin", "linear" or "area" (see `offsets`).
+    sites: "vertices" or "faces": where the normals live (paper, Sec. 3 and 4). energy: a name in `ENERGIES`; "cotan"
+        means the dual cotangent energy on faces, where "mobius" is the robust choice.
+    method: a name in `METHODS`. delaunay: solve on the intrinsic Delaunay triangulation of the domain (needs libigl);
+        the result is carried back to its vertices and has its faces.
+    averaging: how g comes to the vertices, or N from the faces: "galerkin", "linear" or "area" (see `offsets`).
     initial, side, degree: where to start, see `HarmonicSolver.solve`.
     period_tolerance: on a domain with holes, periods below this part of the diameter are projected out; above it
         the surface is cut open, has more rows than the domain has vertices, and says so in its status.
-    progress: called as progress(iteration, residual) on every Newton step; returning False cancels.
+    progress: called as progress(iteration, residual) on every step; returning False cancels.
 
     Raises `ConditionError` on conditions that contradict each other or fix nothing. Not converging is a status.
     """
-    if delaunay:
-        raise ConditionError("Intrinsic Delaunay triangulation is not available yet; pass delaunay=False.")
-    return CmcSolver(domain, sites=sites, energy=energy).solve(
+    return CmcSolver(domain, sites=sites, energy=energy, delaunay=delaunay).solve(
         conditions,
         initial,
         averaging=averaging,
@@ -171,7 +206,7 @@ def _longest(periods: Array) -> float:
     return float(np.linalg.norm(periods, axis=1).max(initial=0.0))
 
 
-def _diameter(domain: Domain, N: Array, g: Array) -> float:
-    """Diagonal of the larger of the two sheets, roughly: from the conjugate and the normals on the faces."""
-    on_faces = N[domain.faces].mean(axis=1)
-    return max(float(np.linalg.norm(np.ptp(g + s * on_faces, axis=0))) for s in (1, -1))
+def _diameter(graph: SiteGraph, N: Array, g: Array) -> float:
+    """Diagonal of the larger of the two sheets, roughly: from the conjugate and the normals at the corners."""
+    sites, cells = graph.incidence
+    return max(float(np.linalg.norm(np.ptp(g[cells] + s * N[sites], axis=0))) for s in (1, -1))

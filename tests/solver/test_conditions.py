@@ -62,7 +62,7 @@ def test_binormals_turn_with_the_surface(disc):
     edges = disc.domain.boundary_edges
     one = conditions.binormal(disc.domain, flat, edges, tilt=0.4)
     other = conditions.binormal(disc.domain, flat @ turn.T, edges, tilt=0.4)
-    assert_allclose(other.normals, one.normals @ turn.T, rtol=0, atol=1e-12)
+    assert_allclose(other.vertex_normals, one.vertex_normals @ turn.T, rtol=0, atol=1e-12)
     assert_allclose(other.up, turn @ one.up, rtol=0, atol=1e-12)
 
 
@@ -98,7 +98,7 @@ def test_edges_are_indices_or_vertex_pairs(strip):
     pairs = strip.domain.edges[edges][:, ::-1]
     one = conditions.fixed(strip.domain, edges, [0, 0, 1])
     other = conditions.fixed(strip.domain, pairs, [0, 0, 1])
-    assert_array_equal(one.sites, other.sites)
+    assert_array_equal(one.vertices, other.vertices)
 
 
 def test_where_kinds_meet_fixed_normals_blend_and_win_over_free(strip):
@@ -187,7 +187,7 @@ def test_every_kind_can_be_built_with_its_defaults(kind, disc):
 
 
 def test_no_edges_are_no_condition(strip):
-    assert len(conditions.fixed(strip.domain, [], [0, 0, 1]).sites) == 0
+    assert len(conditions.fixed(strip.domain, [], [0, 0, 1]).vertices) == 0
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,7 @@ from solver import (
     shapes,
     solve_cmc,
 )
+from solver.domain.sites import SiteGraph
 from solver.gauss.energies import ENERGIES
 from solver.surface.conjugate import Conjugation, solve_dual_poisson
 from solver.surface.fit import fit_weights
@@ -156,9 +157,10 @@ def test_three_ways_to_the_conjugate_agree():
         domain = shape.domain
         surface = solve_cmc(domain, once_twisted(domain, shape.positions), tolerance=1e-11)
         by_tree = centred(surface.conjugate.g)
-        assert_allclose(solve_dual_poisson(domain, surface.normals), by_tree, rtol=0, atol=1e-8)
+        assert_allclose(solve_dual_poisson(surface.graph, surface.normals), by_tree, rtol=0, atol=1e-8)
         faces, edges = fit_weights(domain, np.arange(domain.vertex_count))
-        fitted = faces @ surface.conjugate.g + edges @ surface.conjugate.boundary_points
+        conjugate = surface.conjugate
+        fitted = faces @ np.repeat(conjugate.g, 3, axis=0) + edges @ np.repeat(conjugate.boundary_points, 2, axis=0)
         differences.append(worst(fitted, surface.g))
     assert rates(differences)[0] > 1.5
 
@@ -171,7 +173,7 @@ def test_tau_closes_exactly_as_far_as_the_map_is_harmonic():
     assert tight.conjugate.closure_error < 1e-12 < loose.conjugate.closure_error
     random = np.random.default_rng(0).normal(size=(domain.vertex_count, 3))
     N = random / np.linalg.norm(random, axis=1, keepdims=True)
-    conjugate = Conjugation(domain).conjugate(N, ENERGIES["cotan"])
+    conjugate = Conjugation(SiteGraph.of(domain, "vertices")).conjugate(N, ENERGIES["cotan"])
     torques = np.linalg.norm(np.cross(N, domain.laplacian @ N), axis=1)
     inside = np.setdiff1d(np.arange(domain.vertex_count), domain.boundary_vertices)
     assert_allclose(conjugate.closure_error, torques[inside].max(), rtol=1e-10, atol=0)
@@ -354,4 +356,5 @@ def test_linear_functions_are_reproduced_by_the_fit(name):
     )
     faces, edges = fit_weights(domain, np.arange(domain.vertex_count))
     midpoints = points[domain.edges[domain.boundary_edges]].mean(axis=1)
-    assert_allclose(faces @ values(centre) + edges @ values(midpoints), values(points), rtol=0, atol=1e-11)
+    fitted = faces @ np.repeat(values(centre), 3, axis=0) + edges @ np.repeat(values(midpoints), 2, axis=0)
+    assert_allclose(fitted, values(points), rtol=0, atol=1e-11)

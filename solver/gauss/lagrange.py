@@ -1,0 +1,74 @@
+"""Newton's method on the 4 S equations with Lagrange multipliers (paper, Appendix B): the reference.
+
+Unknown are the normals, free to leave the sphere, and a multiplier each:
+
+    grad E(N)_i + Λ_i N_i = 0,    ½ (1 - |N_i|²) = 0.
+
+The energy is continued off the sphere as a function of c = 1 - ½ |N_i - N_j|², so that its gradient is
+Σ star (N_i - N_j) and, for the cotangent energy, its Hessian the Laplacian. Every step factors a new saddle matrix:
+slow, and sure of convergence only near a critical point, of whatever kind it is; but none of it is shared with
+Newton's method on the spheres.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.sparse.linalg import splu
+
+from .minimise import Minimum, Progress, Step, descend
+from .problem import EnergyProblem, Point
+from .sphere import dot, normalize
+
+Array = NDArray[np.float64]
+
+_HALVINGS = 12
+
+
+def lagrange(
+    problem: EnergyProblem,
+    N: Array,
+    *,
+    tolerance: float,
+    max_iterations: int = 50,
+    progress: Progress | None = None,
+) -> Minimum:
+    """Full Newton steps; each is halved while it would not lower the residual, and ends on the spheres."""
+
+    def take_step(point: Point) -> Step | int:
+        direction = _direction(problem, point)
+        length = 1.0
+        for _ in range(_HALVINGS):
+            trial = problem.at(normalize(point.N + length * direction))
+            if trial.residual < point.residual:
+                return Step(trial, 1, length)
+            length *= 0.5
+        return 1
+
+    return descend(problem, N, take_step, tolerance=tolerance, max_iterations=max_iterations, progress=progress)
+
+
+def _direction(problem: EnergyProblem, point: Point) -> Array:
+    """δN (S, 3) of one Newton step of the whole system; zero at fixed sites.
+
+    On the sphere the best multiplier is Λ_i = -<N_i, G_i>, and with it the second equation holds already.
+    """
+    unknown = problem.dirichlet.unknown
+    count = len(unknown)
+    multiplier = -dot(point.N, point.gradient)
+    rows = (3 * unknown[:, None] + np.arange(3)).ravel()
+    hessian = sp.csr_array(sp.kron(point.L, sp.eye_array(3)) + sp.diags_array(np.repeat(multiplier[:, 0], 3)))
+    bending = problem.bending(point)
+    if bending is not None:
+        rows_u, dstar = bending
+        hessian = sp.csr_array(hessian - rows_u.T @ sp.diags_array(dstar) @ rows_u)
+    hessian = hessian[rows][:, rows]
+    starts = np.arange(0, 3 * count + 1, 3)
+    X = sp.csr_array((-point.N[unknown].ravel(), np.arange(3 * count), starts), shape=(count, 3 * count))
+    saddle = sp.block_array([[hessian, -X.T], [X, None]], format="csc")
+    first = (point.gradient + multiplier * point.N)[unknown].ravel()
+    solution = splu(saddle).solve(np.concatenate([-first, np.zeros(count)]))
+    direction = np.zeros_like(point.N)
+    direction[unknown] = solution[: 3 * count].reshape(-1, 3)
+    return direction

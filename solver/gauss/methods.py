@@ -1,0 +1,28 @@
+"""The minimisers by name, all behind the same call."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from .flow import flow
+from .gauss_seidel import gauss_seidel
+from .lagrange import lagrange
+from .minimise import Minimum, newton
+
+
+@dataclass(frozen=True)
+class Method:
+    """A minimiser as a user interface offers it: `of(problem, N, tolerance=, max_iterations=, progress=)`."""
+
+    label: str
+    description: str
+    of: Callable[..., Minimum] = field(repr=False)
+
+
+METHODS = {
+    "newton": Method("Newton", "Newton's method with conjugate gradients: a few steps on any mesh", newton),
+    "flow": Method("Gradient flow", "The paper's H¹ gradient flow: steady, tens to hundreds of steps", flow),
+    "gauss_seidel": Method("Gauss-Seidel", "Average the neighbours again and again: simple and slow", gauss_seidel),
+    "lagrange": Method("Lagrange-Newton", "The paper's system with multipliers: a slow reference", lagrange),
+}

@@ -1,0 +1,69 @@
+"""The tips of ears: vertices of the boundary about which normals at faces say nothing.
+
+A face with two sides on the boundary is an ear, and its tip belongs to no other face. No link crosses an edge at the
+tip, so the conjugate is not determined there: the triangle of g that belongs to the face has a known side, and a plane.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..domain.domain import Domain
+
+Array = NDArray[np.float64]
+Int = NDArray[np.integer]
+
+
+def unfold_ears(domain: Domain, rows: Int, g: Array, tau: Array, N: Array) -> tuple[Array, Array]:
+    """g (n, 3) and tau (E, 3) with the tips where the affine map of the neighbouring face puts them.
+
+    The ear and its neighbour are laid out in the plane; the map of the neighbour's triangle on g is continued to the
+    tip, which is then moved into the plane through its two neighbours that is orthogonal to N (F, 3). rows: (F, 3),
+    the row of g at each corner.
+    """
+    base = _bases(domain)
+    if not len(base):
+        return g, tau
+    across = domain.twins[base].astype(np.int64)
+    tip, start = rows.ravel()[base], rows.ravel()[_turn(base, 1)]
+    # the other face walks the common edge backwards
+    near = (rows.ravel()[_turn(across, k)] for k in (2, 1, 0))
+    a, b, far = (g[row] for row in near)
+    along, away = _coordinates(domain, base, across)
+    point = along[:, None] * (b - a) + away[:, None] * (far - a)
+    normal = N[base // 3]
+    g, tau = g.copy(), tau.copy()
+    g[tip] = g[start] + point - np.einsum("ij,ij->i", point, normal)[:, None] * normal
+    for k in (1, 2):
+        side = _turn(base, k)
+        ends = rows.ravel()[_turn(side, 2)], rows.ravel()[_turn(side, 1)]
+        tau[domain.face_edges.ravel()[side]] = g[ends[0]] - g[ends[1]]
+    return g, tau
+
+
+def _bases(domain: Domain) -> Int:
+    """The inner half-edge of each ear; its number is also that of the tip, the corner opposite."""
+    outside = (domain.twins < 0).reshape(-1, 3)
+    ears = np.flatnonzero(outside.sum(axis=1) == 2)
+    return 3 * ears + np.argmin(outside[ears], axis=1)
+
+
+def _coordinates(domain: Domain, base: Int, across: Int) -> tuple[Array, Array]:
+    """The tip as `along (b - a) + away (far - a)`, where the edge a → b has the tip on its left, `far` on its right."""
+    x, y = _apex(domain, base)
+    from_b, depth = _apex(domain, across)
+    away = -y / depth
+    return x - away * (1.0 - from_b), away
+
+
+def _apex(domain: Domain, half_edge: Int) -> tuple[Array, Array]:
+    """The corner opposite a half-edge: its foot along it, from 0 to 1, and its height, in units of its length."""
+    cotans = domain.corner_cotans.ravel()
+    first, second = cotans[_turn(half_edge, 1)], cotans[_turn(half_edge, 2)]
+    return first / (first + second), 1.0 / (first + second)
+
+
+def _turn(corners: Int, steps: int) -> Int:
+    """The corner `steps` further around the same face."""
+    return corners - corners % 3 + (corners + steps) % 3
