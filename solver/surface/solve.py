@@ -35,6 +35,7 @@ class CmcSolver:
         self, domain: Domain, sites: str = "vertices", energy: str = "cotan", delaunay: bool = False
     ) -> None:
         self.domain = domain
+        self.delaunay = delaunay
         self._carried = intrinsic_delaunay(domain) if delaunay else None
         solved_on = self._carried.domain if self._carried else domain
         self.harmonic = HarmonicSolver(solved_on, sites=sites, energy=energy)
