@@ -20,7 +20,7 @@ import bpy
 import addon_utils  # is on the path once bpy is imported
 
 MODULE = "bl_ext.user_default.cmc_formfinding"
-BUNDLED = ("scipy", "trimesh", "cholespy")
+BUNDLED = {"scipy": "scipy", "trimesh": "trimesh", "cholespy": "cholespy", "libigl": "igl"}  # wheel: module
 
 
 def versions() -> dict:
@@ -29,7 +29,7 @@ def versions() -> dict:
 
 def install(archive: str) -> dict:
     """Install and enable the zip; where the bundled packages are before and after."""
-    before = [name for name in BUNDLED if importlib.util.find_spec(name)]
+    before = [name for name in BUNDLED.values() if importlib.util.find_spec(name)]
     bpy.ops.extensions.package_install_files(
         filepath=archive, repo="user_default", enable_on_install=True, overwrite=True
     )
@@ -52,6 +52,18 @@ def solve() -> dict:
     }
 
 
+def triangulate() -> dict:
+    """The least weight of an edge inside, before and after intrinsic Delaunay triangulation of a sheared grid."""
+    solver = importlib.import_module(f"{MODULE}.solver")
+    delaunay = importlib.import_module(f"{MODULE}.solver.domain.delaunay")
+    points = [[i + 2.5 * j, j] for i in range(5) for j in range(5)]
+    corners = [5 * i + j for i in range(4) for j in range(4)]
+    faces = [[k, k + 5, k + 6] for k in corners] + [[k, k + 6, k + 1] for k in corners]
+    old = solver.Domain.from_positions(points, faces)
+    new = delaunay.intrinsic_delaunay(old).domain
+    return {"weights": [float(domain.cotan_weights[domain.interior_edges].min()) for domain in (old, new)]}
+
+
 def command(folder: Path) -> dict:
     """`blender --command cmc` on the scene as a file; what it answered and wrote."""
     plan = folder / "plan.blend"
@@ -69,7 +81,7 @@ def size(ob: bpy.types.Object) -> list[float]:
 
 def origins() -> dict:
     """The file each bundled package was imported from, and its version."""
-    files = {name: importlib.import_module(name).__file__ for name in BUNDLED}
+    files = {name: importlib.import_module(module).__file__ for name, module in BUNDLED.items()}
     return {"origins": {name: [file, importlib.metadata.version(name)] for name, file in files.items()}}
 
 
@@ -84,7 +96,7 @@ def disable() -> dict:
 def main(archive: str, output: str) -> None:
     facts = versions()
     folder = Path(output).parent
-    for step in (lambda: install(archive), solve, lambda: command(folder), origins, disable):
+    for step in (lambda: install(archive), solve, triangulate, lambda: command(folder), origins, disable):
         facts |= step()
         Path(output).write_text(json.dumps(facts), encoding="utf-8")
 

@@ -99,6 +99,11 @@ def test_solves(facts: dict) -> None:
     assert {"cmc_normal", "cmc_mean_curvature"} <= set(facts["attributes"])
 
 
+def test_triangulates(facts: dict) -> None:
+    before, after = facts["weights"]
+    assert before < -1 and after > 0.1
+
+
 def test_the_command_line_works(facts: dict) -> None:
     assert facts["command"] == 0
     assert {"shell.glb", "report.json"} <= set(facts["written"])
