@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +13,10 @@ from ..domain.domain import Domain
 from ..domain.sites import SiteGraph
 from ..errors import ConditionError, Status
 from ..gauss.harmonic import HarmonicMap
+from .complexes import Complex, Corners, corner_complex, dual_complex
 from .conjugate import Conjugate
+from .offsets import AVERAGINGS
+from .polygon_mesh import PolygonMesh
 
 Array = NDArray[np.float64]
 
@@ -20,13 +25,24 @@ SHEETS = ("f+", "f-", "g", "gauss")
 _DEGENERATE = 0.02
 
 
-@dataclass(frozen=True, eq=False)
-class PolygonMesh:
-    """vertices (n, 3); polygons, index arrays counter-clockwise; source (n,), the vertex of the domain of each row."""
+@dataclass(frozen=True)
+class Combinatorics:
+    """The polygons of a mesh of the surface, as a user interface offers them (paper, Fig. 5)."""
 
-    vertices: Array
-    polygons: list[NDArray[np.int32]]
-    source: NDArray[np.int32]
+    label: str
+    description: str
+    complex: Callable[[Corners], Complex] | None = None
+
+
+COMBINATORICS = {
+    "primal": Combinatorics("Triangles", "The triangles of the plan"),
+    "dual": Combinatorics(
+        "Dual", "A vertex for each triangle of the plan, a polygon for each of its vertices", dual_complex
+    ),
+    "corner": Combinatorics(
+        "Corners", "A polygon for each triangle, each edge and each vertex of the plan", corner_complex
+    ),
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,10 +109,28 @@ class CmcSurface:
         return sheets[name]
 
     def as_mesh(self, sheet: str, combinatorics: str = "primal") -> PolygonMesh:
-        """A sheet as a mesh with the triangles of the domain ("primal")."""
-        if combinatorics != "primal":
-            raise ConditionError(f"There is no combinatorics {combinatorics!r}; known is primal.")
-        return PolygonMesh(self.sheet(sheet), list(self.faces), self.source)
+        """A sheet as a mesh with the triangles of the domain, or one of the other `COMBINATORICS` (paper, Fig. 5).
+
+        Those are of the domain on which the normals were solved for, `graph.domain`. Where the surface is cut open,
+        vertices along the seam are repeated so that every polygon is whole.
+        """
+        if combinatorics not in COMBINATORICS:
+            known = ", ".join(COMBINATORICS)
+            raise ConditionError(f"There is no combinatorics {combinatorics!r}; known are {known}.")
+        points = self.sheet(sheet)
+        complex_of = COMBINATORICS[combinatorics].complex
+        if complex_of is None:
+            rows = self.faces if self.is_open else self.graph.domain.faces
+            return PolygonMesh.of_triangles(points, self.faces, self.normals, self.graph.domain, rows)
+        mesh = complex_of(self._corners)
+        g, N = self.scale * (mesh.conjugate - self.centre), self.scale * mesh.normals
+        return mesh.mesh({"f+": g + N, "f-": g - N, "g": g, "gauss": N}[sheet])
+
+    @cached_property
+    def _corners(self) -> Corners:
+        weights = AVERAGINGS[self.averaging].to_faces(self.graph.domain)
+        at_vertices = self.normals[: self.domain.vertex_count]
+        return Corners.of(self.graph, self.conjugate, self.harmonic.normals, at_vertices, weights, self.is_open)
 
     def is_degenerate(self, name: str) -> bool:
         """Whether a sheet has shrunk to (almost) a point: f- over a spherical f+, and the other way round."""

@@ -16,6 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..domain.domain import Domain
+from ..domain.sites import SiteGraph
+from ..domain.topology import Homology
+from .conjugate import Conjugate
 from .corners import Fans, after, before
 from .polygon_mesh import PolygonMesh
 
@@ -30,7 +33,8 @@ class Corners:
     conjugate, normals: (F, 3, 3), in every face as it lies on its own sheet.
     weights: (F, 3) barycentric coordinates of the place in each face where its corners are averaged (A_* of the paper,
     Eq. 12): those of the circumcentre, where the conjugate of normals on vertices is, or others that sum to one.
-    boundary_points: (B, 3), a point of g on each of `domain.boundary_edges`, if normals are on vertices; else None.
+    boundary_normals: (B, 3), unit N half-way along each of `domain.boundary_edges`.
+    boundary_points: (B, 3), a point of g on each of them, if normals are on vertices; else None.
     crossings: (E, k) of the domain's `Homology` and periods: (k, 3), or k = 0 where g closes.
     """
 
@@ -38,9 +42,31 @@ class Corners:
     conjugate: Array
     normals: Array
     weights: Array
+    boundary_normals: Array
     boundary_points: Array | None
     crossings: Int
     periods: Array
+
+    @classmethod
+    def of(
+        cls, graph: SiteGraph, conjugate: Conjugate, N: Array, at_vertices: Array, weights: Array, is_open: bool
+    ) -> Corners:
+        """Those of normals N (S, 3) and their conjugate; without its periods unless the surface `is_open`.
+
+        at_vertices: (V, 3) N where it is, or as averaged to the vertices: the boundary of the surface goes there.
+        """
+        domain = graph.domain
+        crossings = np.zeros((len(domain.edges), 0), dtype=np.int64)
+        periods, rows = np.zeros((0, 3)), domain.faces
+        if is_open:
+            homology = Homology.of(domain)  # depends on the domain alone: the cuts of the conjugate
+            crossings, periods, rows = homology.crossings, conjugate.periods, homology.sheets.faces
+        rim = _unit(at_vertices[domain.edges[domain.boundary_edges]].sum(axis=1))
+        if graph.at_vertices:
+            g, normals, points = _on_corners(conjugate.g), N[domain.faces], conjugate.boundary_points
+        else:
+            g, normals, points = conjugate.g[rows], _on_corners(N), None
+        return cls(domain, g, normals, weights, rim, points, crossings, periods)
 
     @cached_property
     def fans(self) -> Fans:
@@ -68,9 +94,9 @@ class Complex:
             vertices=points,
             polygons=self.polygons,
             source=self.source.astype(np.int32),
+            normals=_unit(self.normals),
             triangles=self.triangles.astype(np.int32),
             barycentric=self.barycentric,
-            normals=_unit(self.normals),
             anchors=self.domain.faces[self.triangles],
         )
 
@@ -164,16 +190,15 @@ def _average(weights: Array, values: Array) -> Array:
 
 
 def _rim_places(corners: Corners) -> _Places:
-    """(B,): the midpoint of each boundary edge, with the unit normal half-way between those of its ends."""
+    """(B,): the midpoint of each boundary edge."""
     domain = corners.domain
     behind, tail, head = _rim_corners(domain)
     conjugate = corners.conjugate.reshape(-1, 3)
-    normals = corners.normals.reshape(-1, 3)
     points = corners.boundary_points
     if points is None:
         points = 0.5 * (conjugate[tail] + conjugate[head])
     middle = 0.5 * (_one_hot(tail) + _one_hot(head))
-    return _Places(points, _unit(normals[tail] + normals[head]), domain.faces.ravel()[tail], behind, middle)
+    return _Places(points, corners.boundary_normals, domain.faces.ravel()[tail], behind, middle)
 
 
 def _corner_places(corners: Corners) -> _Places:
@@ -206,6 +231,11 @@ def _rim_corners(domain: Domain) -> tuple[Int, Int, Int]:
     """Of each boundary edge the face behind it and that face's corners at its start and at its end, (B,) each."""
     half_edge = domain.half_edges[domain.boundary_edges, 0].astype(np.int64)
     return half_edge // 3, after(half_edge), before(half_edge)
+
+
+def _on_corners(values: Array) -> Array:
+    """(F, 3, 3) of values (F, 3) on faces."""
+    return np.broadcast_to(values[:, None], (len(values), 3, 3))
 
 
 def _one_hot(corners: Int) -> Array:

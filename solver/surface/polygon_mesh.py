@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..domain.domain import Domain
+
 Array = NDArray[np.float64]
 
 
@@ -22,10 +24,29 @@ class PolygonMesh:
     vertices: Array
     polygons: list[NDArray[np.int32]]
     source: NDArray[np.int32]
+    normals: Array
     triangles: NDArray[np.int32]
     barycentric: Array
-    normals: Array
     anchors: NDArray[np.int32]
+
+    @classmethod
+    def of_triangles(
+        cls, vertices: Array, faces: NDArray[np.int32], normals: Array, domain: Domain, rows: NDArray[np.int32]
+    ) -> PolygonMesh:
+        """Triangles `faces` (., 3) on rows that are vertices of the domain; `rows` (F, 3) is the row of each of its
+        corners.
+        """
+        corners = np.zeros(len(vertices), dtype=np.int64)
+        corners[rows.ravel()] = np.arange(rows.size)
+        return cls(
+            vertices=vertices,
+            polygons=list(faces),
+            source=domain.faces.ravel()[corners],
+            normals=normals,
+            triangles=(corners // 3).astype(np.int32),
+            barycentric=np.eye(3)[corners % 3],
+            anchors=domain.faces[corners // 3],
+        )
 
     def interpolate(self, values: Array) -> Array:
         """Values (n, k) at the rows, linear in each triangle, of `values` (V, k) at the vertices of the domain."""

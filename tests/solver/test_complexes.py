@@ -11,8 +11,9 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from solver import CmcSolver, Domain, conditions, shapes
+from solver import ConditionError, Domain, conditions, shapes, solve_cmc
 from solver.domain.topology import Homology
+from solver.surface.cmc import COMBINATORICS
 from solver.surface.complexes import Corners, corner_complex, dual_complex
 from tests.solver.exact import disc, hemisphere, moved, rates
 
@@ -91,7 +92,8 @@ def random_corners(domain, sites, is_open=False, seed=0):
         form = values.reshape(-1, 3)[head] - values.reshape(-1, 3)[tail]
         normals = np.broadcast_to(unit(random.normal(size=(faces, 3)))[:, None], (faces, 3, 3))
     weights = random.dirichlet([1.0, 1.0, 1.0], faces)
-    return Corners(domain, values, normals, weights, points, crossings, periods), form
+    rim = unit(random.normal(size=(len(domain.boundary_edges), 3)))
+    return Corners(domain, values, normals, weights, rim, points, crossings, periods), form
 
 
 def directed_edges(polygons):
@@ -218,17 +220,18 @@ def steps_of_averages(corners):
 @pytest.mark.parametrize("sites", SITES)
 def test_polygons_are_oriented_like_the_triangles(sites, builder):
     """A sphere turned outside out encloses the same positive volume by its triangles and by either complex."""
-    shape = shapes.sphere(2000)
+    shape = shapes.sphere(600)
     domain, points = shape.domain, shape.positions
     faces = len(domain.faces)
     centres = points[domain.faces].mean(axis=1)
     on_faces, on_vertices = np.broadcast_to(centres[:, None], (faces, 3, 3)), points[domain.faces]
     g, N = (on_faces, on_vertices) if sites == "vertices" else (on_vertices, on_faces)
-    rim = np.zeros((0, 3)) if sites == "vertices" else None
-    corners = Corners(domain, g, N, np.full((faces, 3), 1 / 3), rim, np.zeros((len(domain.edges), 0)), np.zeros((0, 3)))
+    nothing, points_of_rim = np.zeros((0, 3)), np.zeros((0, 3)) if sites == "vertices" else None
+    weights, crossings = np.full((faces, 3), 1 / 3), np.zeros((len(domain.edges), 0))
+    corners = Corners(domain, g, N, weights, nothing, points_of_rim, crossings, nothing)
     mesh = BUILDERS[builder](corners)
     enclosed = volume(mesh.conjugate + mesh.normals, mesh.polygons)
-    assert_allclose(enclosed, volume(2 * points, list(domain.faces)), rtol=0.02, atol=0)
+    assert_allclose(enclosed, volume(2 * points, list(domain.faces)), rtol=0.05, atol=0)
     f_plus = mesh.conjugate + mesh.normals
     outwards = [f_plus[p].mean(axis=0) for p in mesh.polygons]
     assert (np.einsum("px,px->p", area_vectors(f_plus, mesh.polygons), outwards) > 0).all()
@@ -257,11 +260,12 @@ def test_the_dual_of_a_flat_torus_are_its_voronoi_cells(name):
     along = unrolled.reshape(-1, 2)[head] - unrolled.reshape(-1, 2)[tail]
     form = domain.cotan_weights[:, None] * np.column_stack([-along[:, 1], along[:, 0], 0 * behind])
     homology = Homology.of(domain)
-    g = homology.tree.integrate(domain, form)
+    g = homology.integrate(form)
     shape = (len(domain.faces), 3, 3)
     up, weights = np.broadcast_to([0.0, 0.0, 1.0], shape), np.full(shape[:2], 1 / 3)
     periods = homology.periods(form, g)
-    corners = Corners(domain, np.broadcast_to(g[:, None], shape), up, weights, None, homology.crossings, periods)
+    values, rim = np.broadcast_to(g[:, None], shape), np.zeros((0, 3))
+    corners = Corners(domain, values, up, weights, rim, None, homology.crossings, periods)
     dual = dual_complex(corners)
     cells = np.zeros(domain.vertex_count)
     for end in domain.edges.T:
@@ -289,32 +293,12 @@ def test_vertices_with_fewer_than_three_faces_have_no_polygon():
     assert len(mesh.source) == 5 and dual_complex(cone).polygons == []
 
 
-def circumcentres(domain):
-    """(F, 3) barycentric coordinates: θ_k counts by sin 2θ_k."""
-    weights = np.sin(2.0 * domain.corner_angles)
-    return weights / weights.sum(axis=1, keepdims=True)
-
-
-def solved(domain, condition, tolerance=1e-12):
-    """The corners of a real harmonic map on the vertices, and its normals."""
-    surface = CmcSolver(domain).solve(condition, tolerance=tolerance)
-    shape = (len(domain.faces), 3, 3)
-    conjugate = surface.conjugate
-    none, nothing = np.zeros((len(domain.edges), 0), dtype=int), np.zeros((0, 3))
-    g = np.broadcast_to(conjugate.g[:, None], shape)
-    normals = surface.normals
-    corners = Corners(domain, g, normals[domain.faces], circumcentres(domain), conjugate.boundary_points, none, nothing)
-    return corners, normals
-
-
-def test_polygons_of_vertices_are_planar_and_orthogonal_to_their_normals():
-    """With normals on vertices: on g, and on f± of the corner complex; closed along the boundary too."""
-    domain, points = disc(600)
-    corners, N = solved(domain, conditions.twisted(domain, points, domain.boundary_edges, 2))
-    dual, corner = dual_complex(corners), corner_complex(corners)
-    assert off_plane(dual.conjugate, dual.polygons, N) < 1e-8
-    for f in (corner.conjugate + corner.normals, corner.conjugate - corner.normals):
-        assert off_plane(f, corner.polygons[-domain.vertex_count :], N) < 1e-8
+def twisted(sites, n=600, turns=1):
+    """A real surface over a jittered disc, solved to rounding; and the positions of its plan."""
+    domain, points = disc(n)
+    energy = "cotan" if sites == "vertices" else "mobius"
+    condition = conditions.twisted(domain, points, domain.boundary_edges, turns)
+    return solve_cmc(domain, condition, sites=sites, energy=energy, tolerance=1e-12, mean_curvature=0.25), points
 
 
 def off_plane(points, polygons, normals):
@@ -322,17 +306,131 @@ def off_plane(points, polygons, normals):
     return max(np.abs((points[p] - points[p].mean(axis=0)) @ n).max() for p, n in zip(polygons, normals, strict=True))
 
 
+def test_polygons_of_vertices_are_planar_and_orthogonal_to_their_normals():
+    """With normals on vertices: on g, and on f± of the corner complex; closed along the boundary too."""
+    surface, _ = twisted("vertices")
+    N = surface.harmonic.normals
+    dual = surface.as_mesh("g", "dual")
+    assert len(dual.polygons) == len(N) and off_plane(dual.vertices, dual.polygons, N) < 1e-8
+    for sheet in ("f+", "f-", "g"):
+        mesh = surface.as_mesh(sheet, "corner")
+        assert off_plane(mesh.vertices, mesh.polygons[-len(N) :], N) < 1e-8
+
+
+def test_triangles_are_orthogonal_to_the_normals_of_their_faces():
+    """With normals on faces: on g itself, and on f± of the corner complex; corners of a vertex on a sphere about g."""
+    surface, _ = twisted("faces")
+    N, faces = surface.harmonic.normals, surface.domain.faces
+    assert off_plane(surface.g, faces, N) < 1e-8
+    for sheet in ("f+", "f-"):
+        mesh = surface.as_mesh(sheet, "corner")
+        assert off_plane(mesh.vertices, mesh.polygons[: len(N)], N) < 1e-8
+        sign = surface.scale if sheet == "f+" else -surface.scale
+        assert_allclose(mesh.vertices - surface.g[mesh.source], sign * mesh.normals, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("sites", SITES)
+def test_the_two_sheets_are_two_averaged_normals_apart(sites):
+    """f+ - f- = 2 A_*(N) on the dual: the average over the corners of each face, N of the face if it has one."""
+    surface, _ = twisted(sites, n=200)
+    plus, minus, gauss = (surface.as_mesh(name, "dual") for name in ("f+", "f-", "gauss"))
+    faces = len(surface.domain.faces)
+    mean = plus.interpolate(surface.normals)[:faces] if sites == "vertices" else surface.harmonic.normals
+    apart = 2 * surface.scale * mean
+    assert_allclose((plus.vertices - minus.vertices)[:faces], apart, rtol=0, atol=1e-12)
+    assert_allclose(plus.vertices - minus.vertices, 2 * gauss.vertices, rtol=0, atol=1e-12)
+    assert_allclose(np.linalg.norm(plus.normals, axis=1), 1, rtol=1e-12, atol=0)
+
+
+@pytest.mark.parametrize("sites", SITES)
+def test_all_meshes_of_a_sheet_lie_in_one_place_and_face_one_way(sites):
+    """The dual is where the triangles are, up to discretisation, and oriented as they are."""
+    apart = []
+    for n in (300, 1200):
+        surface, _ = twisted(sites, n)
+        triangles, dual = (surface.as_mesh("f+", name) for name in ("primal", "dual"))
+        far = np.linalg.norm(dual.vertices - dual.interpolate(triangles.vertices), axis=1)
+        apart.append(np.sqrt(np.mean(far**2)) / np.ptp(triangles.vertices, axis=0).max())
+        for mesh in (triangles, dual):
+            N = [mesh.normals[p].mean(axis=0) for p in mesh.polygons]
+            assert (np.einsum("px,px->p", area_vectors(mesh.vertices, mesh.polygons), N) > 0).all()
+    assert rates(apart)[0] > (1.7 if sites == "vertices" else 0.7) and apart[-1] < 2e-3
+
+
+@pytest.mark.parametrize("combinatorics", COMBINATORICS)
+@pytest.mark.parametrize("sites", SITES)
+def test_values_of_the_plan_come_to_every_mesh(sites, combinatorics):
+    """What is linear on the plan is linear on the mesh; `source` is the nearest of the triangle's vertices, or its."""
+    surface, points = twisted(sites, n=200)
+    mesh = surface.as_mesh("f-", combinatorics)
+    place = mesh.interpolate(points)
+    linear = np.array([[2.0, -1.0, 0.3], [0.5, 3.0, 1.0]])
+    assert_allclose(mesh.interpolate(points @ linear), place @ linear, rtol=0, atol=1e-12)
+    assert_allclose(mesh.interpolate_corners(points[surface.domain.faces]), place, rtol=0, atol=1e-13)
+    assert (mesh.anchors == mesh.source[:, None]).any(axis=1).all()
+    assert_array_equal(mesh.anchors, surface.domain.faces[mesh.triangles])
+    assert_allclose(mesh.barycentric.sum(axis=1), 1, rtol=0, atol=1e-12)
+    if combinatorics == "primal":
+        assert_array_equal(place, points[mesh.source])
+    if combinatorics == "dual":
+        centres = place[: len(surface.domain.faces), None] - points[surface.domain.faces]
+        radii = np.linalg.norm(centres, axis=2)  # of circumcircles
+        assert_allclose(radii, np.broadcast_to(radii[:, :1], radii.shape), rtol=1e-9, atol=0)
+
+
 def test_the_dual_converges_to_the_hemisphere():
     """Second order with the circumcentre as the place where normals are averaged, on f+ and on the point f-."""
     sphere, point = [], []
     for n in (500, 2000, 8000):
         domain, points = disc(n)
-        corners, _ = solved(domain, conditions.binormal(domain, points, domain.boundary_edges), 1e-9)
-        dual = dual_complex(corners)
-        mesh = dual.mesh(dual.conjugate + dual.normals)
-        exact = 2.0 * hemisphere(mesh.interpolate(points))
-        difference = mesh.vertices - exact
+        surface = solve_cmc(domain, conditions.binormal(domain, points, domain.boundary_edges), tolerance=1e-9)
+        mesh = surface.as_mesh("f+", "dual")
+        difference = mesh.vertices - 2.0 * hemisphere(mesh.interpolate(points))
         sphere.append(np.linalg.norm(difference - difference.mean(axis=0), axis=1).max())
-        point.append(np.ptp(dual.conjugate - dual.normals, axis=0).max())
+        point.append(np.ptp(surface.as_mesh("f-", "dual").vertices, axis=0).max())
     assert rates(sphere).mean() > 1.7 and rates(point).mean() > 1.7
     assert sphere[-1] < 2e-3
+
+
+@pytest.mark.parametrize("combinatorics", COMBINATORICS)
+@pytest.mark.parametrize("sites", SITES)
+def test_a_courtyard_that_does_not_close_is_cut_open(sites, combinatorics):
+    """The mesh of a ring with a gap is a disc, and whole polygons continue it across the cut."""
+    shape = shapes.polygon(
+        [(0, 0), (4, 0), (4, 3), (0, 3)], [[(0.7, 0.7), (1.7, 0.7), (1.7, 1.7), (0.7, 1.7)]], max_edge=0.25
+    )
+    domain = shape.domain
+    energy = "cotan" if sites == "vertices" else "mobius"
+    condition = conditions.binormal(domain, shape.positions, domain.boundary_edges)
+    surface = solve_cmc(domain, condition, sites=sites, energy=energy, tolerance=1e-10)
+    assert surface.is_open
+    mesh = surface.as_mesh("f+", combinatorics)
+    euler, _ = assert_manifold(mesh.polygons, len(mesh.vertices))
+    assert euler == 1
+    steps, _ = directed_edges(mesh.polygons)
+    longest = np.linalg.norm(np.diff(mesh.vertices[steps], axis=1), axis=2).max()
+    assert longest < 0.8 * surface.gap < surface.gap
+    closed = solve_cmc(domain, condition, sites=sites, energy=energy, tolerance=1e-10, period_tolerance=10.0).as_mesh(
+        "f+", combinatorics
+    )
+    assert assert_manifold(closed.polygons, len(closed.vertices))[0] == 0
+
+
+def test_the_mesh_of_an_intrinsic_triangulation_has_its_dual():
+    domain, points = disc(300, jitter=0.45)
+    condition = conditions.binormal(domain, points, domain.boundary_edges)
+    surface = solve_cmc(domain, condition, delaunay=True)
+    triangles, dual = surface.as_mesh("f+"), surface.as_mesh("f+", "dual")
+    assert_array_equal(np.stack(triangles.polygons), domain.faces)
+    assert_array_equal(dual.anchors, surface.graph.domain.faces[dual.triangles])
+    assert assert_manifold(dual.polygons, len(dual.vertices))[0] == 1
+    assert_array_equal(triangles.interpolate(points), points[triangles.source])
+
+
+def test_unknown_sheets_and_combinatorics_are_refused():
+    surface, _ = twisted("vertices", n=60)
+    for name in COMBINATORICS:
+        with pytest.raises(ConditionError, match="nosuch"):
+            surface.as_mesh("nosuch", name)
+    with pytest.raises(ConditionError, match="primal, dual, corner"):
+        surface.as_mesh("f+", "nosuch")
