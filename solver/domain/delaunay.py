@@ -19,8 +19,10 @@ from ..errors import CmcError
 from . import connectivity
 from .domain import Domain
 from .flips import Flips
+from .topology import CutSurface, Homology
+from .trees import Tree
 
-Int = NDArray[np.int32]
+Int = NDArray[np.integer]
 
 # A domain counts as Delaunay with weights above this: those of diagonals of a grid are zero up to rounding.
 _LEAST_WEIGHT = -1e-12
@@ -35,10 +37,12 @@ class Retriangulation:
     domain: the new triangles and edges.
     edges: (E,) for each boundary edge of the old domain its number in the new one; -1 for interior edges, which
         have no successor.
+    flips: how it came about, on domains with holes or handles; None on discs and spheres.
     """
 
     domain: Domain
     edges: Int
+    flips: Flips | None = None
 
 
 def intrinsic_delaunay(domain: Domain) -> Retriangulation:
@@ -49,12 +53,48 @@ def intrinsic_delaunay(domain: Domain) -> Retriangulation:
     that is Delaunay already is returned as it is. Raises `CmcError` without libigl.
     """
     igl = _libigl()
+    simple = domain.genus == 0 and len(domain.boundary_loops) <= 1
+    flips = None
     if _is_delaunay(domain):
-        return Retriangulation(domain, _followed(domain, domain))
-    new = _flipped_by(igl, domain) if _told_apart_by_vertices(domain) else None
-    if new is None:
-        new = Flips(domain).run()
-    return Retriangulation(new, _followed(domain, new))
+        new, flips = domain, None if simple else Flips(domain)
+    else:
+        new = _flipped_by(igl, domain) if simple and _told_apart_by_vertices(domain) else None
+        if new is None:
+            flips = Flips(domain)
+            new = flips.domain()
+    return Retriangulation(new, _followed(domain, new), flips)
+
+
+def carried_cut(domain: Domain, retriangulation: Retriangulation, new: Homology) -> CutSurface:
+    """The old domain cut open, for functions that are known on the vertices of the new one up to their periods.
+
+    new: the homology of `retriangulation.domain`. A function with values x (V, d) on the first rows of `new.sheets`
+    and periods p (k, d) has the value `x[source] + offsets @ p` at each row of the result; first rows may have
+    offsets, too. Exact: edges are followed through the flips, however large the triangles.
+    """
+    old = Homology.of(domain).sheets
+    if retriangulation.flips is None or new.is_trivial:
+        return old
+    # two bases of the closed forms with integer periods, on the new edges; they differ by a change of basis, and by
+    # the values of a function on the vertices
+    mine = retriangulation.flips.carry(_increments(domain, old))
+    theirs = _increments(new.domain, new.sheets)
+    tree = Tree.of(new.domain.edges, new.domain.vertex_count)
+    at_vertices = [-tree.integrate(form.astype(float)) for form in (mine, theirs)]
+    i, j = new.domain.edges.T
+    around = [form - (values[j] - values[i]) for form, values in zip((mine, theirs), at_vertices, strict=True)]
+    basis = np.linalg.lstsq(*around, rcond=None)[0]
+    shift = at_vertices[1] - at_vertices[0] @ basis
+    offsets = np.rint(old.offsets @ basis + shift[old.source]).astype(np.int64)
+    return CutSurface(old.faces, old.source, offsets)
+
+
+def _increments(domain: Domain, sheets: CutSurface) -> Int:
+    """(E, k) how the offsets change along each edge, within its left face: a closed form on the edges."""
+    left = domain.half_edges[:, 0]
+    face = left - left % 3
+    rows = sheets.faces.ravel()
+    return sheets.offsets[rows[face + (left + 2) % 3]] - sheets.offsets[rows[face + (left + 1) % 3]]
 
 
 def _libigl() -> Any:

@@ -46,6 +46,13 @@ def helix_height(n: int, u: tuple[float, float], v: tuple[float, float]) -> np.n
     return np.arange(n) * float(axis @ u)
 
 
+def edge_vectors(domain: Domain, u: tuple[float, float], v: tuple[float, float]) -> np.ndarray:
+    """(E, 2) the lattice vector along each edge of one of these domains."""
+    a, b = np.array(u), np.array(v)
+    sides = np.array([[b, -a - b, a], [-a, -b, a + b]])
+    return sides.repeat(len(domain.faces) // 2, axis=0).reshape(-1, 2)[domain.half_edges[:, 0]]
+
+
 def _from_lattice(number, u: tuple[float, float], v: tuple[float, float]) -> Domain:
     """Two triangles at every lattice point p; `number(a, b)` is the vertex at p + a u + b v, for all p at once."""
     o, right, across, up = number(0, 0), number(1, 0), number(1, 1), number(0, 1)

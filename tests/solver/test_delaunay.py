@@ -11,8 +11,10 @@ from scipy.spatial import Delaunay
 
 from solver import CmcError, Domain, shapes
 from solver.domain import delaunay
-from solver.domain.delaunay import intrinsic_delaunay
+from solver.domain.delaunay import Retriangulation, carried_cut, intrinsic_delaunay
 from solver.domain.flips import Flips
+from solver.domain.topology import CutSurface, Homology
+from solver.domain.trees import Tree
 from tests.solver import coarse, meshes
 
 WITH_HOLES = (
@@ -209,19 +211,115 @@ def test_an_edge_may_join_a_vertex_to_itself():
 @pytest.mark.parametrize("name", ["a sheared grid", "needles", "two holes, stretched", "a twisted sphere"])
 def test_our_flips_and_libigl_agree(name):
     domain = DOMAINS[name]()
-    ours, theirs = as_list(Flips(domain).run()), as_list(intrinsic_delaunay(domain).domain)
+    ours, theirs = as_list(Flips(domain).domain()), as_list(delaunay._flipped_by(delaunay._libigl(), domain))
     assert_array_equal(ours[0], theirs[0])
     assert_allclose(ours[1], theirs[1], rtol=1e-9, atol=0)
 
 
 def test_libigl_does_what_it_can(monkeypatch):
-    """Our flips, which are slow, run for the coarse domains only."""
+    """Our flips, which are slow, run for coarse domains and for those with holes only."""
     monkeypatch.setattr(delaunay, "Flips", lambda domain: pytest.fail("libigl was not used"))
-    for name in ("a sheared grid", "needles", "two holes, stretched", "a twisted sphere"):
-        intrinsic_delaunay(DOMAINS[name]())
+    for name in ("a sheared grid", "needles", "a twisted sphere"):
+        assert intrinsic_delaunay(DOMAINS[name]()).flips is None
 
 
 def test_is_said_to_need_libigl(monkeypatch):
     monkeypatch.setitem(sys.modules, "igl", None)  # what makes an import fail
     with pytest.raises(CmcError, match=r'needs libigl.*pip install "cmc-formfinding\[intrinsic\]"'):
         intrinsic_delaunay(Domain.from_positions(*sheared_grid()))
+
+
+LATTICES = {
+    "tube": lambda: (coarse.helix(12, *TUBE), TUBE),
+    "seven vertices": lambda: (coarse.seven_vertex_torus(*FLAT_SEVEN), FLAT_SEVEN),
+    "one vertex": lambda: (coarse.small_torus(1, 1, *SHEARED), SHEARED),
+    "one column": lambda: (coarse.small_cylinder(1, *SHEARED), SHEARED),
+    "nine vertices": lambda: (coarse.small_torus(3, 3, *SHEARED), SHEARED),
+}
+TUBE, FLAT_SEVEN, SHEARED = ((0.4, 1.0), (1.8, 2.0)), ((1.0, 0.0), (2.03, 0.1)), ((1.0, 0.0), (5.3, 1.0))
+
+
+@pytest.mark.parametrize("name", LATTICES)
+def test_a_form_is_carried_through_the_flips(name):
+    """The vector along each edge: on the new edges it is as long as the edge, and sums to zero around faces."""
+    domain, basis = LATTICES[name]()
+    result = intrinsic_delaunay(domain)
+    new, vectors = result.domain, result.flips.carry(coarse.edge_vectors(domain, *basis))
+    assert_allclose(np.linalg.norm(vectors, axis=1), new.edge_lengths, rtol=1e-9, atol=0)
+    sign = np.where(new.edge_faces[new.face_edges, 0] == np.arange(len(new.faces))[:, None], 1, -1)
+    one_sided = (new.edge_faces[:, 0] == new.edge_faces[:, 1]).any()
+    assert not one_sided
+    around = (sign[:, :, None] * vectors[new.face_edges]).sum(axis=1)
+    assert_allclose(around, 0, rtol=0, atol=1e-9)
+
+
+def around_holes() -> tuple[Domain, np.ndarray, np.ndarray]:
+    """A stretched plan with two holes, its positions, and a point in each hole."""
+    plan = shapes.polygon(*WITH_HOLES, max_edge=0.3)
+    points = plan.positions * [1, 7]
+    return Domain.from_positions(points, plan.domain.faces), points, np.array([[1.0, 7.0], [2.85, 12.6]])
+
+
+def turns(points: np.ndarray, edges: np.ndarray, centres: np.ndarray) -> np.ndarray:
+    """(E, k) turns about each centre along straight edges."""
+    z = (points[:, None] - centres) @ [1, 1j]
+    return np.angle(z[edges[:, 1]] / z[edges[:, 0]]) / (2 * np.pi)
+
+
+def integrated(domain: Domain, sheets: CutSurface, form: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Values (V, d) on the first rows of the cut surface, and periods (k, d), of the integral of `form` (E, d)."""
+    inside = domain.interior_edges
+    half = np.concatenate([domain.half_edges[:, 0], domain.half_edges[inside, 1]])
+    rows = sheets.faces.ravel()
+    ends = np.column_stack([rows[half - half % 3 + (half + k) % 3] for k in (2, 1)])
+    values = Tree.of(ends, len(sheets.source)).integrate(np.concatenate([form, -form[inside]]))
+    first = values[: domain.vertex_count]
+    periods = np.linalg.lstsq(sheets.offsets, values - first[sheets.source], rcond=None)[0]
+    assert_allclose(first[sheets.source] + sheets.offsets @ periods, values, rtol=0, atol=1e-9)
+    return first, periods
+
+
+def increments(domain: Domain, faces: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """(E, d) of values on the rows of a cut surface, in the left face of each edge."""
+    half, rows = domain.half_edges[:, 0], faces.ravel()
+    start, end = (rows[half - half % 3 + (half + k) % 3] for k in (1, 2))
+    return values[end] - values[start]
+
+
+def assert_carried(domain: Domain, result: Retriangulation, old_form: np.ndarray, new_form: np.ndarray) -> None:
+    """What `new_form` integrates to, carried to the old domain cut open, has the increments `old_form`."""
+    homology = Homology.of(result.domain)
+    values, periods = integrated(result.domain, homology.sheets, new_form)
+    cut = carried_cut(domain, result, homology)
+    assert_array_equal(cut.source[cut.faces], domain.faces)
+    carried = values[cut.source] + cut.offsets @ periods
+    assert_allclose(increments(domain, cut.faces, carried), old_form, rtol=0, atol=1e-9)
+    right = domain.half_edges[domain.interior_edges, 1]
+    rows = cut.faces.ravel()
+    start, end = (rows[right - right % 3 + (right + k) % 3] for k in (2, 1))
+    assert_allclose(carried[end] - carried[start], old_form[domain.interior_edges], rtol=0, atol=1e-9)
+
+
+def test_turns_about_holes_are_carried_back():
+    domain, points, centres = around_holes()
+    result = intrinsic_delaunay(domain)
+    assert_carried(domain, result, turns(points, domain.edges, centres), turns(points, result.domain.edges, centres))
+
+
+@pytest.mark.parametrize("name", LATTICES)
+def test_unrolled_positions_are_carried_back(name):
+    domain, basis = LATTICES[name]()
+    result = intrinsic_delaunay(domain)
+    vectors = coarse.edge_vectors(domain, *basis)
+    assert_carried(domain, result, vectors, result.flips.carry(vectors))
+
+
+def test_nothing_is_carried_on_a_disc_or_where_nothing_changed():
+    domain = Domain.from_positions(*sheared_grid())
+    result = intrinsic_delaunay(domain)
+    cut = carried_cut(domain, result, Homology.of(result.domain))
+    assert_array_equal(cut.faces, domain.faces)
+    domain = intrinsic_delaunay(coarse.helix(12, *TUBE)).domain
+    homology = Homology.of(domain)
+    cut = carried_cut(domain, intrinsic_delaunay(domain), homology)
+    assert_array_equal(cut.offsets, homology.sheets.offsets)
