@@ -136,7 +136,7 @@ class Domain:
         return twins
 
     @cached_property
-    def fan_starts(self) -> Int:
+    def fan_starts(self) -> NDArray[np.int64]:
         """(V,) the first corner `3 f + k` of the fan of faces around each vertex, counter-clockwise.
 
         At a boundary vertex it is the corner before which the boundary edge leaves; inside, any one.

@@ -71,7 +71,7 @@ class DualCotan(Cotan):
 
     label = "Dual Cotangent"
     description = "Inverse cotangent weights; brittle: needs a Delaunay triangulation"
-    sites = ("faces",)
+    sites: tuple[str, ...] = ("faces",)
 
 
 class Mobius:

@@ -109,13 +109,14 @@ class HarmonicSolver:
         limit = {} if max_iterations is None else {"max_iterations": max_iterations}
         problem = EnergyProblem(self.graph, self.energy, dirichlet)
         found = METHODS[method].of(problem, start, tolerance=tolerance, progress=progress, **limit)
-        energy = found.history[-1].energy
+        normals = found.N.copy()
+        normals[fixed] = data  # steps of length zero leave rounding
         return HarmonicMap(
-            found.N,
-            energy,
+            normals,
+            found.history[-1].energy,
             found.residual,
-            sphere.degree(found.N, self.graph.triangles),
-            self._status(found.N, dirichlet, found.status),
+            sphere.degree(normals, self.graph.triangles),
+            self._status(normals, dirichlet, found.status),
             len(found.history) - 1,
             found.history,
         )

@@ -9,6 +9,8 @@ of circumcentres is not the vertex.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
@@ -25,25 +27,49 @@ Int = NDArray[np.integer]
 _RANK = 1e-6
 
 
-def fit_weights(domain: Domain, vertices: Int, rim: bool = True) -> tuple[sp.csr_array, sp.csr_array]:
+def fit_weights(domain: Domain, vertices: Int) -> tuple[sp.csr_array, sp.csr_array]:
     """Matrices (n, 3 F) and (n, 2 B): values at `vertices` (n,) from those at corners and at ends of boundary edges.
 
     A corner stands for the circumcentre of its face, as its vertex sees it; an end of one of `domain.boundary_edges`
-    (start before end) for the midpoint of the edge. With `rim` false the second matrix is zero.
+    (start before end) for the midpoint of the edge.
     """
-    row = np.full(domain.vertex_count, -1)
-    row[vertices] = np.arange(len(vertices))
-    corners = np.flatnonzero(row[domain.faces.ravel()] >= 0)
+    row, corners = _corners_at(domain, vertices)
     midpoints, midpoint_vertices = _midpoints(domain)
-    kept = np.flatnonzero(rim & (row[midpoint_vertices] >= 0))
+    kept = np.flatnonzero(row[midpoint_vertices] >= 0)
     rows = np.concatenate([row[domain.faces.ravel()[corners]], row[midpoint_vertices[kept]]])
-    samples = np.concatenate([_circumcentres(domain, corners), midpoints[kept]])
+    samples = np.concatenate([_chart(domain, corners)(*_circumcentres(domain, corners)), midpoints[kept]])
     weights = _value_at_origin(rows, samples, len(vertices))
     n = len(corners)
     shape = (len(vertices), domain.faces.size)
     at_corners = sp.csr_array((weights[:n], (rows[:n], corners)), shape=shape)
     shape = (len(vertices), 2 * len(domain.boundary_edges))
     return at_corners, sp.csr_array((weights[n:], (rows[n:], kept)), shape=shape)
+
+
+def face_fit_weights(domain: Domain) -> sp.csr_array:
+    """Matrix (V, F): values at all vertices from those at faces alone.
+
+    A boundary vertex counts the faces beyond those around it, too, since there may be only one or two of them.
+    """
+    vertices = domain.faces.ravel()
+    corners = np.arange(domain.faces.size)
+    on_rim = np.zeros(domain.vertex_count, dtype=bool)
+    on_rim[domain.boundary_vertices] = True
+    seen = np.flatnonzero(on_rim[vertices] & (domain.twins >= 0))
+    chart = _chart(domain, corners)
+    near = chart(*_circumcentres(domain, corners))
+    far = chart(*_circumcentres_beyond(domain, corners))[seen]
+    rows = np.concatenate([vertices, vertices[seen]])
+    weights = _value_at_origin(rows, np.concatenate([near, far]), domain.vertex_count)
+    faces = np.concatenate([corners, domain.twins[seen]]) // 3
+    return sp.csr_array((weights, (rows, faces)), shape=(domain.vertex_count, len(domain.faces)))
+
+
+def _corners_at(domain: Domain, vertices: Int) -> tuple[Int, Int]:
+    """The place of each vertex (V,) among `vertices`, -1 for the others, and the corners (n,) at them."""
+    row = np.full(domain.vertex_count, -1)
+    row[vertices] = np.arange(len(vertices))
+    return row, np.flatnonzero(row[domain.faces.ravel()] >= 0)
 
 
 def _value_at_origin(rows: Int, samples: Array, count: int) -> Array:
@@ -59,18 +85,35 @@ def _value_at_origin(rows: Int, samples: Array, count: int) -> Array:
     return np.einsum("ij,ij->i", first_row[rows], scaled) * near[rows] / distance
 
 
-def _circumcentres(domain: Domain, corners: Int) -> Array:
-    """(n, 2) circumcentre of the face of each corner, in the chart of the corner's vertex."""
+def _circumcentres(domain: Domain, corners: Int) -> tuple[Array, Array]:
+    """x, y (n,) of the circumcentre of the face of each corner, which is the origin; the next one is on the x-axis."""
     angle = domain.corner_angles.ravel()[corners]
     along = domain.side_lengths.ravel()[_around(corners, 2)]  # from the corner to the next one
     back = domain.side_lengths.ravel()[_around(corners, 1)]  # from the corner to the one before
-    x = 0.5 * along
-    y = 0.5 * (back - along * np.cos(angle)) / np.sin(angle)
+    return 0.5 * along, 0.5 * (back - along * np.cos(angle)) / np.sin(angle)
+
+
+def _circumcentres_beyond(domain: Domain, corners: Int) -> tuple[Array, Array]:
+    """The same of the face across the opposite edge: ½ cot θ' of its length away from its midpoint."""
+    angle = domain.corner_angles.ravel()[corners]
+    along = domain.side_lengths.ravel()[_around(corners, 2)]
+    back = domain.side_lengths.ravel()[_around(corners, 1)]
+    cotan = domain.corner_cotans.ravel()[domain.twins[corners]]
+    x, y = back * np.cos(angle), back * np.sin(angle)
+    return 0.5 * (along + x + cotan * y), 0.5 * (y + cotan * (along - x))
+
+
+def _chart(domain: Domain, corners: Int) -> Callable[[Array, Array], Array]:
+    """Brings points from the plane of the face of each corner to the chart of its vertex, (n, 2)."""
     start, stretch = _fan_angles(domain, corners)
-    direction = start + stretch * np.arctan2(y, x)
-    points = np.empty((len(corners), 2))
-    points[:, 0], points[:, 1] = np.cos(direction), np.sin(direction)
-    return points * np.sqrt(x**2 + y**2)[:, None]
+
+    def unfold(x: Array, y: Array) -> Array:
+        direction = start + stretch * np.arctan2(y, x)
+        points = np.empty((len(corners), 2))
+        points[:, 0], points[:, 1] = np.cos(direction), np.sin(direction)
+        return points * np.sqrt(x**2 + y**2)[:, None]
+
+    return unfold
 
 
 def _around(corners: Int, steps: int) -> Int:

@@ -29,7 +29,7 @@ from ..gauss.dirichlet import Dirichlet
 from ..gauss.sphere import normalize
 from ..linalg import sum_rows
 from .conjugate import Conjugate, cross
-from .fit import fit_weights
+from .fit import face_fit_weights, fit_weights
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -88,10 +88,9 @@ def _area_weights(domain: Domain) -> sp.csr_array:
 def fitted_normals(domain: Domain, N: Array) -> Array:
     """Unit normals (V, 3) from those of the faces (F, 3), by a linear fit at circumcentres around each vertex.
 
-    On the boundary, too, only the faces count: there the fit extrapolates, by half a triangle.
+    On the boundary the fit extrapolates, by half a triangle.
     """
-    weights, _ = fit_weights(domain, np.arange(domain.vertex_count), rim=False)
-    return normalize(weights @ np.repeat(N, 3, axis=0))
+    return normalize(face_fit_weights(domain) @ N)
 
 
 def mean_normals(domain: Domain, N: Array) -> Array:
@@ -190,7 +189,7 @@ def _mean(a: Averaging, corners: sp.csr_array, ends: sp.csr_array | None = None)
     if a.conjugate.periods.any():
         sheets = a.homology.sheets
         shift = (sheets.offsets @ a.conjugate.periods)[sheets.faces.ravel()]
-    mean = corners @ (np.repeat(a.conjugate.g, 3, axis=0) - shift)
+    mean: Array = corners @ (np.repeat(a.conjugate.g, 3, axis=0) - shift)
     if ends is None:
         return mean
     behind = a.domain.half_edges[a.domain.boundary_edges, 0]

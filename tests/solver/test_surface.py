@@ -308,7 +308,8 @@ def test_a_cancelled_solve_still_gives_its_surface():
 
 def test_unknown_names_are_refused():
     domain, points = disc(60)
-    for arguments in ({"averaging": "nosuch"}, {"delaunay": True}, {"energy": "nosuch"}):
+    wrong = ({"averaging": "nosuch"}, {"energy": "nosuch"}, {"energy": "mobius"}, {"sites": "nosuch"}, {"method": "no"})
+    for arguments in wrong:
         with pytest.raises(ConditionError):
             solve_cmc(domain, rim(domain, points), **arguments)
     with pytest.raises(ConditionError, match="f\\+"):
