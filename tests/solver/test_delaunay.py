@@ -223,6 +223,20 @@ def test_libigl_does_what_it_can(monkeypatch):
         assert intrinsic_delaunay(DOMAINS[name]()).flips is None
 
 
+@pytest.mark.parametrize("name", ["a torus in space", "seven vertices", "a tube"])
+def test_libigl_is_not_believed_where_it_has_lost_track(name):
+    """On the way these have vertices with two edges only."""
+    assert delaunay._flipped_by(delaunay._libigl(), DOMAINS[name]()) is None
+
+
+@pytest.mark.parametrize("shear", [2, 3, 5])
+@pytest.mark.parametrize("height", [0.1, 0.31, 0.7])
+def test_squares_are_not_flipped_back_and_forth(shear, height):
+    """Sheared rectangles come to stand upright in `shear` rounds; which diagonal they have then is left at that."""
+    domain = coarse.small_torus(3, 3, (0.7, 0.0), (shear * 0.7, height))
+    assert len(Flips(domain).history) // 3 == 9 * shear
+
+
 def test_is_said_to_need_libigl(monkeypatch):
     monkeypatch.setitem(sys.modules, "igl", None)  # what makes an import fail
     with pytest.raises(CmcError, match=r'needs libigl.*pip install "cmc-formfinding\[intrinsic\]"'):
