@@ -136,6 +136,9 @@ def corner_complex(corners: Corners) -> Complex:
     planar and orthogonal to N_i. With normals on faces the surface ends with the faces: boundary edges have no quad,
     and boundary vertices a polygon only where three faces or more meet; the triangle of face f is orthogonal to N_f.
     Inside too, vertices with fewer than three faces around them have no polygon.
+
+    Polygons of faces and of vertices turn with the Gauss map: where f+ is saddle-shaped they lie upside down between
+    their edges' quads, on f+ and f- alike.
     """
     domain, fans = corners.domain, corners.fans
     places = _corner_places(corners)

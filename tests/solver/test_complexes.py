@@ -421,7 +421,9 @@ def test_the_mesh_of_an_intrinsic_triangulation_has_its_dual():
     condition = conditions.binormal(domain, points, domain.boundary_edges)
     surface = solve_cmc(domain, condition, delaunay=True)
     triangles, dual = surface.as_mesh("f+"), surface.as_mesh("f+", "dual")
+    assert (surface.graph.domain.faces != domain.faces).any()
     assert_array_equal(np.stack(triangles.polygons), domain.faces)
+    assert_array_equal(triangles.source, np.arange(len(points)))
     assert_array_equal(dual.anchors, surface.graph.domain.faces[dual.triangles])
     assert assert_manifold(dual.polygons, len(dual.vertices))[0] == 1
     assert_array_equal(triangles.interpolate(points), points[triangles.source])
@@ -434,3 +436,14 @@ def test_unknown_sheets_and_combinatorics_are_refused():
             surface.as_mesh("nosuch", name)
     with pytest.raises(ConditionError, match="primal, dual, corner"):
         surface.as_mesh("f+", "nosuch")
+
+
+def test_faces_of_the_corner_complex_turn_with_the_gauss_map():
+    """Triangles of f+ over saddles, where neighbouring normals run the other way around, are upside down."""
+    surface, _ = twisted("vertices", n=300)
+    mesh, faces = surface.as_mesh("f+", "corner"), surface.domain.faces
+    a, b, c = (surface.normals[faces[:, k]] for k in range(3))
+    gauss = np.einsum("ij,ij->i", np.cross(b - a, c - a), a + b + c)
+    turned = area_vectors(mesh.vertices, mesh.polygons[: len(faces)])
+    assert (gauss > 0).any() and (gauss < 0).any()
+    assert_array_equal(np.einsum("ij,ij->i", turned, a + b + c) > 0, gauss > 0)
