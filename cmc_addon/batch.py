@@ -17,7 +17,6 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import SimpleNamespace
 
 import bpy
 
@@ -26,6 +25,7 @@ from ..solver.files import write_bytes
 from .batch_files import EXPORTERS, export, open_input, save_blend
 from .forming import deliver, settings_of, take_order
 from .results import check_writable, result_of, results_of, wanted_roles
+from .settings import SETTINGS, fitted_settings
 
 OUTPUTS = ("blend", *EXPORTERS)
 
@@ -125,7 +125,7 @@ def _solve(
 ) -> tuple[str, list[str], bool]:
     """Message, warnings, and whether it converged; the results are in the scene."""
     context.view_layer.update()
-    settings = SimpleNamespace(**{**vars(settings_of(plan.cmc)), **overrides})
+    settings = fitted_settings({name: getattr(plan.cmc, name) for name in SETTINGS} | dict(overrides), overrides)
     check_writable(plan)
     order = take_order(context, plan, settings)
     outcome = order.work(lambda iteration, residual: True)

@@ -18,7 +18,8 @@ from ..solver.files import FORMATS
 from ..solver.job import Job, load_job, make_job
 from ..solver.plan import Group, Settings, plan_domain
 from .import_bridge import import_plan
-from .properties import ROLES, SIZE_PROPERTY
+from .properties import ROLES
+from .settings import SIZE_PROPERTY
 
 INPUTS = (".blend", ".toml", *FORMATS)
 
@@ -89,6 +90,11 @@ def _object_settings(settings: Settings) -> dict[str, object]:
         "blend": settings.blend,
         "ground": settings.ground.upper(),
         "sheet": roles[settings.sheet],
+        "sites": settings.sites.upper(),
+        "energy": settings.solver_choice[1].upper(),
+        "method": settings.method.upper(),
+        "delaunay": settings.delaunay,
+        "combinatorics": settings.combinatorics.upper(),
         "averaging": settings.averaging.upper(),
         "flip": settings.flip,
         "rotate": settings.rotate,

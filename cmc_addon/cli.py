@@ -13,7 +13,8 @@ import bpy
 from ..solver.errors import CmcError, JobError
 from .batch import OUTPUTS, Done, Request, run_file
 from .batch_files import INPUTS
-from .properties import SETTINGS, SIZE_PROPERTY, CmcObject
+from .properties import CmcObject
+from .settings import SETTINGS, SIZE_PROPERTY, fitted_settings
 
 OK, FAILED, BAD_ARGUMENTS = 0, 1, 2
 
@@ -82,6 +83,8 @@ def _request(arguments: argparse.Namespace, inputs: Sequence[Path]) -> Request:
         if len(sizes) > 1:
             raise JobError(f"Give one size, not {' and '.join(size.lower() for size in sizes)}; or choose by --size.")
         settings["size"] = sizes[0]
+    if "energy" in settings and "sites" in settings:
+        fitted_settings(settings, settings)
     return Request(
         output=arguments.output.resolve(),
         formats=arguments.format,

@@ -6,7 +6,8 @@ Between the two lies the work itself, which sees no Blender data and may run in 
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from types import SimpleNamespace
 
 import bpy
@@ -16,12 +17,14 @@ from numpy.typing import NDArray
 from ..solver import pipeline
 from ..solver.errors import CmcError
 from ..solver.plan import SHEETS
+from ..solver.polygon_sheets import PolygonSheet, polygon_sheet
 from . import session
 from .mesh_bridge import PlanMesh, read_plan
 from .messages import in_plan_numbers
-from .properties import ROLES, SETTINGS, SIZE_PROPERTY, parameter_values
+from .properties import ROLES, parameter_values
 from .result_bridge import Cut, find_cut
 from .results import Writer, delete_result, result_of, results_of, show_wanted, wanted_roles, write_report
+from .settings import SETTINGS, SIZE_PROPERTY, fitted_settings
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +39,8 @@ class Order:
 
     def work(self, progress: session.Progress) -> Outcome:
         """Solve. Raises `CmcError` in the plan's own numbering."""
-        prepared = session.prepare(self.mesh)
+        settings = solver_settings(self.settings)
+        prepared = session.prepare(self.mesh, settings.solver_choice)
         plan = pipeline.Plan(
             self.mesh.positions,
             prepared.triangles,
@@ -46,23 +50,31 @@ class Order:
         try:
             formed = pipeline.form(
                 plan,
-                solver_settings(self.settings),
+                settings,
                 solver=prepared.solver,
                 progress=progress,
                 intersections=self.settings.intersections,
             )
         except CmcError as error:
             raise in_plan_numbers(error, self.mesh, prepared.triangles, prepared.owners) from error
+        if settings.combinatorics != "primal":
+            polygons = {name: polygon_sheet(formed, name, settings.combinatorics) for name in formed.placed}
+            return Outcome(formed, prepared, polygons=polygons)
         cut = find_cut(self.mesh, prepared.triangles, prepared.owners, formed.faces, formed.source)
-        return Outcome(formed, cut)
+        return Outcome(formed, prepared, cut)
 
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What the work gave: the surface, placed, and where it is cut open."""
+    """What the work gave: the surface, placed, and where it is cut open; its sheets with other faces than the plan's.
+
+    polygons: sheet → mesh, where such faces are asked for.
+    """
 
     formed: pipeline.Formed
-    cut: Cut | None
+    prepared: session.Prepared
+    cut: Cut | None = None
+    polygons: Mapping[str, PolygonSheet] = field(default_factory=dict)
 
     @property
     def converged(self) -> bool:
@@ -117,8 +129,8 @@ def _groups(
 
 
 def settings_of(owner) -> SimpleNamespace:
-    """The solve settings of an object or an operator, as plain values."""
-    return SimpleNamespace(**{name: getattr(owner, name) for name in SETTINGS})
+    """The solve settings of an object as plain values; the energy is one that fits the sites."""
+    return fitted_settings({name: getattr(owner, name) for name in SETTINGS})
 
 
 def solver_settings(settings: SimpleNamespace) -> pipeline.Settings:
@@ -132,6 +144,11 @@ def solver_settings(settings: SimpleNamespace) -> pipeline.Settings:
         rotate=settings.rotate,
         flip=settings.flip,
         sheet=ROLES[settings.sheet],
+        sites=settings.sites.lower(),
+        energy=settings.energy.lower(),
+        method=settings.method.lower(),
+        delaunay=settings.delaunay,
+        combinatorics=settings.combinatorics.lower(),
         averaging=settings.averaging.lower(),
         tolerance=settings.tolerance,
     )
@@ -176,7 +193,11 @@ def deliver(
             if existing is not None:
                 delete_result(existing)
             continue
-        writer.write(role, formed.placed[sheet], formed.normals.get(sheet), _curvature(formed, sheet))
+        if sheet in outcome.polygons:
+            prepared = outcome.prepared
+            writer.write_polygons(role, outcome.polygons[sheet], prepared.triangles, prepared.owners)
+        else:
+            writer.write(role, formed.placed[sheet], formed.normals[sheet], _curvature(formed, sheet))
     report = {**_report(context, plan, outcome), "warnings": warnings}
     for result in results_of(plan).values():
         write_report(result, report)

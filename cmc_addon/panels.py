@@ -8,9 +8,10 @@ import bpy
 
 from .operators.go_to import target
 from .operators.plan import outline_of, plan_of
+from .operators.solve import draw_advanced
 from .outline import default_corner_radius, default_edge_length
 from .outline_bridge import local_size
-from .properties import SIZE_PROPERTY
+from .settings import SIZE_PROPERTY
 
 CATEGORY = "CMC"
 
@@ -193,11 +194,29 @@ class CMC_PT_options(Tab, bpy.types.Panel):
         if settings.size == "MATCH_PLAN":
             column.prop(settings, "rotate")
         column.separator()
-        for name in ("averaging", "tolerance", "intersections"):
+        for name in ("tolerance", "intersections"):
             column.prop(settings, name)
 
 
-CLASSES = (CMC_PT_plan, CMC_PT_shell, CMC_PT_options)
+class CMC_PT_advanced(Tab, bpy.types.Panel):
+    bl_idname = "CMC_PT_advanced"
+    bl_label = "Advanced"
+    bl_parent_id = "CMC_PT_shell"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 1
+
+    @classmethod
+    def poll(cls, context):
+        return plan_to_solve(context) is not None
+
+    def draw(self, context):
+        plan = plan_to_solve(context)
+        column = properties_column(self.layout)
+        column.enabled = plan.is_editable
+        draw_advanced(column, plan.cmc)
+
+
+CLASSES = (CMC_PT_plan, CMC_PT_shell, CMC_PT_options, CMC_PT_advanced)
 
 
 def register() -> None:

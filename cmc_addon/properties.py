@@ -12,8 +12,9 @@
 =========================  ==================================================================
 
 Enums and parameters come from the solver's registry of boundary conditions: a kind added there
-appears here. Identifiers are the solver's names in capitals. Lengths are Blender units, angles
-radians (shown as degrees). Annotations must be real objects, not strings, for Blender to see them.
+appears here; how a plan is solved is in `settings`. Identifiers are the solver's names in capitals. Lengths
+are Blender units, angles radians (shown as degrees). Annotations must be real objects, not strings, for
+Blender to see them.
 """
 
 from functools import partial
@@ -31,23 +32,13 @@ from bpy.props import (
 )
 
 from ..solver.gauss.conditions import KINDS
-from ..solver.surface.offsets import AVERAGINGS
-from ..solver.surface.placement import GROUNDS, SIZES
 from .group_list import free_name
+from .settings import setting_annotations
 
 GROUP_ATTRIBUTE = "cmc_group"
 
 ROLES = {"F_PLUS": "f+", "F_MINUS": "f-", "G": "g", "GAUSS": "gauss"}
 """Role of a result object -> the solver's name of that sheet."""
-
-SIZE_PROPERTY = {
-    "MATCH_PLAN": None,
-    "SPAN": "span",
-    "RISE": "rise",
-    "RADIUS": "radius",
-    "MEAN_CURVATURE": "mean_curvature",
-}
-"""Size mode -> the one setting it needs (for drawing and for the solve)."""
 
 
 # --- from the registry of kinds ------------------------------------------------------------
@@ -90,83 +81,6 @@ def condition_annotations(options=frozenset()) -> dict:
         for parameter in kind.parameters:
             annotations[parameter.name] = _parameter_property(parameter, options)
     return annotations
-
-
-# --- how a plan is solved ------------------------------------------------------------------
-
-_TEXTS = {
-    "match_plan": "Move and scale the shell until its rim is nearest to the drawn outline",
-    "span": "The longest horizontal extent of the shell",
-    "rise": "The height of the shell from its lowest to its highest point",
-    "radius": "The radius of mean curvature 1/H, the same everywhere on the shell",
-    "mean_curvature": "The mean curvature H itself, one over a length",
-    "lowest": "The lowest point of the shell lies on the plan's plane",
-    "rim": "The rim of the shell lies, on average, on the plan's plane",
-}
-
-
-def _items(registry: dict[str, str]) -> list[tuple[str, str, str]]:
-    return [(name.upper(), label, _TEXTS.get(name, label)) for name, label in registry.items()]
-
-
-_SHEETS = [
-    ("F_PLUS", "f+", "The shell g + N"),
-    ("F_MINUS", "f-", "Its twin g - N, a single point where the shell is a sphere"),
-]
-_AVERAGINGS = [(name.upper(), average.label, average.description) for name, average in AVERAGINGS.items()]
-
-_SETTINGS = {
-    "size": partial(EnumProperty, name="Size", items=_items(SIZES), default="MATCH_PLAN"),
-    "span": partial(FloatProperty, name="Span", default=10.0, min=1e-6, soft_min=0.01, subtype="DISTANCE"),
-    "rise": partial(FloatProperty, name="Rise", default=3.0, min=1e-6, soft_min=0.01, subtype="DISTANCE"),
-    "radius": partial(
-        FloatProperty, name="Radius", description="Radius of mean curvature, 1/H",
-        default=5.0, min=1e-6, soft_min=0.01, subtype="DISTANCE"),
-    "mean_curvature": partial(
-        FloatProperty, name="H",
-        description="Mean curvature, one over a length: 0.2 on a sphere of radius 5",
-        default=0.2, min=1e-9, soft_min=1e-3, precision=4),
-    "blend": partial(
-        FloatProperty, name="Blend Angles",
-        description="Length of rim over which the angles of neighbouring groups flow into each other; "
-        "where they jump instead, the shell gets a sharp notch",
-        default=0.0, min=0.0, subtype="DISTANCE"),
-    "ground": partial(EnumProperty, name="Ground", items=_items(GROUNDS), default="LOWEST"),
-    "sheet": partial(
-        EnumProperty, name="Sheet",
-        description="Which of the two surfaces is the shell: it is placed and shown",
-        items=_SHEETS, default="F_PLUS"),
-    "flip": partial(
-        BoolProperty, name="Flip",
-        description="Mirror the shell in the plan's plane: hanging instead of standing"),
-    "rotate": partial(
-        BoolProperty, name="Allow Rotation",
-        description="Match Plan may also rotate about the vertical, which turns the prescribed planes"),
-    "apply_modifiers": partial(
-        BoolProperty, name="Apply Modifiers", description="Solve on the plan as its modifiers show it"),
-    "want_twin": partial(BoolProperty, name="Twin", description="Also make the other sheet (f- beside f+)"),
-    "want_g": partial(
-        BoolProperty, name="K-Surface g", description="Also make the surface between the two sheets"),
-    "want_gauss": partial(
-        BoolProperty, name="Gauss Image", description="Also make the normals as points of a sphere"),
-    "averaging": partial(
-        EnumProperty, name="Averaging", description="How points of the surface are found at the vertices",
-        items=_AVERAGINGS, default="GALERKIN"),
-    "tolerance": partial(
-        FloatProperty, name="Tolerance", description="The solve stops at this residual",
-        default=1e-6, min=1e-12, max=1e-2, precision=8),
-    "intersections": partial(
-        BoolProperty, name="Self-Intersections", default=True,
-        description="Also report faces that go through each other; on large plans the slowest of the measures"),
-}
-SETTINGS = tuple(_SETTINGS)
-"""Names of the settings shared by `Object.cmc` and the operators that solve."""
-
-
-def setting_annotations(options=frozenset()) -> dict:
-    """The settings of a solve as property annotations; operators pass {'SKIP_SAVE'}, so that
-    the values of the last call on another plan are not taken over in silence."""
-    return {name: make(options=set(options)) for name, make in _SETTINGS.items()}
 
 
 # --- how a plan is meshed ------------------------------------------------------------------

@@ -29,7 +29,7 @@ Int = NDArray[np.int32]
 
 # Layers that are not the plan's to give: where the vertices are, shading, and which material a face has,
 # which on a result is the user's. Blender's own (".corner_vert", ".select_edge", …) begin with a dot.
-_NOT_REFRESHED = {"position", "material_index", "sharp_face", "custom_normal"}
+NOT_REFRESHED = {"position", "material_index", "sharp_face", "custom_normal"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,14 +61,14 @@ def find_cut(plan: PlanMesh, triangles: Int, owners: Int, rows: Int, source: Int
     corner_rows = np.concatenate(pieces)
     return Cut(
         vertices=np.asarray(source, dtype=np.int32),
-        corners=_corners_of(plan, np.repeat(faces, sizes), source[corner_rows]),
+        corners=corners_of(plan, np.repeat(faces, sizes), source[corner_rows]),
         faces=faces,
         rows=corner_rows,
         starts=np.concatenate([[0], np.cumsum(sizes)]).astype(np.int32),
     )
 
 
-def _corners_of(plan: PlanMesh, polygons: Int, vertices: Int) -> NDArray[np.int64]:
+def corners_of(plan: PlanMesh, polygons: Int, vertices: Int) -> NDArray[np.int64]:
     """The corner of each polygon at which each vertex lies."""
     count = len(plan.positions)
     owner = np.repeat(np.arange(len(plan.starts) - 1), np.diff(plan.starts)).astype(np.int64)
@@ -95,17 +95,10 @@ def fresh_mesh(
 
 def _cut_open(mesh: bpy.types.Mesh, cut: Cut) -> None:
     """Build the mesh anew with doubled vertices, every layer gathered from where it was."""
-    layers = _layers(mesh, lambda name: name != "position" and not name.startswith("."))
-    active = _active_layers(mesh)
+    layers = mesh_layers(mesh, lambda name: name != "position" and not name.startswith("."))
+    active = active_layers(mesh)
     old_edges, count = read(mesh, ".edge_verts", len(mesh.edges), np.int32, 2), len(mesh.vertices)
-    mesh.clear_geometry()
-    mesh.vertices.add(len(cut.vertices))
-    mesh.loops.add(len(cut.rows))
-    mesh.polygons.add(len(cut.faces))
-    mesh.polygons.foreach_set("loop_start", cut.starts[:-1])
-    mesh.loops.foreach_set("vertex_index", cut.rows)
-    mesh.update(calc_edges=True)
-    mend_selection(mesh)
+    build_polygons(mesh, len(cut.vertices), cut.rows, cut.starts)
     new_edges = cut.vertices[read(mesh, ".edge_verts", len(mesh.edges), np.int32, 2)]
     origin = {
         "POINT": cut.vertices,
@@ -114,8 +107,20 @@ def _cut_open(mesh: bpy.types.Mesh, cut: Cut) -> None:
         "CORNER": cut.corners,
     }
     for name, kind, domain, values in layers:
-        set_attribute(mesh, name, kind, domain, _gather(values, origin[domain]))
-    _set_active_layers(mesh, active)
+        set_attribute(mesh, name, kind, domain, gather(values, origin[domain]))
+    set_active_layers(mesh, active)
+
+
+def build_polygons(mesh: bpy.types.Mesh, vertex_count: int, corners: Int, starts: Int) -> None:
+    """Replace all that a mesh has by polygons: corners (C,) vertices, starts (P + 1,). Materials stay."""
+    mesh.clear_geometry()
+    mesh.vertices.add(vertex_count)
+    mesh.loops.add(len(corners))
+    mesh.polygons.add(len(starts) - 1)
+    mesh.polygons.foreach_set("loop_start", np.asarray(starts[:-1], dtype=np.int32))
+    mesh.loops.foreach_set("vertex_index", np.asarray(corners, dtype=np.int32))
+    mesh.update(calc_edges=True)
+    mend_selection(mesh)
 
 
 def _find_pairs(pairs: Int, among: Int, count: int) -> NDArray[np.int64]:
@@ -126,7 +131,7 @@ def _find_pairs(pairs: Int, among: Int, count: int) -> NDArray[np.int64]:
     return np.where(keys[slot] == wanted, slot, -1)
 
 
-def _gather(values: NDArray | list[bytes], origin: NDArray) -> NDArray | list[bytes]:
+def gather(values: NDArray | list[bytes], origin: NDArray) -> NDArray | list[bytes]:
     """values[origin], and nothing (zero) where origin is -1."""
     if isinstance(values, list):
         return [values[i] if i >= 0 else b"" for i in origin]
@@ -135,7 +140,7 @@ def _gather(values: NDArray | list[bytes], origin: NDArray) -> NDArray | list[by
     return gathered
 
 
-def _layers(mesh: bpy.types.Mesh, wanted) -> list[tuple[str, str, str, NDArray | list[bytes]]]:
+def mesh_layers(mesh: bpy.types.Mesh, wanted) -> list[tuple[str, str, str, NDArray | list[bytes]]]:
     """Name, type, domain and values of the attributes whose name is wanted."""
     return [
         (attribute.name, attribute.data_type, attribute.domain, attribute_values(attribute))
@@ -144,7 +149,7 @@ def _layers(mesh: bpy.types.Mesh, wanted) -> list[tuple[str, str, str, NDArray |
     ]
 
 
-def _active_layers(mesh: bpy.types.Mesh) -> dict[str, str | None]:
+def active_layers(mesh: bpy.types.Mesh) -> dict[str, str | None]:
     uv, colors = mesh.uv_layers, mesh.color_attributes
     rendered = colors.render_color_index
     return {
@@ -155,7 +160,7 @@ def _active_layers(mesh: bpy.types.Mesh) -> dict[str, str | None]:
     }
 
 
-def _set_active_layers(mesh: bpy.types.Mesh, active: dict[str, str | None]) -> None:
+def set_active_layers(mesh: bpy.types.Mesh, active: dict[str, str | None]) -> None:
     if active["uv"]:
         mesh.uv_layers.active = mesh.uv_layers[active["uv"]]
     if active["render_uv"]:
@@ -176,7 +181,7 @@ def put_mesh(ob: bpy.types.Object, fresh: bpy.types.Mesh) -> None:
     """
     old = ob.data
     if same_topology(old, fresh):
-        refreshed = _layers(fresh, lambda name: name not in _NOT_REFRESHED and not name.startswith("."))
+        refreshed = mesh_layers(fresh, lambda name: name not in NOT_REFRESHED and not name.startswith("."))
         for name, kind, domain, values in refreshed:
             set_attribute(old, name, kind, domain, values)
         bpy.data.meshes.remove(fresh)

@@ -11,6 +11,9 @@ groups). The user's stay: materials and which face has which, smooth or flat, mo
 collections, other layers, custom properties. If the plan's polygons have changed, the mesh is replaced and
 the object stays, with its materials; layers that the user added to the mesh are then lost.
 
+**Other faces.** Where the dual or the corner mesh is asked for, the same object gets that mesh, with the plan's
+layers interpolated to its vertices (see `polygon_bridge`); and back.
+
 **Place.** A result starts with its origin at the plan's, unrotated and unscaled. What the user then does to
 its transform stays: the solve moves it only by as much as the plan has been moved since (a parented result
 not even that).
@@ -36,6 +39,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..solver.errors import CmcError
+from ..solver.polygon_sheets import PolygonSheet
 from .mesh_bridge import (
     MEAN_CURVATURE_ATTRIBUTE,
     NORMAL_ATTRIBUTE,
@@ -44,6 +48,7 @@ from .mesh_bridge import (
     set_attribute,
     set_positions,
 )
+from .polygon_bridge import polygon_mesh, row_weights
 from .properties import ROLES
 from .result_bridge import Cut, fresh_mesh, put_mesh, put_weights, vertex_weights
 
@@ -127,11 +132,15 @@ class Writer:
         self.weights = self._weights()
 
     def _weights(self) -> list[dict[int, float]]:
-        """The plan's vertex weights on the rows of the results."""
+        """The plan's vertex weights."""
         if not self.group_names:
             return []
         with readable_mesh(self.plan, self.depsgraph) as mesh:
-            weights = vertex_weights(mesh, len(self.group_names))
+            return vertex_weights(mesh, len(self.group_names))
+
+    def _cut_weights(self) -> list[dict[int, float]]:
+        """The plan's vertex weights on the rows of a surface that may be cut open."""
+        weights = self.weights
         if self.cut is None:
             return weights
         rows = enumerate(self.cut.vertices.tolist())
@@ -140,10 +149,23 @@ class Writer:
             rows_of.setdefault(vertex, []).append(row)
         return [{row: w for vertex, w in group.items() for row in rows_of[vertex]} for group in weights]
 
-    def write(self, role: str, points: NDArray, normals: NDArray | None, curvature: NDArray | None) -> None:
-        """Make or update the result in this role; points (n, 3) in world coordinates."""
-        result = result_of(self.plan, role)
+    def write(self, role: str, points: NDArray, normals: NDArray, curvature: NDArray | None) -> None:
+        """Make or update the result in this role with the plan's polygons; points (n, 3) in world coordinates."""
         fresh = fresh_mesh(self.plan, self.depsgraph, self.mesh, self.cut)
+        result = self._put(role, fresh, self._cut_weights())
+        if curvature is not None:
+            set_attribute(result.data, MEAN_CURVATURE_ATTRIBUTE, "FLOAT", "POINT", curvature)
+        self._place(result, points, normals)
+
+    def write_polygons(self, role: str, sheet: PolygonSheet, triangles: NDArray, owners: NDArray) -> None:
+        """The same with the polygons of a dual or corner mesh, formed on the plan's triangles (see `polygon_mesh`)."""
+        fresh = polygon_mesh(self.plan, self.depsgraph, self.mesh, triangles, owners, sheet)
+        result = self._put(role, fresh, row_weights(sheet, self.weights, len(self.mesh.positions)))
+        self._place(result, sheet.points, sheet.normals)
+
+    def _put(self, role: str, fresh: bpy.types.Mesh, weights: list[dict[int, float]]) -> bpy.types.Object:
+        """The result in this role, made or brought up to date, but for its points."""
+        result = result_of(self.plan, role)
         if result is None:
             result = self._new(role, fresh)
         else:
@@ -151,11 +173,11 @@ class Writer:
             self._follow(result)
         if result.data.shape_keys is not None:
             result.shape_key_clear()
-        put_weights(result, self.group_names, self.weights)
-        if normals is not None:
-            set_attribute(result.data, NORMAL_ATTRIBUTE, "FLOAT_VECTOR", "POINT", normals)
-        if curvature is not None:
-            set_attribute(result.data, MEAN_CURVATURE_ATTRIBUTE, "FLOAT", "POINT", curvature)
+        put_weights(result, self.group_names, weights)
+        return result
+
+    def _place(self, result: bpy.types.Object, points: NDArray, normals: NDArray) -> None:
+        set_attribute(result.data, NORMAL_ATTRIBUTE, "FLOAT_VECTOR", "POINT", normals)
         set_positions(result.data, points - self.origin)
 
     def _new(self, role: str, mesh: bpy.types.Mesh) -> bpy.types.Object:

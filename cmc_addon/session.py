@@ -1,7 +1,8 @@
 """What is kept between two solves, and how a solve runs beside Blender.
 
 A plan that has not moved keeps its triangles, its domain and the solver's factorisation, found by a
-fingerprint of positions and polygons, so that changing a boundary condition costs no new factorisation. The
+fingerprint of positions and polygons and by what the solver is made for (sites, energy, triangulation), so that
+changing a boundary condition costs no new factorisation. The
 work itself runs in a thread that never touches Blender's data; `steps` is the one way to run it, for a script
 that waits and for a window that goes on drawing.
 """
@@ -21,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..solver.errors import CmcError
-from ..solver.plan import Plan, plan_domain
+from ..solver.plan import Plan, Settings, plan_domain
 from ..solver.polygons import triangulate_polygons
 from ..solver.surface.solve import CmcSolver
 from .mesh_bridge import PlanMesh
@@ -42,7 +43,9 @@ class Prepared:
     solver: CmcSolver
 
 
-_prepared: OrderedDict[bytes, Prepared] = OrderedDict()
+Choice = tuple[str, str, bool]
+USUAL: Choice = Settings().solver_choice
+_prepared: OrderedDict[tuple[bytes, Choice], Prepared] = OrderedDict()
 
 
 def fingerprint(plan: PlanMesh) -> bytes:
@@ -54,26 +57,31 @@ def fingerprint(plan: PlanMesh) -> bytes:
     return digest.digest()
 
 
-def prepare(plan: PlanMesh) -> Prepared:
-    """Triangles and solver of a plan, from the last few plans if it is one of them.
+def prepare(plan: PlanMesh, choice: Choice = USUAL) -> Prepared:
+    """Triangles and solver of a plan, from the last few if it is one of them.
 
-    Raises `MeshError` in the plan's own numbering.
+    choice: `Settings.solver_choice`. Raises `MeshError` in the plan's own numbering.
     """
-    key = fingerprint(plan)
-    prepared = _prepared.pop(key, None) or _prepare(plan)
+    key = fingerprint(plan), choice
+    prepared = _prepared.pop(key, None) or _prepare(plan, *key)
     _prepared[key] = prepared
     while len(_prepared) > _KEPT:
         _prepared.popitem(last=False)
     return prepared
 
 
-def _prepare(plan: PlanMesh) -> Prepared:
+def _prepare(plan: PlanMesh, drawn: bytes, choice: Choice) -> Prepared:
+    sites, energy, delaunay = choice
+    options = {"sites": sites, "energy": energy, "delaunay": delaunay}
+    for (known, _), other in _prepared.items():
+        if known == drawn:
+            return Prepared(other.triangles, other.owners, CmcSolver(other.solver.domain, **options))
     triangles, owners = triangulate_polygons(plan.positions, plan.polygons())
     try:
-        domain = plan_domain(Plan(plan.positions, triangles))
+        solver = CmcSolver(plan_domain(Plan(plan.positions, triangles)), **options)
     except CmcError as error:
         raise in_plan_numbers(error, plan, triangles, owners) from error
-    return Prepared(triangles, owners, CmcSolver(domain))
+    return Prepared(triangles, owners, solver)
 
 
 def register() -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import tempfile
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -150,7 +151,7 @@ def _trimesh_bytes(mesh: MeshData, normals: Array | None, suffix: str) -> bytes:
     triangles, polygon = _triangles(mesh)
     positions, uv = mesh.positions, None
     if suffix == ".glb" and len(mesh.uvs) and all(len(rows) for rows in mesh.uv_corners):
-        rows = _corner_rows(mesh.polygons, mesh.uv_corners, triangles, polygon)
+        rows = corner_rows(mesh.polygons, mesh.uv_corners, triangles, polygon)
         # glTF has one UV a vertex: a vertex on a seam is written once for each of its UVs.
         pairs, index = np.unique(np.column_stack([triangles.ravel(), rows.ravel()]), axis=0, return_inverse=True)
         triangles, positions, uv = index.reshape(-1, 3), positions[pairs[:, 0]], mesh.uvs[pairs[:, 1]]
@@ -163,16 +164,38 @@ def _trimesh_bytes(mesh: MeshData, normals: Array | None, suffix: str) -> bytes:
 
 
 def _triangles(mesh: MeshData) -> tuple[Int, Int]:
-    """Triangles are taken as they are, whatever their shape: a sheet that folds is written all the same."""
+    """Triangles are taken as they are, whatever their shape: a sheet that folds is written all the same.
+
+    So is a polygon that no triangles fit (one that crosses itself, or has no area): as a fan.
+    """
     if all(len(polygon) == 3 for polygon in mesh.polygons):
         return np.array(mesh.polygons, dtype=np.int32), np.arange(len(mesh.polygons), dtype=np.int32)
-    return triangulate_polygons(mesh.positions, mesh.polygons)
+    try:
+        return triangulate_polygons(mesh.positions, mesh.polygons)
+    except MeshError:
+        parts = [_one_polygon(mesh.positions, polygon) for polygon in mesh.polygons]
+    return np.concatenate(parts), np.repeat(np.arange(len(parts), dtype=np.int32), [len(part) for part in parts])
 
 
-def _corner_rows(polygons: list[Int], uv_corners: list[Int], triangles: Int, polygon: Int) -> Int:
-    """(T, 3) UV rows of the triangles' corners; a polygon visits each of its vertices once."""
-    rows = np.empty_like(triangles)
-    maps = [dict(zip(p.tolist(), t.tolist(), strict=True)) for p, t in zip(polygons, uv_corners, strict=True)]
-    for index, (corners, owner) in enumerate(zip(triangles.tolist(), polygon.tolist(), strict=True)):
-        rows[index] = [maps[owner][vertex] for vertex in corners]
+def _one_polygon(positions: Array, polygon: Int) -> Int:
+    """(k - 2, 3) triangles of a polygon of k corners."""
+    corners = np.asarray(polygon, dtype=np.int32)
+    try:
+        return corners[triangulate_polygons(positions[corners], [np.arange(len(corners))])[0]]
+    except MeshError:
+        first = np.full(max(len(corners) - 2, 0), corners[0])
+        return np.column_stack([first, corners[1:-1], corners[2:]])
+
+
+def corner_rows(
+    polygons: Sequence[Int], uv_corners: Sequence[Int], triangles: NDArray[np.integer], owners: NDArray[np.integer]
+) -> Int:
+    """(T, 3) UV rows of the triangles' corners, -1 where their polygon has none; a polygon visits a vertex once.
+
+    triangles (T, 3), owners (T,): the polygon each is a part of.
+    """
+    rows = np.full(triangles.shape, -1, dtype=np.int32)
+    maps = [dict(zip(p.tolist(), t.tolist(), strict=False)) for p, t in zip(polygons, uv_corners, strict=True)]
+    for index, (corners, owner) in enumerate(zip(triangles.tolist(), owners.tolist(), strict=True)):
+        rows[index] = [maps[owner].get(vertex, -1) for vertex in corners]
     return rows

@@ -10,20 +10,26 @@ import os
 import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from .domain import shapes
 from .domain.domain import Domain
-from .errors import CmcError, JobError
+from .domain.sites import SITES
+from .errors import CmcError, ConditionError, JobError
 from .files import FORMATS, MeshData, read_mesh
 from .gauss.conditions import KINDS, Parameter
+from .gauss.energies import ENERGIES, energy_on
+from .gauss.methods import METHODS
 from .outputs import SHEET_KEYS, write_results
 from .pipeline import Formed, form
 from .plan import SHEETS, Group, Plan, Settings, plan_conditions, plan_domain
 from .polygons import triangulate_polygons
 from .selection import Pairs, select
+from .surface.cmc import COMBINATORICS
+from .surface.offsets import AVERAGINGS
 from .surface.placement import GROUNDS, SIZES
 from .tables import Table, suggestion
 
@@ -42,6 +48,7 @@ ground = "lowest"        # or "rim"; also rotate, flip = true, sheet = "f-"
 
 [output]
 f_plus = "shell.obj"     # also f_minus, g, gauss; .obj keeps polygons, UVs and materials
+                         # combinatorics = "dual" or "corner" for other polygons than the plan's
 report = "report.json"
 """
 
@@ -88,8 +95,9 @@ def make_job(data: Mapping[str, object], file: Path) -> Job:
     plan = Plan(mesh.positions, triangles, mesh.polygons, triangle_polygons=owner)
     domain = plan_domain(plan)
     plan.groups = [_group(table, domain, mesh, sides) for table in root.tables("conditions")]
-    settings = _settings(root)
-    outputs = _outputs(root.table("output"), file.parent)
+    output = root.table("output")
+    settings = _settings(root, output.text("combinatorics", "primal", among=list(COMBINATORICS)))
+    outputs = _outputs(output, file.parent)
     root.finish()
     plan_conditions(plan, settings, domain)
     return Job(file, plan, settings, mesh, outputs, up)
@@ -98,7 +106,7 @@ def make_job(data: Mapping[str, object], file: Path) -> Job:
 def run_job(job: Job, progress: Callable[[int, float], bool | None] | None = None) -> Formed:
     """Solve a job and write its files; raises `CmcError` where that is not possible."""
     formed = form(job.plan, job.settings, progress=progress)
-    write_results(formed, job.plan, job.mesh, job.outputs, up=job.up)
+    write_results(formed, job.plan, job.mesh, job.outputs, up=job.up, combinatorics=job.settings.combinatorics)
     return formed
 
 
@@ -182,9 +190,10 @@ def _parameter(table: Table, parameter: Parameter) -> float | tuple[float, ...]:
     return float(np.radians(value)) if parameter.unit == "radians" else value
 
 
-def _settings(root: Table) -> Settings:
+def _settings(root: Table, combinatorics: str) -> Settings:
     default, size, solver = root.table("default"), root.table("size"), root.table("solver")
-    values: dict[str, object] = {"default_kind": default.text("kind", "binormal", among=list(KINDS))}
+    values: dict[str, object] = {"combinatorics": combinatorics}
+    values["default_kind"] = default.text("kind", "binormal", among=list(KINDS))
     values["default_tilt"] = float(np.radians(default.number("tilt")))
     values["blend"] = default.number("blend")
     default.finish()
@@ -209,10 +218,11 @@ def _settings(root: Table) -> Settings:
 
 def _solver_settings(table: Table) -> dict[str, object]:
     readers: dict[str, Callable[[Table, str], object]] = {
-        "sites": Table.text,
-        "energy": Table.text,
-        "method": Table.text,
-        "averaging": Table.text,
+        "sites": partial(Table.text, among=list(SITES)),
+        "energy": partial(Table.text, among=list(ENERGIES)),
+        "method": partial(Table.text, among=list(METHODS)),
+        "delaunay": Table.flag,
+        "averaging": partial(Table.text, among=list(AVERAGINGS)),
         "tolerance": Table.number,
         "period_tolerance": Table.number,
         "side": Table.integer,
@@ -222,6 +232,10 @@ def _solver_settings(table: Table) -> dict[str, object]:
     values = {name: read(table, name) for name, read in readers.items() if name in table}
     table.known.extend(readers)
     table.finish()
+    try:
+        energy_on(str(values.get("energy", "cotan")), str(values.get("sites", "vertices")))
+    except ConditionError as error:
+        raise table.fail(f'"energy" and "sites" do not fit: {error}') from error
     return values
 
 

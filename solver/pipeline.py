@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import Status
+from .gauss.energies import ENERGIES
 from .measure.curvature import mean_curvature_of
 from .measure.report import Report, report
 from .plan import SHEETS, Group, Plan, Settings, matches, plan_conditions, plan_domain, plan_warnings
@@ -72,16 +73,16 @@ def form(
 ) -> Formed:
     """Solve for the shell over a plan, size and place it, and measure it.
 
-    solver: one that an earlier call returned in `Formed.solver`; it is used if it belongs to this plan,
-    which saves building the domain and factoring. initial (V, 3): normals to start from.
+    solver: one that an earlier call returned in `Formed.solver`; it is used if it belongs to this plan and to the
+    sites, energy and triangulation that the settings ask for, which saves factoring. initial (V, 3), or (F, 3) with
+    normals on faces: a map to start from, `surface.harmonic.normals` of an earlier one.
     progress(iteration, residual) is called every step; False cancels. intersections=False leaves out the
     slowest measure. Raises `CmcError` (`MeshError`, `ConditionError`, `PlacementError`) on input that
     cannot be used; a solve that does not converge is told by `Formed.converged` and `message`.
     """
     settings = settings or Settings()
     plan = replace(plan, positions=np.asarray(plan.positions, dtype=np.float64))
-    if solver is None or not matches(solver.domain, plan):
-        solver = CmcSolver(plan_domain(plan), sites=settings.sites, energy=settings.energy)
+    solver = _solver(plan, settings, solver)
     surface = solver.solve(
         plan_conditions(plan, settings, solver.domain),
         initial=initial,
@@ -118,6 +119,18 @@ def form(
         warnings=plan_warnings(plan, solver.domain) + _warnings(plan, surface, settings, similarity, measured),
         solver=solver,
     )
+
+
+def _solver(plan: Plan, settings: Settings, given: CmcSolver | None) -> CmcSolver:
+    """The given solver if it is the one for this; else a new one, on the given one's domain if that is the plan's."""
+    known = given if given is not None and matches(given.domain, plan) else None
+    sites, energy, delaunay = settings.solver_choice
+    if known is not None:
+        harmonic = known.harmonic
+        if (harmonic.graph.name, harmonic.energy, known.delaunay) == (sites, ENERGIES[energy], delaunay):
+            return known
+    domain = plan_domain(plan) if known is None else known.domain
+    return CmcSolver(domain, sites=sites, energy=energy, delaunay=delaunay)
 
 
 def _check_shown(surface: CmcSurface, shown: str, sheets: Sequence[str]) -> None:
@@ -157,9 +170,13 @@ def _placed(
     placed = {name: similarity.points(surface.sheet(name)) for name in (*sheets, "g")}
     N = similarity.directions(surface.normals)
     placed["gauss"] = plane.origin + 0.5 * similarity.scale / surface.mean_curvature * N
-    outside = -N if similarity.mirrored else N
-    normals = {"f+": outside, "f-": -outside, "g": outside, "gauss": outside}
-    return placed, {name: normals[name] for name in placed}
+    return placed, {name: placed_normals(surface.normals, name, similarity) for name in placed}
+
+
+def placed_normals(N: Array, sheet: str, similarity: Similarity) -> Array:
+    """Normals N (n, 3) of the surface on a placed sheet, on the side from which its faces are counter-clockwise."""
+    inward = (sheet == "f-") != similarity.mirrored
+    return similarity.directions(-N if inward else N)
 
 
 def row_curvature(surface: CmcSurface, similarity: Similarity, placed: dict[str, Array], sheet: str) -> Array:

@@ -9,10 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .domain.domain import Domain
+from .domain.sites import SITES
 from .errors import CmcError, ConditionError, JobError, MeshError, listed
 from .gauss import conditions as boundary
 from .gauss.blending import moving_average
 from .gauss.conditions import KINDS, Conditions
+from .gauss.energies import ENERGIES, energy_on
+from .gauss.methods import METHODS
+from .surface.cmc import COMBINATORICS
 from .surface.placement import Rule
 
 Array = NDArray[np.float64]
@@ -53,7 +57,9 @@ class Settings:
     default_kind, default_tilt (radians): the condition of boundary edges in no group.
     blend: length of boundary over which the tilts of neighbouring groups flow into each other; 0: they jump.
     size, value, ground, rotate, flip: see `placement.Rule`; `sheet`, "f+" or "f-", is the one they speak of.
-    The rest goes to the solver as it is: see `solve_cmc`.
+    combinatorics: of `COMBINATORICS`, the polygons with which the sheets are written; they are measured on triangles.
+    The rest goes to the solver as it is: see `solve_cmc`. Raises `CmcError` on a name that is none, and on an energy
+    that is not defined on the sites.
     """
 
     default_kind: str = "binormal"
@@ -68,11 +74,13 @@ class Settings:
     sites: str = "vertices"
     energy: str = "cotan"
     method: str = "newton"
+    delaunay: bool = False
     averaging: str = "galerkin"
     tolerance: float = 1e-6
     period_tolerance: float = 1e-3
     side: int = +1
     degree: float | None = None
+    combinatorics: str = "primal"
 
     def __post_init__(self) -> None:
         if self.sheet not in SHEETS:
@@ -81,7 +89,21 @@ class Settings:
             raise JobError(f'There is no boundary condition "{self.default_kind}"; choose one of {", ".join(KINDS)}.')
         if not (np.isfinite(self.blend) and self.blend >= 0.0):
             raise JobError(f"The blend must be a length of zero or more, not {self.blend}.")
+        for what, name, known in (
+            ("kind of sites", self.sites, SITES),
+            ("method", self.method, METHODS),
+            ("combinatorics", self.combinatorics, COMBINATORICS),
+        ):
+            if name not in known:
+                raise JobError(f'There is no {what} "{name}"; choose one of {", ".join(known)}.')
+        energy_on(self.energy, self.sites)
         self.rule()
+
+    @property
+    def solver_choice(self) -> tuple[str, str, bool]:
+        """What a solver is made for besides its domain: sites, energy by the name it has there, and Delaunay or not."""
+        energy = energy_on(self.energy, self.sites)
+        return self.sites, next(name for name, one in ENERGIES.items() if one is energy), self.delaunay
 
     def rule(self) -> Rule:
         """The placement part; raises `PlacementError` on a size or ground that is none."""

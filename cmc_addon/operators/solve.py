@@ -12,15 +12,9 @@ import bpy
 from ...solver.errors import CmcError
 from .. import session
 from ..forming import deliver, settings_of, take_order
-from ..properties import (
-    SETTINGS,
-    SIZE_PROPERTY,
-    condition_annotations,
-    kind_parameters,
-    parameter_values,
-    setting_annotations,
-)
+from ..properties import condition_annotations, kind_parameters, parameter_values
 from ..results import check_writable, plan_of
+from ..settings import SETTINGS, SIZE_PROPERTY, energies_on, fitted_settings, setting_annotations
 
 _TICK = 0.05
 
@@ -36,10 +30,12 @@ class Solving:
 
     def order_settings(self, plan: bpy.types.Object):
         """The settings to solve with."""
+        given = [name for name in SETTINGS if self.properties.is_property_set(name)]
+        stored = {name: getattr(self if name in given else plan.cmc, name) for name in SETTINGS}
+        settings = fitted_settings(stored, given)
         for name in SETTINGS:
-            if not self.properties.is_property_set(name):
-                setattr(self, name, getattr(plan.cmc, name))
-        return settings_of(self)
+            setattr(self, name, getattr(settings, name))
+        return settings
 
     def selection(self) -> dict | None:
         """Kind and parameters for the selected boundary edges, if the selection counts."""
@@ -170,7 +166,18 @@ def draw_settings(layout: bpy.types.UILayout, owner) -> None:
     column = layout.column(heading="Also Make")
     for name in ("want_twin", "want_g", "want_gauss"):
         column.prop(owner, name)
-    for name in ("averaging", "tolerance", "intersections"):
+    for name in ("tolerance", "intersections"):
+        layout.prop(owner, name)
+    draw_advanced(layout, owner)
+
+
+def draw_advanced(layout: bpy.types.UILayout, owner) -> None:
+    """Rows for what is solved and which faces it gets; of the energies those that are defined on the sites."""
+    layout.row().prop(owner, "sites", expand=True)
+    column = layout.column(align=True, heading="Energy")
+    for energy in energies_on(owner.sites):
+        column.prop_enum(owner, "energy", energy)
+    for name in ("method", "delaunay", "averaging", "combinatorics"):
         layout.prop(owner, name)
 
 

@@ -35,7 +35,7 @@ class Combinatorics:
 
 
 COMBINATORICS = {
-    "primal": Combinatorics("Triangles", "The triangles of the plan"),
+    "primal": Combinatorics("Primal", "The faces of the plan"),
     "dual": Combinatorics(
         "Dual", "A vertex for each triangle of the plan, a polygon for each of its vertices", dual_complex
     ),

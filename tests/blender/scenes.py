@@ -44,6 +44,17 @@ def quad_disc(name: str = "Disc", rings: int = 5, columns: int = 24, radius: flo
     return mesh_object(name, points, faces)
 
 
+def jittered(plan: bpy.types.Object, amount: float = 0.12) -> bpy.types.Object:
+    """The vertices inside moved at random in the plan's plane, so that no two triangles lie on one circle."""
+    rim = {v for e in boundary_edges(plan.data) for v in plan.data.edges[e].vertices}
+    moves = np.random.default_rng(7).uniform(-amount, amount, (len(plan.data.vertices), 2))
+    for vertex, (x, y) in zip(plan.data.vertices, moves.tolist(), strict=True):
+        if vertex.index not in rim:
+            vertex.co.x += x
+            vertex.co.y += y
+    return plan
+
+
 def quad_ring(name: str = "Ring", rings: int = 5, columns: int = 24, inner: float = 1.5, outer: float = 4.0):
     """A plan with a hole, of quads: its surface does not close by itself when the hole is off the centre."""
     points, faces = [], []

@@ -17,7 +17,7 @@ from cmc_formfinding.solver.files import read_mesh
 from numpy.testing import assert_allclose
 
 from .conftest import ROOT
-from .scenes import activate, add_group, boundary_edges, mesh_object, positions, quad_disc
+from .scenes import activate, add_group, boundary_edges, jittered, mesh_object, positions, quad_disc
 
 JOBS = ROOT / "assets" / "jobs"
 
@@ -34,7 +34,7 @@ def report(path: Path) -> dict:
 @pytest.fixture
 def hall(tmp_path) -> Path:
     """A file with two plans, one of them with a group, and a mesh that is none."""
-    disc = quad_disc("Disc", rings=6)
+    disc = jittered(quad_disc("Disc", rings=6))
     disc.data.materials.append(bpy.data.materials.new("Glass"))
     disc.data.uv_layers.new(name="Map")
     add_group(disc, "rim", boundary_edges(disc.data), "BINORMAL", tilt=0.3)
@@ -78,6 +78,46 @@ def test_settings_override_those_of_the_plan(hall, tmp_path):
     assert (disc.cmc.size, disc.cmc.ground, disc.cmc.flip) == ("SPAN", "RIM", True)
     assert positions(disc.cmc.f_plus)[:, 2].min() < -1
     assert not results_of(bpy.data.objects["Other"])
+
+
+def test_sites_energy_and_faces(hall, tmp_path):
+    """Given on the command line, and kept with the plan; in OBJ files polygons, in GLB triangles."""
+    arguments = ["--sites", "faces", "--energy", "mobius", "--method", "newton", "--delaunay"]
+    arguments += ["--combinatorics", "dual"]
+    out = ["--output", str(tmp_path / "out"), "--plan", "Disc", "--format", "blend", "obj", "glb"]
+    assert cli.run([str(hall), *arguments, *out]) == 0
+    shell = read_mesh(tmp_path / "out" / "hall" / "Disc" / "shell.obj")
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "out" / "hall" / "hall.blend"))
+    disc = bpy.data.objects["Disc"]
+    choice = (disc.cmc.sites, disc.cmc.energy, disc.cmc.method, disc.cmc.delaunay, disc.cmc.combinatorics)
+    assert choice == ("FACES", "MOBIUS", "NEWTON", True, "DUAL")
+    assert len(shell.polygons) == len(disc.data.vertices) == len(disc.cmc.f_plus.data.polygons)
+    assert len(shell.uvs) and set(shell.materials) == {"Glass"}
+    assert {len(p) for p in read_mesh(tmp_path / "out" / "hall" / "Disc" / "shell.glb").polygons} == {3}
+
+
+def test_an_energy_that_does_not_fit_the_plan(hall, tmp_path, capsys):
+    """The file's own sites are vertices."""
+    arguments = [str(hall), "--energy", "tan", "--output", str(tmp_path / "out"), "--plan", "Disc"]
+    assert cli.run(arguments) == 1
+    message = "The energy Tangent is not defined for normals on vertices; choose Cotangent, or other sites."
+    assert message in capsys.readouterr().err
+    assert report(tmp_path / "out" / "hall" / "Disc")["error"] == message
+    assert cli.run([*arguments, "--sites", "faces", "--delaunay"]) == 0
+
+
+def test_choices_of_a_job_are_those_of_the_plan(tmp_path):
+    text = (JOBS / "canopy.toml").read_text() + '\ncombinatorics = "corner"\n'
+    text += '\n[solver]\nsites = "faces"\nmethod = "flow"\ndelaunay = true\n'
+    shutil.copytree(JOBS, tmp_path / "jobs")
+    (tmp_path / "jobs" / "canopy.toml").write_text(text)
+    assert cli.run([str(tmp_path / "jobs" / "canopy.toml"), "--output", str(tmp_path / "out")]) == 0
+    plan = bpy.data.objects["canopy"]
+    choice = (plan.cmc.sites, plan.cmc.energy, plan.cmc.method, plan.cmc.delaunay, plan.cmc.combinatorics)
+    assert choice == ("FACES", "DUAL_COTAN", "FLOW", True, "CORNER")
+    shell = plan.cmc.f_plus.data
+    assert len(shell.polygons) > 3 * len(plan.data.polygons)
+    assert len(shell.uv_layers) == 1 and [m.name for m in shell.materials] == ["steel", "glass"]
 
 
 def test_the_input_is_not_written(hall, tmp_path):
@@ -182,6 +222,8 @@ def test_a_surface_with_a_gap_is_written_and_is_a_failure(tmp_path, capsys):
         (["a.blend", "--format", "dxf"], "dxf"),
         (["a.blend", "--size", "large"], "LARGE"),
         (["a.blend", "x/a.obj"], 'Several inputs are called "a"'),
+        (["a.blend", "--sites", "edges"], "invalid choice: 'EDGES'"),
+        (["a.blend", "--sites", "vertices", "--energy", "mobius"], "Möbius is not defined for normals on vertices"),
         (["a.blend", "--span", "3", "--rise", "1"], "Give one size, not span and rise"),
         (["a.obj", "--condition", "group: street"], "is not valid TOML"),
     ],

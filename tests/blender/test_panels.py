@@ -36,6 +36,12 @@ class Layout:
         assert icon in ICONS
         self.record.props.append(name)
 
+    def prop_enum(self, data, name, value):
+        prop = data.bl_rna.properties[name]
+        assert value in [item.identifier for item in prop.enum_items]
+        self.record.props.append(name)
+        self.record.texts.append(prop.enum_items[value].name)
+
     def operator(self, name, *, text="", icon="NONE", **_):
         assert icon in ICONS
         kind = getattr(bpy.ops.cmc, name.removeprefix("cmc.")).get_rna_type()
@@ -79,8 +85,8 @@ def panel_class(name):
 
 
 PANELS = (
-    "CMC_PT_plan", "CMC_PT_boundary", "CMC_PT_shell", "CMC_PT_options", "CMC_PT_results", "CMC_PT_checks",
-    "CMC_PT_solver",
+    "CMC_PT_plan", "CMC_PT_boundary", "CMC_PT_shell", "CMC_PT_options", "CMC_PT_advanced", "CMC_PT_results",
+    "CMC_PT_checks", "CMC_PT_solver",
 )
 
 
@@ -229,13 +235,13 @@ def test_only_the_size_that_counts_is_drawn(plan) -> None:
 
 
 def test_every_setting_of_a_solve_can_be_reached(plan) -> None:
-    from cmc_formfinding.cmc_addon.properties import SETTINGS
+    from cmc_formfinding.cmc_addon.settings import SETTINGS
 
     bpy.ops.cmc.group_add(name="rim")
     drawn = set()
     for size in ("MATCH_PLAN", "SPAN", "RISE", "RADIUS", "MEAN_CURVATURE"):
         plan.cmc.size = size
-        drawn |= set(draw("CMC_PT_boundary", "CMC_PT_shell", "CMC_PT_options").props)
+        drawn |= set(draw("CMC_PT_boundary", "CMC_PT_shell", "CMC_PT_options", "CMC_PT_advanced").props)
     assert set(SETTINGS) - drawn == {"flip"}, "which has a button of its own"
 
 

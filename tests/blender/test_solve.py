@@ -282,9 +282,9 @@ def test_settings_are_the_objects_unless_given():
 
 def test_every_setting_is_an_operator_property(addon):
     names = {p.identifier for p in bpy.ops.cmc.solve.get_rna_type().properties}
-    assert set(addon.cmc_addon.properties.SETTINGS) <= names
+    assert set(addon.cmc_addon.settings.SETTINGS) <= names
     names = {p.identifier for p in bpy.ops.cmc.solve_selection.get_rna_type().properties}
-    assert {*addon.cmc_addon.properties.SETTINGS, "kind", "tilt", "normal", "m"} <= names
+    assert {*addon.cmc_addon.settings.SETTINGS, "kind", "tilt", "normal", "m"} <= names
 
 
 @pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
@@ -338,7 +338,7 @@ def test_a_second_solve_factors_nothing(addon, monkeypatch):
     """A plan that has not moved keeps its solver, whatever its conditions; a moved vertex makes a new one."""
     session = addon.cmc_addon.session
     made, real = [], session.CmcSolver
-    monkeypatch.setattr(session, "CmcSolver", lambda domain: made.append(domain) or real(domain))
+    monkeypatch.setattr(session, "CmcSolver", lambda domain, **kind: made.append(kind) or real(domain, **kind))
     session.forget()
     plan = quad_disc()
     solved(plan)

@@ -12,10 +12,15 @@ import numpy as np
 import pytest
 
 from solver import job, plan
+from solver.domain.sites import SITES
 from solver.errors import Status
 from solver.gauss.conditions import KINDS
+from solver.gauss.energies import ENERGIES
+from solver.gauss.methods import METHODS
 from solver.outputs import SHEET_KEYS
 from solver.selection import WAYS
+from solver.surface.cmc import COMBINATORICS
+from solver.surface.offsets import AVERAGINGS
 from solver.surface.placement import GROUNDS, SIZES
 
 ROOT = Path(__file__).parents[2]
@@ -65,7 +70,9 @@ def job_keys() -> set[str]:
     solving = {field.name for field in fields(plan.Settings)} - elsewhere
     tables = {"[shape]", "[[conditions]]", "[default]", "[size]", "[solver]", "[output]"}
     files = {*SHEET_KEYS, "report", "mesh", "up"} | tables
-    return {*WAYS, *KINDS, *job.SHAPES, "kind", "scale", *plan.SHEETS} | parameters | shapes | placing | solving | files
+    names = {*SITES, *ENERGIES, *METHODS, *COMBINATORICS, *AVERAGINGS}
+    words = {*WAYS, *KINDS, *job.SHAPES, "kind", "scale", *plan.SHEETS}
+    return words | parameters | shapes | placing | solving | files | names
 
 
 def test_every_key_of_a_job_is_described():

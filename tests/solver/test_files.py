@@ -203,3 +203,14 @@ def test_files_have_the_usual_permissions(plan, tmp_path):
     (tmp_path / "plain").write_text("")
     modes = {stat.S_IMODE((tmp_path / name).stat().st_mode) for name in ("m.obj", "plain")}
     assert len(modes) == 1
+
+
+@pytest.mark.parametrize("suffix", [s for s in FORMATS if s != ".obj"])
+def test_polygons_that_no_triangles_fit_are_written_as_fans(tmp_path, suffix):
+    """One that crosses itself and one without area, as a folded sheet may have, beside a pentagon."""
+    points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [3, 0, 0], [3, 1, 0], [2, 2, 0], [2, 0, 0.0]])
+    crossed, flat, pentagon = [0, 1, 2, 3], [0, 1, 7, 4], [1, 7, 4, 5, 6]
+    mesh = MeshData(points, [np.array(p) for p in (crossed, flat, pentagon)])
+    write_mesh(tmp_path / f"m{suffix}", mesh)
+    again = read_mesh(tmp_path / f"m{suffix}")
+    assert len(again.polygons) == 2 + 2 + 3

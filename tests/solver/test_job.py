@@ -14,7 +14,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from solver.errors import CmcError, ConditionError, JobError, MeshError
 from solver.files import MeshData, read_mesh, write_mesh
 from solver.job import EXAMPLE, SHAPES, load_job, run_job
-from solver.plan import Plan
+from solver.plan import Plan, plan_domain
 
 JOBS = Path(__file__).parents[2] / "assets" / "jobs"
 
@@ -263,6 +263,14 @@ PLAN = 'mesh = "plan.obj"\n'
         (PLAN + "[size]\nflip = 1", r'"flip" must be true or false, not 1'),
         (PLAN + "[size]\nsheet = 'g'", r'there is no sheet "g"; known are f\+, f-'),
         (PLAN + "[solver]\nside = 1.5", r'\[solver\]: "side" must be a whole number, not 1.5'),
+        (PLAN + "[solver]\nsites = 'edges'", r'\[solver\]: there is no sites "edges"; known are vertices, faces'),
+        (PLAN + "[solver]\nenergy = 'moebius'", r'\[solver\]: there is no energy "moebius"; did you mean "mobius"\?'),
+        (PLAN + "[solver]\nenergy = 'mobius'", r'\[solver\]: "energy" and "sites" do not fit: .* choose cotan'),
+        (PLAN + "[solver]\nmethod = 'newtn'", r'\[solver\]: there is no method "newtn"; did you mean "newton"\?'),
+        (PLAN + "[solver]\ndelaunay = 1", r'\[solver\]: "delaunay" must be true or false, not 1'),
+        (PLAN + "[solver]\naveraging = 'mean'", r'\[solver\]: there is no averaging "mean"'),
+        (PLAN + "[output]\ncombinatorics = 'duel'", r'\[output\]: there is no combinatorics "duel"; did you mean'),
+        (PLAN + "[solver]\ncombinatorics = 'dual'", r'\[solver\]: unknown key "combinatorics"'),
         (PLAN + "[solver]\nmaxiter = 9", r'\[solver\]: unknown key "maxiter"; known are'),
         (PLAN + "[output]\nfplus = 'a.obj'", r'\[output\]: unknown key "fplus"; did you mean "f_plus"\?'),
         (PLAN + "[output]\nf_plus = 'a.dxf'", r'"f_plus" has no format known here \("\.dxf"\)'),
@@ -373,3 +381,92 @@ def test_a_courtyard_with_a_gap_is_written_cut_open(folder):
     for polygon, rows, material in zip(shell.polygons, shell.uv_corners, shell.materials, strict=True):
         flat = hole.positions[formed.source[polygon]][:, :2]
         assert_allclose((uv[rows] - [2.0 if material == "oak" else 0.0, 0.0]) * 9, flat, atol=1e-12)
+
+
+# --- sites, energies, faces ----------------------------------------------------------------
+
+
+def test_choices_of_the_solver_arrive(folder):
+    text = """
+        mesh = "plan.obj"
+        [solver]
+        sites = "faces"
+        energy = "{}"
+        method = "flow"
+        delaunay = true
+        [output]
+        combinatorics = "corner"
+        """
+    for energy, known_as in (("tan", "tan"), ("cotan", "dual_cotan")):
+        settings = load_job(job(folder, text.format(energy))).settings
+        assert settings.solver_choice == ("faces", known_as, True)
+        assert (settings.method, settings.combinatorics) == ("flow", "corner")
+    assert load_job(job(folder, PLAN)).settings.solver_choice == ("vertices", "cotan", False)
+
+
+def counts(plan: Plan) -> tuple[int, int, int, int]:
+    """Vertices, edges, triangles, boundary edges."""
+    domain = plan_domain(plan)
+    return domain.vertex_count, len(domain.edges), len(domain.faces), len(domain.boundary_edges)
+
+
+def triangle_area(mesh: MeshData) -> float:
+    corners = np.array([mesh.positions[polygon] for polygon in mesh.polygons])
+    return 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum()
+
+
+DUAL = """
+    mesh = "plan.obj"
+    [default]
+    tilt = 30
+    [solver]
+    sites = "{}"
+    {}
+    [output]
+    combinatorics = "{}"
+    f_plus = "shell.obj"
+    g = "g.glb"
+    f_minus = "twin.stl"
+    gauss = "gauss.ply"
+    report = "report.json"
+    """
+
+
+@pytest.mark.parametrize("delaunay", ["", "delaunay = true"])
+@pytest.mark.parametrize("sites", ["vertices", "faces"])
+@pytest.mark.parametrize("faces", ["dual", "corner"])
+def test_polygons_are_written_with_what_the_plan_carries(folder, sites, faces, delaunay):
+    """UVs lie where the polygons do: the plan's were drawn as its own coordinates, with a seam in the middle."""
+    loaded = load_job(job(folder, DUAL.format(sites, delaunay, faces)))
+    formed = run_job(loaded)
+    assert formed.converged
+    shell = read_mesh(folder / "shell.obj")
+    V, E, F, rim = counts(loaded.plan)
+    if faces == "dual":
+        assert len(shell.polygons) == V
+    elif sites == "vertices":
+        assert len(shell.polygons) == V + E + F
+    else:
+        assert F + E - rim < len(shell.polygons) <= V + E - rim + F
+    assert set(shell.materials) == {"glass", "oak"} and set(shell.groups) == {"west", "east"}
+    assert set(shell.objects) == {"plan"} and not shell.edge_groups
+    assert len(shell.uvs) == len(shell.positions)
+    for polygon, rows, material in zip(shell.polygons, shell.uv_corners, shell.materials, strict=True):
+        uv = shell.uvs[rows]
+        assert_array_equal(rows, polygon)
+        if np.ptp(uv[:, 0]) < 0.5:  # not across the seam
+            assert (uv[:, 0].mean() > 1.5) == (material == "oak")
+    assert -0.2 < shell.uvs[:, 1].min() < 0.2 and 0.8 < shell.uvs[:, 1].max() < 1.2
+    for name in ("g.glb", "twin.stl", "gauss.ply"):
+        assert {len(polygon) for polygon in read_mesh(folder / name).polygons} == {3}
+
+
+def test_the_shell_of_other_faces_is_the_same_shell(folder):
+    """Dual and corner meshes have the area of the triangles, up to the size of the mesh."""
+    areas = {}
+    for faces in ("primal", "dual", "corner"):
+        shape = "[shape]\nkind = 'disc'\nn = 1500\n[default]\ntilt = 30\n"
+        run_job(load_job(job(folder, f"{shape}[output]\nf_plus = 'shell.ply'\ncombinatorics = '{faces}'")))
+        areas[faces] = triangle_area(read_mesh(folder / "shell.ply"))
+    assert_allclose(areas["dual"], areas["primal"], rtol=0.02)
+    assert_allclose(areas["corner"], areas["primal"], rtol=0.02)

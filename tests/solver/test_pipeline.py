@@ -7,11 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from scipy.spatial import KDTree
 
 from solver.domain import shapes
 from solver.errors import CmcError, ConditionError, MeshError, Status
 from solver.pipeline import Formed, Group, Plan, Settings, form, sheet_polygons
 from solver.plan import plan_domain
+from solver.polygon_sheets import polygon_sheet
 from solver.polygons import triangulate_polygons
 from solver.surface.placement import PlacementError, rim_weights
 
@@ -397,3 +399,97 @@ def test_a_vertical_rim_is_no_overhang_worth_a_warning():
     assert not any("overhangs" in note for note in upright.warnings)
     assert any("overhangs" in note for note in leaning.warnings)
     assert leaning.report.shown.overhang.largest_lean == pytest.approx(20, abs=5)
+
+
+# --- sites, energies, triangulations -------------------------------------------------------
+
+
+def test_a_solver_is_used_again_only_for_its_own_choice():
+    """Another site, energy or triangulation makes another one, on the same domain, and another shell."""
+    plan = disc(5)
+    start = Settings(default_tilt=0.4)
+    first = form(plan, start)
+    for other in (
+        replace(start, sites="faces"),
+        replace(start, sites="faces", energy="mobius"),
+        replace(start, delaunay=True),
+    ):
+        again = form(plan, other, solver=first.solver)
+        assert again.solver is not first.solver
+        assert again.solver.domain is first.solver.domain
+        assert_allclose(again.placed["f+"], form(plan, other).placed["f+"], rtol=0, atol=0)
+        assert form(plan, replace(other, default_tilt=0.3), solver=again.solver).solver is again.solver
+        assert form(plan, start, solver=again.solver).solver is not again.solver
+    faces = form(plan, replace(start, sites="faces"))
+    assert form(plan, replace(start, sites="faces", energy="dual_cotan"), solver=faces.solver).solver is faces.solver
+
+
+def test_a_start_is_on_the_sites_that_are_solved():
+    plan, settings = disc(5), Settings(default_tilt=0.4, sites="faces")
+    first = form(plan, settings)
+    normals = first.surface.harmonic.normals
+    assert len(normals) == len(plan.triangles)
+    again = form(plan, settings, initial=normals)
+    assert again.report.iterations <= 1
+    assert_allclose(again.placed["f+"], first.placed["f+"], atol=1e-6)
+    with pytest.raises(ConditionError, match=r"shape \(91, 3\), .*vertices, not \(150, 3\)"):
+        form(plan, replace(settings, sites="vertices"), initial=normals)
+    with pytest.raises(ConditionError, match=r"shape \(150, 3\), .*faces, not \(91, 3\)"):
+        form(plan, settings, initial=form(plan).surface.harmonic.normals)
+
+
+@pytest.mark.parametrize("sites", ["vertices", "faces"])
+@pytest.mark.parametrize("flip", [False, True])
+@pytest.mark.parametrize("faces", ["dual", "corner"])
+def test_other_faces_lie_over_the_plan(faces, sites, flip):
+    """Between plan and hemisphere, like the triangles: points, normals and sides; g lies half-way between f±."""
+    plan = disc(10, centre=(1, 2, 3))
+    formed = form(plan, Settings(default_tilt=0.2, ground="rim", flip=flip, sites=sites))
+    assert formed.converged
+    sheets = {name: polygon_sheet(formed, name, faces) for name in formed.placed}
+    f, g, gauss = sheets["f+"], sheets["g"], sheets["gauss"]
+    tree = KDTree(formed.placed["f+"])
+    distance, nearest = tree.query(f.points)
+    assert distance.max() < 0.75
+    assert np.einsum("ni,ni->n", f.normals, formed.normals["f+"][nearest]).min() > 0.9
+    radius = 0.5 / formed.report.mean_curvature
+    assert_allclose(np.linalg.norm(f.points - g.points, axis=1).max(), radius, rtol=0.02)
+    assert_allclose(np.linalg.norm(gauss.points - gauss.points.mean(axis=0), axis=1).max(), radius, rtol=0.5)
+    flat = f.from_vertices(plan.positions)
+    assert np.linalg.norm(flat[:, :2] - [1, 2], axis=1).max() < 5.01
+    assert_allclose(f.from_corners(plan.positions[plan.triangles], plan.triangles), flat, rtol=0, atol=1e-12)
+    for sheet in (f, g):
+        vectors = np.array([area_vector(sheet.points[p]) for p in sheet.polygons])
+        outside = np.array([sheet.normals[p].mean(axis=0) for p in sheet.polygons])
+        areas = np.linalg.norm(vectors, axis=1)
+        wrong = np.einsum("ni,ni->n", vectors, outside) < 0
+        assert areas[wrong].sum() < 0.02 * areas.sum()
+
+
+def area_vector(points: np.ndarray) -> np.ndarray:
+    return 0.5 * np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)
+
+
+def test_a_polygon_belongs_to_the_drawn_one_below():
+    """Of the dual of a grid: that of a vertex inside lies on the four quads around it, and so does its owner."""
+    plan = grid(5, 4)
+    for delaunay in (False, True):
+        sheet = polygon_sheet(form(plan, Settings(default_tilt=0.3, delaunay=delaunay)), "f+", "dual")
+        owners = sheet.owners(plan.triangles, plan.triangle_polygons)
+        assert len(owners) == len(sheet.polygons) == 30
+        for vertex, owner in enumerate(owners.tolist()):
+            assert vertex in plan.polygons[owner]
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"sites": "edges"}, 'no kind of sites "edges"; choose one of vertices, faces'),
+        ({"method": "guess"}, 'no method "guess"; choose one of newton'),
+        ({"combinatorics": "triple"}, 'no combinatorics "triple"; choose one of primal, dual, corner'),
+        ({"energy": "mobius"}, "'mobius' is not defined for normals on vertices; choose cotan"),
+    ],
+)
+def test_choices_are_checked(settings, message):
+    with pytest.raises(CmcError, match=message):
+        Settings(**settings)

@@ -1,0 +1,153 @@
+"""How a plan is solved: the settings that `Object.cmc`, the operators that solve, and the panels share.
+
+Enums come from the solver's registries. What an energy is defined on is known to the solver; here the energy is kept
+fitting to the sites.
+"""
+
+from functools import partial
+from types import SimpleNamespace
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty
+
+from ..solver.domain.sites import SITES
+from ..solver.errors import JobError
+from ..solver.gauss.energies import ENERGIES
+from ..solver.gauss.methods import METHODS
+from ..solver.surface.cmc import COMBINATORICS
+from ..solver.surface.offsets import AVERAGINGS
+from ..solver.surface.placement import GROUNDS, SIZES
+
+SIZE_PROPERTY = {
+    "MATCH_PLAN": None,
+    "SPAN": "span",
+    "RISE": "rise",
+    "RADIUS": "radius",
+    "MEAN_CURVATURE": "mean_curvature",
+}
+"""Size mode -> the one setting it needs (for drawing and for the solve)."""
+
+_TEXTS = {
+    "match_plan": "Move and scale the shell until its rim is nearest to the drawn outline",
+    "span": "The longest horizontal extent of the shell",
+    "rise": "The height of the shell from its lowest to its highest point",
+    "radius": "The radius of mean curvature 1/H, the same everywhere on the shell",
+    "mean_curvature": "The mean curvature H itself, one over a length",
+    "lowest": "The lowest point of the shell lies on the plan's plane",
+    "rim": "The rim of the shell lies, on average, on the plan's plane",
+}
+
+
+def _items(registry: dict[str, str]) -> list[tuple[str, str, str]]:
+    return [(name.upper(), label, _TEXTS.get(name, label)) for name, label in registry.items()]
+
+
+_SHEETS = [
+    ("F_PLUS", "f+", "The shell g + N"),
+    ("F_MINUS", "f-", "Its twin g - N, a single point where the shell is a sphere"),
+]
+
+
+def _registered(registry) -> list[tuple[str, str, str]]:
+    """(identifier, label, description) of what a registry of the solver has."""
+    return [(name.upper(), entry.label, entry.description) for name, entry in registry.items()]
+
+
+def energies_on(sites: str) -> list[str]:
+    """Identifiers of the energies that are defined on a kind of site (an identifier), the usual one first."""
+    return [name.upper() for name, energy in ENERGIES.items() if sites.lower() in energy.sites]
+
+
+def _keep_energy_fitting(owner, _context) -> None:
+    """Where the normals go, an energy goes that is defined there. What nobody has set yet is left to the solve."""
+    if owner.energy not in energies_on(owner.sites) and (
+        owner.is_property_set("energy") or not isinstance(owner, bpy.types.OperatorProperties)
+    ):
+        owner.energy = energies_on(owner.sites)[0]
+
+
+def fitted_settings(values: dict, given=()) -> SimpleNamespace:
+    """Settings of a solve in which the energy fits the sites, if need be the usual one there.
+
+    Raises `JobError` where the energy is one of those that were `given` for this solve.
+    """
+    fitting = energies_on(values["sites"])
+    if values["energy"] in fitting:
+        return SimpleNamespace(**values)
+    # the usual energy on vertices stands for the usual one on faces
+    if "energy" in given and values["energy"] != energies_on("VERTICES")[0]:
+        label = ENERGIES[values["energy"].lower()].label
+        raise JobError(
+            f"The energy {label} is not defined for normals on {values['sites'].lower()}; choose "
+            f"{' or '.join(ENERGIES[name.lower()].label for name in fitting)}, or other sites."
+        )
+    return SimpleNamespace(**{**values, "energy": fitting[0]})
+
+
+_SETTINGS = {
+    "size": partial(EnumProperty, name="Size", items=_items(SIZES), default="MATCH_PLAN"),
+    "span": partial(FloatProperty, name="Span", default=10.0, min=1e-6, soft_min=0.01, subtype="DISTANCE"),
+    "rise": partial(FloatProperty, name="Rise", default=3.0, min=1e-6, soft_min=0.01, subtype="DISTANCE"),
+    "radius": partial(
+        FloatProperty, name="Radius", description="Radius of mean curvature, 1/H",
+        default=5.0, min=1e-6, soft_min=0.01, subtype="DISTANCE"),
+    "mean_curvature": partial(
+        FloatProperty, name="H",
+        description="Mean curvature, one over a length: 0.2 on a sphere of radius 5",
+        default=0.2, min=1e-9, soft_min=1e-3, precision=4),
+    "blend": partial(
+        FloatProperty, name="Blend Angles",
+        description="Length of rim over which the angles of neighbouring groups flow into each other; "
+        "where they jump instead, the shell gets a sharp notch",
+        default=0.0, min=0.0, subtype="DISTANCE"),
+    "ground": partial(EnumProperty, name="Ground", items=_items(GROUNDS), default="LOWEST"),
+    "sheet": partial(
+        EnumProperty, name="Sheet",
+        description="Which of the two surfaces is the shell: it is placed and shown",
+        items=_SHEETS, default="F_PLUS"),
+    "flip": partial(
+        BoolProperty, name="Flip",
+        description="Mirror the shell in the plan's plane: hanging instead of standing"),
+    "rotate": partial(
+        BoolProperty, name="Allow Rotation",
+        description="Match Plan may also rotate about the vertical, which turns the prescribed planes"),
+    "apply_modifiers": partial(
+        BoolProperty, name="Apply Modifiers", description="Solve on the plan as its modifiers show it"),
+    "want_twin": partial(BoolProperty, name="Twin", description="Also make the other sheet (f- beside f+)"),
+    "want_g": partial(
+        BoolProperty, name="K-Surface g", description="Also make the surface between the two sheets"),
+    "want_gauss": partial(
+        BoolProperty, name="Gauss Image", description="Also make the normals as points of a sphere"),
+    "sites": partial(
+        EnumProperty, name="Normals On", description="Where the normals live that are solved for",
+        items=_registered(SITES), default="VERTICES", update=_keep_energy_fitting),
+    "energy": partial(
+        EnumProperty, name="Energy", description="How the bending between neighbouring normals is counted",
+        items=_registered(ENERGIES), default="COTAN"),
+    "method": partial(
+        EnumProperty, name="Method", description="How the normals are found; all come to the same shell",
+        items=_registered(METHODS), default="NEWTON"),
+    "delaunay": partial(
+        BoolProperty, name="Intrinsic Delaunay",
+        description="Solve on the best triangles that the plan's vertices have; the shell keeps the plan's faces"),
+    "combinatorics": partial(
+        EnumProperty, name="Faces", description="The faces that the results have",
+        items=_registered(COMBINATORICS), default="PRIMAL"),
+    "averaging": partial(
+        EnumProperty, name="Averaging", description="How points of the surface are found at the vertices",
+        items=_registered(AVERAGINGS), default="GALERKIN"),
+    "tolerance": partial(
+        FloatProperty, name="Tolerance", description="The solve stops at this residual",
+        default=1e-6, min=1e-12, max=1e-2, precision=8),
+    "intersections": partial(
+        BoolProperty, name="Self-Intersections", default=True,
+        description="Also report faces that go through each other; on large plans the slowest of the measures"),
+}
+SETTINGS = tuple(_SETTINGS)
+"""Names of the settings shared by `Object.cmc` and the operators that solve."""
+
+
+def setting_annotations(options=frozenset()) -> dict:
+    """The settings of a solve as property annotations; operators pass {'SKIP_SAVE'}, so that
+    the values of the last call on another plan are not taken over in silence."""
+    return {name: make(options=set(options)) for name, make in _SETTINGS.items()}

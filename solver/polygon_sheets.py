@@ -1,0 +1,87 @@
+"""A placed sheet with polygons of its own, dual or corner mesh (paper, Fig. 5), and what it takes from the plan.
+
+A row of such a mesh is no vertex of the plan: it lies in a triangle, at barycentric coordinates there. What the plan
+carries at vertices or at the corners of its faces is interpolated to the rows; what it carries on faces goes to the
+polygons.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .pipeline import Formed, placed_normals
+
+Array = NDArray[np.float64]
+Int = NDArray[np.integer]
+
+
+@dataclass(frozen=True, eq=False)
+class PolygonSheet:
+    """points (n, 3), unit normals (n, 3) and polygons, counter-clockwise as the plan's triangles are.
+
+    vertices (n, 3): the plan's vertices that each row lies between; triangles (n,): the plan's triangle it lies in, or
+    None where the triangles are others (intrinsic Delaunay); barycentric (n, 3): its place, between those vertices.
+    source (n,): the plan's vertex that each row belongs to.
+    """
+
+    points: Array
+    normals: Array
+    polygons: list[NDArray[np.int32]]
+    source: NDArray[np.int32]
+    vertices: Int
+    triangles: Int | None
+    barycentric: Array
+
+    def from_vertices(self, values: ArrayLike) -> Array:
+        """(n, k) of values (V, k) at the plan's vertices."""
+        return np.einsum("nc,nck->nk", self.barycentric, np.asarray(values, dtype=np.float64)[self.vertices])
+
+    def from_corners(self, values: ArrayLike, drawn: Int) -> Array:
+        """(n, k) of values (T, 3, k) at the corners of the plan's triangles `drawn` (T, 3).
+
+        Where the triangles are others, a vertex counts with the value at the first of its corners.
+        """
+        given = np.asarray(values, dtype=np.float64)
+        if self.triangles is not None:
+            return np.einsum("nc,nck->nk", self.barycentric, given[self.triangles])
+        first = np.unique(drawn, return_index=True)[1]
+        return self.from_vertices(given.reshape(drawn.size, -1)[first])
+
+    def owners(self, drawn: Int, triangle_polygons: Int) -> Int:
+        """(P,) the plan's polygon in which most of the corners of each polygon lie."""
+        if self.triangles is not None:
+            of_rows = triangle_polygons[self.triangles]
+        else:
+            of_vertices = _most_frequent(drawn.ravel(), np.repeat(triangle_polygons, 3))
+            of_rows = of_vertices[self.source]
+        sizes = [len(polygon) for polygon in self.polygons]
+        return _most_frequent(np.repeat(np.arange(len(sizes)), sizes), of_rows[np.concatenate(self.polygons)])
+
+
+def polygon_sheet(formed: Formed, sheet: str, combinatorics: str) -> PolygonSheet:
+    """A placed sheet ("f+", "f-", "g", "gauss") as "dual" or "corner" mesh; `formed.placed` has the "primal" one."""
+    surface, similarity = formed.surface, formed.similarity
+    mesh = surface.as_mesh(sheet, combinatorics)
+    own = surface.graph.domain is surface.domain
+    # the Gauss image is placed by a translation of its own: by that of any of its points
+    moved = formed.placed[sheet][0] - similarity.points(surface.sheet(sheet)[0])
+    return PolygonSheet(
+        points=similarity.points(mesh.vertices) + moved,
+        normals=placed_normals(mesh.normals, sheet, similarity),
+        polygons=mesh.polygons,
+        source=mesh.source,
+        vertices=mesh.anchors,
+        triangles=mesh.triangles if own else None,
+        barycentric=mesh.barycentric,
+    )
+
+
+def _most_frequent(index: Int, labels: Int) -> Int:
+    """For each number up to the largest `index`, the label that comes with it most often; the smallest of several."""
+    pairs, counts = np.unique(np.column_stack([index, labels]), axis=0, return_counts=True)
+    order = np.lexsort((-counts, pairs[:, 0]))  # stable: labels stay ascending among equals
+    first = np.unique(pairs[order, 0], return_index=True)[1]
+    return pairs[order[first], 1]
