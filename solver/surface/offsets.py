@@ -153,11 +153,11 @@ def _galerkin_load(domain: Domain, N: Array) -> Array:
     i, j = domain.edges.T
     along = cross(N[i], N[j])  # as the left face walks the edge; its other face sees the opposite
     load = np.zeros((domain.vertex_count, 3))
-    left = domain.edge_faces[:, 0]
+    left = domain.half_edges[:, 0]
     sums = np.zeros((len(domain.faces), 3))
     for k in range(3):
         e = domain.face_edges[:, k]
-        products = np.where((left[e] == np.arange(len(sums)))[:, None], along[e], -along[e])
+        products = np.where((left[e] == 3 * np.arange(len(sums)) + k)[:, None], along[e], -along[e])
         sums += products
         load += sum_rows(domain.faces[:, k], products, domain.vertex_count)
     for k in range(3):

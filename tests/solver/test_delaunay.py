@@ -15,6 +15,7 @@ from solver.domain.delaunay import Retriangulation, carried_cut, intrinsic_delau
 from solver.domain.flips import Flips
 from solver.domain.topology import CutSurface, Homology
 from solver.domain.trees import Tree
+from solver.surface import offsets
 from tests.solver import coarse, meshes
 
 WITH_HOLES = (
@@ -241,6 +242,27 @@ def test_is_said_to_need_libigl(monkeypatch):
     monkeypatch.setitem(sys.modules, "igl", None)  # what makes an import fail
     with pytest.raises(CmcError, match=r'needs libigl.*pip install "cmc-formfinding\[intrinsic\]"'):
         intrinsic_delaunay(Domain.from_positions(*sheared_grid()))
+
+
+def cone() -> Domain:
+    """One triangle, two of whose sides are glued: a cone whose rim is one edge from a vertex to itself."""
+    return Domain.from_edge_lengths([[0, 1, 1]], [[1.0, 1.3, 1.3]], face_edges=[[0, 1, 1]])
+
+
+def test_a_face_may_lie_on_both_sides_of_an_edge():
+    domain = cone()
+    assert (domain.euler_characteristic, len(domain.boundary_loops), domain.genus) == (1, 1, 0)
+    assert intrinsic_delaunay(domain).domain is domain
+    assert_array_equal(domain.boundary_loop_edges, [[0]])
+    weight = 1 / np.tan(np.arccos(0.5 / 1.3))  # both angles opposite the glued side are at the base
+    assert_allclose(domain.cotan_weights[1], weight, rtol=1e-12, atol=0)
+    assert_allclose(domain.laplacian.toarray(), weight * np.array([[1, -1], [-1, 1]]), rtol=1e-12, atol=0)
+
+
+def test_the_conjugate_of_a_cone_has_no_load():
+    """Its two half-edges carry opposite products, which cancel."""
+    N = np.array([[0.0, 0.0, 1.0], [0.6, 0.0, 0.8]])
+    assert_allclose(offsets._galerkin_load(cone(), N), 0, rtol=0, atol=1e-15)
 
 
 LATTICES = {
