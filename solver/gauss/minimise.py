@@ -26,6 +26,8 @@ _LARGEST_ROTATION = 0.5
 _LARGEST_FORCING = 0.1
 _SUFFICIENT_DECREASE = 1e-4
 _HALVINGS = 30
+# Part of the energy below which its differences are not to be trusted.
+_ROUNDING = 1e-13
 _CG_LIMIT = 200
 
 
@@ -147,11 +149,16 @@ def conjugate_gradients(
 
 
 def line_search(problem: EnergyProblem, point: Point, direction: Array, solves: int) -> Step | int:
-    """Armijo's rule along exp_N, from the full step; one into infinite energy is never taken."""
+    """Armijo's rule along exp_N, from the full step; one into infinite energy is never taken.
+
+    Where the energy can fall by no more than its rounding, the residual decides.
+    """
     slope = inner(point.tangent, direction)
     length = min(1.0, _LARGEST_ROTATION / longest(direction))
     for _ in range(_HALVINGS):
         trial = problem.at(exp(point.N, length * direction))
+        if -length * slope <= _ROUNDING * abs(point.energy) and trial.residual < point.residual:
+            return Step(trial, solves, length)
         if problem.change(point, trial) <= _SUFFICIENT_DECREASE * length * slope:
             return Step(trial, solves, length)
         length *= 0.5

@@ -1,0 +1,85 @@
+"""The minimisers: they agree, each behind the same call, and say how they ended."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from solver import Conditions, HarmonicSolver, Status, conditions, shapes
+from solver.domain.sites import SITES, SiteGraph
+from solver.gauss.energies import ENERGIES
+from solver.gauss.gauss_seidel import colouring
+from solver.gauss.methods import METHODS
+
+TAME = [(sites, name) for name, energy in ENERGIES.items() for sites in energy.sites]
+
+
+def tame(n=150):
+    shape = shapes.disc(n)
+    return shape.domain, conditions.binormal(shape.domain, shape.positions, shape.domain.boundary_edges, 0.3)
+
+
+@pytest.mark.parametrize("method", [name for name in METHODS if name != "newton"])
+@pytest.mark.parametrize(("sites", "energy"), TAME)
+def test_all_methods_agree(sites, energy, method):
+    domain, condition = tame()
+    solver = HarmonicSolver(domain, sites=sites, energy=energy)
+    reference = solver.solve(condition, tolerance=1e-11)
+    other = solver.solve(condition, method=method, tolerance=1e-8)
+    assert reference.status is other.status is Status.CONVERGED
+    assert other.iterations > 0 and other.residual <= 1e-8
+    assert_allclose(other.normals, reference.normals, rtol=0, atol=1e-6)
+    assert_allclose(other.energy, reference.energy, rtol=1e-10, atol=0)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_every_method_can_be_cancelled_and_limited(method):
+    domain, condition = tame()
+    calls = []
+
+    def progress(iteration, residual):
+        calls.append((iteration, residual))
+        return iteration < 2
+
+    cancelled = HarmonicSolver(domain).solve(condition, method=method, progress=progress)
+    assert cancelled.status is Status.CANCELLED and cancelled.iterations == 2
+    assert [iteration for iteration, _ in calls] == [0, 1, 2]
+    limited = HarmonicSolver(domain).solve(condition, method=method, max_iterations=1)
+    assert limited.status is Status.ITERATION_LIMIT and limited.iterations == 1
+
+
+@pytest.mark.parametrize("method", ["newton", "flow", "gauss_seidel"])
+@pytest.mark.parametrize(("sites", "energy"), [("vertices", "cotan"), ("faces", "mobius")])
+def test_descents_descend(sites, energy, method):
+    domain, condition = tame()
+    found = HarmonicSolver(domain, sites=sites, energy=energy).solve(condition, method=method, max_iterations=40)
+    energies = [line.energy for line in found.history]
+    assert (np.diff(energies) <= 1e-12).all() and energies[0] > energies[-1] + 1e-3
+
+
+def test_the_reference_finds_saddles_where_the_others_leave():
+    """N_z = 0 is critical for outward normals on a disc, but no minimum; Newton's method on 4 S equations stays."""
+    shape = shapes.disc(300)
+    condition = conditions.binormal(shape.domain, shape.positions, shape.domain.boundary_edges)
+    flat = np.column_stack([shape.positions[:, :2] + [0.013, 0.007], np.zeros(len(shape.positions))])
+    solver = HarmonicSolver(shape.domain)
+    saddle = solver.solve(condition, initial=flat, method="lagrange", tolerance=1e-9)
+    assert np.abs(saddle.normals[:, 2]).max() < 1e-9
+    dome = solver.solve(condition, tolerance=1e-9)
+    assert saddle.energy > dome.energy + 1
+
+
+@pytest.mark.parametrize("sites", SITES)
+def test_colours_differ_along_links(sites):
+    graph = SiteGraph.of(shapes.torus(1.0, 1.3, 7).domain, sites)
+    colours = colouring(graph)
+    i, j = graph.links.T
+    assert (colours >= 0).all() and (colours[i] != colours[j]).all()
+    assert colours.max() < 10
+
+
+def test_nothing_fixed_needs_a_start_and_then_converges():
+    """On a closed surface the identity of the sphere is harmonic (degree one), of energy 4π."""
+    sphere = shapes.sphere(800)
+    found = HarmonicSolver(sphere.domain).solve(Conditions(), initial=sphere.positions, tolerance=1e-5)
+    assert found.status is Status.CONVERGED
+    assert_allclose([found.degree, found.energy], [1, 4 * np.pi], rtol=0.01, atol=0)
