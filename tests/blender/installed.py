@@ -52,16 +52,17 @@ def solve() -> dict:
     }
 
 
-def triangulate() -> dict:
-    """The least weight of an edge inside, before and after intrinsic Delaunay triangulation of a sheared grid."""
+def solve_on_delaunay() -> dict:
+    """A sheared grid of needles, solved on its intrinsic Delaunay triangulation; weights of both, status, size."""
     solver = importlib.import_module(f"{MODULE}.solver")
-    delaunay = importlib.import_module(f"{MODULE}.solver.domain.delaunay")
     points = [[i + 2.5 * j, j] for i in range(5) for j in range(5)]
     corners = [5 * i + j for i in range(4) for j in range(4)]
     faces = [[k, k + 5, k + 6] for k in corners] + [[k, k + 6, k + 1] for k in corners]
-    old = solver.Domain.from_positions(points, faces)
-    new = delaunay.intrinsic_delaunay(old).domain
-    return {"weights": [float(domain.cotan_weights[domain.interior_edges].min()) for domain in (old, new)]}
+    domain = solver.Domain.from_positions(points, faces)
+    rim = solver.conditions.binormal(domain, points, domain.boundary_edges, tilt=0.8)
+    surface = solver.solve_cmc(domain, rim, delaunay=True)
+    weights = [float(mesh.cotan_weights[mesh.interior_edges].min()) for mesh in (domain, surface.graph.domain)]
+    return {"weights": weights, "delaunay": [surface.status.value, len(surface.f_plus), len(surface.faces)]}
 
 
 def command(folder: Path) -> dict:
@@ -96,7 +97,7 @@ def disable() -> dict:
 def main(archive: str, output: str) -> None:
     facts = versions()
     folder = Path(output).parent
-    for step in (lambda: install(archive), solve, triangulate, lambda: command(folder), origins, disable):
+    for step in (lambda: install(archive), solve, solve_on_delaunay, lambda: command(folder), origins, disable):
         facts |= step()
         Path(output).write_text(json.dumps(facts), encoding="utf-8")
 

@@ -99,9 +99,10 @@ def test_solves(facts: dict) -> None:
     assert {"cmc_normal", "cmc_mean_curvature"} <= set(facts["attributes"])
 
 
-def test_triangulates(facts: dict) -> None:
+def test_solves_on_the_delaunay_triangulation(facts: dict) -> None:
     before, after = facts["weights"]
     assert before < -1 and after > 0.1
+    assert facts["delaunay"] == ["converged", 25, 32]
 
 
 def test_the_command_line_works(facts: dict) -> None:
