@@ -6,7 +6,6 @@ Between the two lies the work itself, which sees no Blender data and may run in 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 
@@ -57,24 +56,31 @@ class Order:
             )
         except CmcError as error:
             raise in_plan_numbers(error, self.mesh, prepared.triangles, prepared.owners) from error
-        if settings.combinatorics != "primal":
-            polygons = {name: polygon_sheet(formed, name, settings.combinatorics) for name in formed.placed}
-            return Outcome(formed, prepared, polygons=polygons)
         cut = find_cut(self.mesh, prepared.triangles, prepared.owners, formed.faces, formed.source)
-        return Outcome(formed, prepared, cut)
+        outcome = Outcome(formed, prepared, settings.combinatorics, cut)
+        for name in (ROLES[role] for role in wanted_roles(self.settings)):
+            if name in formed.placed:
+                outcome.polygons(name)
+        return outcome
 
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What the work gave: the surface, placed, and where it is cut open; its sheets with other faces than the plan's.
-
-    polygons: sheet → mesh, where such faces are asked for.
-    """
+    """What the work gave: the surface, placed, where it is cut open, and the faces that its results are to have."""
 
     formed: pipeline.Formed
     prepared: session.Prepared
-    cut: Cut | None = None
-    polygons: Mapping[str, PolygonSheet] = field(default_factory=dict)
+    combinatorics: str
+    cut: Cut | None
+    _polygons: dict[str, PolygonSheet] = field(default_factory=dict)
+
+    def polygons(self, sheet: str) -> PolygonSheet | None:
+        """A placed sheet with faces of its own, made once; None where it has the plan's."""
+        if self.combinatorics == "primal":
+            return None
+        if sheet not in self._polygons:
+            self._polygons[sheet] = polygon_sheet(self.formed, sheet, self.combinatorics)
+        return self._polygons[sheet]
 
     @property
     def converged(self) -> bool:
@@ -193,11 +199,11 @@ def deliver(
             if existing is not None:
                 delete_result(existing)
             continue
-        if sheet in outcome.polygons:
-            prepared = outcome.prepared
-            writer.write_polygons(role, outcome.polygons[sheet], prepared.triangles, prepared.owners)
-        else:
+        polygons, prepared = outcome.polygons(sheet), outcome.prepared
+        if polygons is None:
             writer.write(role, formed.placed[sheet], formed.normals[sheet], _curvature(formed, sheet))
+        else:
+            writer.write_polygons(role, polygons, prepared.triangles, prepared.owners)
     report = {**_report(context, plan, outcome), "warnings": warnings}
     for result in results_of(plan).values():
         write_report(result, report)

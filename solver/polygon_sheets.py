@@ -81,7 +81,9 @@ def polygon_sheet(formed: Formed, sheet: str, combinatorics: str) -> PolygonShee
 
 def _most_frequent(index: Int, labels: Int) -> Int:
     """For each number up to the largest `index`, the label that comes with it most often; the smallest of several."""
-    pairs, counts = np.unique(np.column_stack([index, labels]), axis=0, return_counts=True)
-    order = np.lexsort((-counts, pairs[:, 0]))  # stable: labels stay ascending among equals
-    first = np.unique(pairs[order, 0], return_index=True)[1]
-    return pairs[order[first], 1]
+    span = int(labels.max()) + 1
+    pairs, counts = np.unique(index.astype(np.int64) * span + labels, return_counts=True)
+    numbers, found = np.divmod(pairs, span)
+    order = np.lexsort((-counts, numbers))  # stable: labels stay ascending among equals
+    first = np.unique(numbers[order], return_index=True)[1]
+    return found[order[first]]

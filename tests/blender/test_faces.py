@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from .scenes import activate, add_group, boundary_edges, positions, quad_disc, values
+from .scenes import activate, add_group, boundary_edges, positions, quad_disc, quad_ring, values
 
 
 def solve(plan, **settings):
@@ -181,3 +181,42 @@ def test_undo_and_redo(dressed):
         plan = bpy.data.objects["Disc"]
         assert (plan.cmc.sites, plan.cmc.energy, plan.cmc.combinatorics) == ("FACES", "MOBIUS", "CORNER")
         assert len(bpy.data.objects["Disc f+"].data.polygons) == faces
+
+
+@pytest.mark.parametrize("sites", ["VERTICES", "FACES"])
+@pytest.mark.parametrize("faces", FACES)
+def test_a_surface_that_is_cut_open(faces, sites):
+    """Every polygon is whole, and has its UVs; vertices along the cut are doubled."""
+    plan = quad_ring(rings=6, columns=36)
+    layer = plan.data.uv_layers.new(name="Plan")
+    for loop in plan.data.loops:
+        layer.data[loop.index].uv = plan.data.vertices[loop.vertex_index].co.xy
+    inner = [e for e in boundary_edges(plan.data) if max(plan.data.edges[e].vertices) < 36]
+    add_group(plan, "Inner", inner, "PLANE", normal=(0.6, 0.0, 0.8))
+    mesh = solve(plan, sites=sites, combinatorics=faces).data
+    assert "gap" in plan.cmc.message
+    manifold(mesh)
+    V, _, F = counts(plan)
+    assert len(mesh.polygons) == V if faces == "DUAL" else len(mesh.polygons) > 2 * F
+    uv = np.array(values(mesh.attributes["Plan"]))
+    for polygon in mesh.polygons:
+        assert np.ptp(uv[list(polygon.loop_indices)], axis=0).max() < 1.5
+
+
+def test_twins_and_unwanted_results_have_the_same_faces(dressed):
+    """A result that is not wanted now is brought up to date all the same."""
+    solve(dressed, want_g=True, want_gauss=True, combinatorics="DUAL")
+    faces = len(dressed.cmc.g.data.polygons)
+    assert len(dressed.cmc.gauss.data.polygons) == faces == len(dressed.data.vertices)
+    solve(dressed, want_g=False, want_gauss=False, combinatorics="CORNER")
+    assert dressed.cmc.g.hide_viewport
+    assert len(dressed.cmc.g.data.polygons) == len(dressed.cmc.f_plus.data.polygons) > faces
+
+
+def test_a_plan_as_its_modifiers_show_it():
+    plan = quad_disc(columns=16)
+    plan.modifiers.new("Subdivision", "SUBSURF").levels = 1
+    mesh = solve(plan, apply_modifiers=True, combinatorics="DUAL").data
+    bpy.ops.object.modifier_apply(modifier="Subdivision")
+    assert len(mesh.polygons) == len(plan.data.vertices) > 200
+    manifold(mesh)
