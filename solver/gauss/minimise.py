@@ -28,6 +28,7 @@ _SUFFICIENT_DECREASE = 1e-4
 _HALVINGS = 30
 # Part of the energy below which its differences are not to be trusted.
 _ROUNDING = 1e-13
+_FALLING = 0.99
 _CG_LIMIT = 200
 
 
@@ -157,9 +158,10 @@ def line_search(problem: EnergyProblem, point: Point, direction: Array, solves: 
     length = min(1.0, _LARGEST_ROTATION / longest(direction))
     for _ in range(_HALVINGS):
         trial = problem.at(exp(point.N, length * direction))
-        if -length * slope <= _ROUNDING * abs(point.energy) and trial.residual < point.residual:
-            return Step(trial, solves, length)
-        if problem.change(point, trial) <= _SUFFICIENT_DECREASE * length * slope:
+        if -length * slope <= _ROUNDING * abs(point.energy):
+            if trial.residual < _FALLING * point.residual:
+                return Step(trial, solves, length)
+        elif problem.change(point, trial) <= _SUFFICIENT_DECREASE * length * slope:
             return Step(trial, solves, length)
         length *= 0.5
     return solves
