@@ -49,6 +49,35 @@ def twisted(points: Points, stretch: float) -> Points:
     return np.column_stack([c * x - s * y, s * x + c * y, z])
 
 
+def rings(n: int, aspect: float, jitter: float = 0.0, seed: int = 1) -> tuple[Points, Faces]:
+    """About n points of the unit sphere on an even number of parallels, which lie `aspect` times as far apart as their
+    points; the faces, those of the convex hull, are as slender. Then points move by up to `jitter` of their distance.
+
+    Half turns about the three axes map the mesh to itself. So they do with a harmonic map that is computed from a
+    start with the same symmetry: rotations and other Möbius transformations, which it could drift along, have none.
+    """
+    random = np.random.default_rng(seed)
+    rows = 2 * max(2, round(np.sqrt(np.pi * n / aspect) / 4)) + 1
+    height = np.pi / rows
+    quarter = []
+    for k in range(1, (rows + 1) // 2):
+        z, across = np.cos(k * height), np.sin(k * height)
+        count = max(3, round(np.pi * across / height * aspect))
+        turn = (np.arange(count) + random.random()) * np.pi / count
+        quarter.append(np.column_stack([across * np.cos(turn), across * np.sin(turn), np.full(count, z)]))
+    points = np.concatenate(quarter)
+    faces = ConvexHull(four_times(points)).simplices.astype(np.int64)
+    faces = outward(four_times(points), faces)
+    points = points + jitter * height / aspect * random.uniform(-1.0, 1.0, points.shape)
+    return four_times(points / np.linalg.norm(points, axis=1, keepdims=True)), faces
+
+
+def four_times(quarter: Points) -> Points:
+    """Points together with their images under half turns about the axes, and the poles."""
+    turns = [[1, 1, 1], [-1, -1, 1], [1, -1, -1], [-1, 1, -1]]
+    return np.concatenate([quarter * turn for turn in turns] + [np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]])])
+
+
 # --- torus and genus two -------------------------------------------------------------------
 
 
