@@ -112,7 +112,10 @@ def test_every_energy_gives_nearly_the_same_shell(plan, energy):
 @pytest.mark.parametrize("method", ["FLOW", "GAUSS_SEIDEL", "LAGRANGE"])
 def test_every_method_gives_the_same_shell(plan, method):
     expected = solve(plan)
+    steps = json.loads(plan.cmc.report)["iterations"]
     assert_allclose(solve(plan, method=method), expected, rtol=0, atol=1e-3)
+    report = json.loads(plan.cmc.report)
+    assert report["converged"] and report["iterations"] != steps
 
 
 def poor_plan() -> bpy.types.Object:
