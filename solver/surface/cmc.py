@@ -120,8 +120,9 @@ class CmcSurface:
         points = self.sheet(sheet)
         complex_of = COMBINATORICS[combinatorics].complex
         if complex_of is None:
-            rows = self.faces if self.is_open else self.graph.domain.faces
-            return PolygonMesh.of_triangles(points, self.faces, self.normals, self.graph.domain, rows)
+            domain = self.graph.domain
+            rows = self.faces if domain is self.domain else domain.faces
+            return PolygonMesh.of_triangles(points, self.faces, self.source, self.normals, domain, rows)
         mesh = complex_of(self._corners)
         g, N = self.scale * (mesh.conjugate - self.centre), self.scale * mesh.normals
         return mesh.mesh({"f+": g + N, "f-": g - N, "g": g, "gauss": N}[sheet])

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ..domain.domain import Domain
 
 Array = NDArray[np.float64]
+Faces = NDArray[np.int32]
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,17 +32,21 @@ class PolygonMesh:
 
     @classmethod
     def of_triangles(
-        cls, vertices: Array, faces: NDArray[np.int32], normals: Array, domain: Domain, rows: NDArray[np.int32]
+        cls, vertices: Array, faces: Faces, source: Faces, normals: Array, domain: Domain, rows: Faces
     ) -> PolygonMesh:
-        """Triangles `faces` (., 3) on rows that are vertices of the domain; `rows` (F, 3) is the row of each of its
-        corners.
+        """Triangles `faces` (., 3) on rows that are vertices `source` (n,) of the domain.
+
+        rows: (F, 3) the row of each corner of the domain; a row that is at no corner lies at any one of its vertex.
         """
-        corners = np.zeros(len(vertices), dtype=np.int64)
-        corners[rows.ravel()] = np.arange(rows.size)
+        every = np.arange(rows.size)
+        of_vertex = np.empty(domain.vertex_count, dtype=np.int64)
+        of_vertex[domain.faces.ravel()] = every
+        corners = of_vertex[source]
+        corners[rows.ravel()] = every
         return cls(
             vertices=vertices,
             polygons=list(faces),
-            source=domain.faces.ravel()[corners],
+            source=source,
             normals=normals,
             triangles=(corners // 3).astype(np.int32),
             barycentric=np.eye(3)[corners % 3],

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..domain.delaunay import intrinsic_delaunay
+from ..domain.delaunay import carried_cut, intrinsic_delaunay
 from ..domain.domain import Domain
 from ..domain.sites import SiteGraph
+from ..domain.topology import CutSurface
 from ..errors import ConditionError, plural
 from ..gauss.conditions import Conditions
 from ..gauss.harmonic import HarmonicMap, HarmonicSolver
@@ -99,15 +101,10 @@ class CmcSolver:
         scale: float,
         period_tolerance: float,
     ) -> CmcSurface:
-        graph, homology = self.harmonic.graph, self.conjugation.homology
+        graph = self.harmonic.graph
         diameter = _diameter(graph, harmonic.normals, conjugate.g)
         gap = _longest(conjugate.periods)
         is_open = gap > period_tolerance * diameter
-        if is_open and self._carried:
-            raise ConditionError(
-                "The surface does not close around the holes of the plan, and it cannot be cut open on its intrinsic "
-                "Delaunay triangulation; solve with delaunay=False."
-            )
         whole = replace(conjugate, periods=np.zeros_like(conjugate.periods) if not is_open else conjugate.periods)
         if not is_open and gap > _CLOSED * diameter:
             whole = self.conjugation.closed(whole)
@@ -117,7 +114,7 @@ class CmcSolver:
         source = np.arange(self.domain.vertex_count, dtype=np.int32)
         faces = self.domain.faces
         if is_open:
-            sheets = homology.sheets
+            sheets = self._sheets
             source, faces = sheets.source, sheets.faces
             g = g[source] + sheets.offsets @ conjugate.periods
         N = N[source]
@@ -138,6 +135,12 @@ class CmcSolver:
             periods=scale * conjugate.periods,
             is_open=is_open,
         )
+
+    @cached_property
+    def _sheets(self) -> CutSurface:
+        """The domain cut open, in its own triangles."""
+        homology = self.conjugation.homology
+        return carried_cut(self.domain, self._carried, homology) if self._carried else homology.sheets
 
     def _at_vertices(self, fixed: Int, N: Array, conjugate: Conjugate, averaging: str) -> tuple[Array, Array]:
         """g and N (V, 3); where the surface is cut open, on the first row of each vertex."""

@@ -9,7 +9,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.spatial import Delaunay
 
-from solver import CmcError, Domain, shapes
+from solver import CmcError, Domain, conditions, shapes, solve_cmc
 from solver.domain import delaunay
 from solver.domain.delaunay import Retriangulation, carried_cut, intrinsic_delaunay
 from solver.domain.flips import Flips
@@ -359,3 +359,43 @@ def test_nothing_is_carried_on_a_disc_or_where_nothing_changed():
     homology = Homology.of(domain)
     cut = carried_cut(domain, intrinsic_delaunay(domain), homology)
     assert_array_equal(cut.offsets, homology.sheets.offsets)
+
+
+@pytest.fixture(scope="module")
+def two_plans():
+    """A plan with two holes triangulated well, and with needles; its positions."""
+    plan = shapes.polygon(*WITH_HOLES, max_edge=0.25, corner_radius=0.2)
+    good = intrinsic_delaunay(plan.domain).domain
+    bad = intrinsic_delaunay(Domain.from_positions(plan.positions * [1, 7], plan.domain.faces)).domain
+    return good, Domain.from_positions(plan.positions, bad.faces), plan.positions
+
+
+@pytest.mark.parametrize(("sites", "energy"), [("vertices", "cotan"), ("faces", "mobius")])
+def test_a_gap_is_the_same_on_every_triangulation(two_plans, sites, energy):
+    """A surface that does not close around its holes: from needles the Delaunay triangulation makes the good one."""
+    good, bad, points = two_plans
+    surfaces = []
+    for domain, choice in ((good, False), (bad, True)):
+        rim = conditions.binormal(domain, points, domain.boundary_edges, tilt=0.4)
+        surfaces.append(solve_cmc(domain, rim, sites=sites, energy=energy, delaunay=choice, tolerance=1e-9))
+    mine, theirs = surfaces[1], surfaces[0]
+    assert mine.is_open and theirs.is_open
+    assert_allclose(mine.gap, theirs.gap, rtol=1e-6, atol=0)
+    assert_array_equal(mine.source[mine.faces], bad.faces)
+    # edges that both triangulations have, the whole boundary among them, are the same edges of f+
+    ours, others = (by_vertices(s.domain, s.faces, s.f_plus) for s in (mine, theirs))
+    shared = ours.keys() & others.keys()
+    assert len(shared) > len(good.boundary_edges) + 50
+    both = np.array([[ours[key], others[key]] for key in shared])
+    assert_allclose(both[:, 0], both[:, 1], rtol=0, atol=1e-6 * mine.gap)
+    mesh = mine.as_mesh("f+")
+    assert_array_equal(mesh.source, mine.source)
+    assert_allclose(mesh.interpolate(points), points[mine.source], rtol=0, atol=1e-12)
+
+
+def by_vertices(domain: Domain, rows: np.ndarray, values: np.ndarray) -> dict[tuple[int, int], np.ndarray]:
+    """The increment of values on rows along each edge, from its lower vertex to its higher one."""
+    along = increments(domain, rows, values)
+    sign = np.where(domain.edges[:, 0] < domain.edges[:, 1], 1.0, -1.0)
+    keys = np.sort(domain.edges, axis=1).tolist()
+    return {tuple(key): step for key, step in zip(keys, sign[:, None] * along, strict=True)}
