@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
 from .pipeline import Formed, placed_normals
@@ -51,14 +52,18 @@ class PolygonSheet:
         return self.from_vertices(given.reshape(drawn.size, -1)[first])
 
     def owners(self, drawn: Int, triangle_polygons: Int) -> Int:
-        """(P,) the plan's polygon in which most of the corners of each polygon lie."""
+        """(P,) the plan's polygon that each polygon shares most with.
+
+        drawn (T, 3), triangle_polygons (T,): the plan's triangles and the polygon each is part of. Shares are counted
+        in rows; where the triangles are others, in vertices, each a vote for the plan's polygons around it.
+        """
+        rows = np.concatenate(self.polygons)
+        number = np.repeat(np.arange(len(self.polygons)), [len(polygon) for polygon in self.polygons])
         if self.triangles is not None:
-            of_rows = triangle_polygons[self.triangles]
-        else:
-            of_vertices = _most_frequent(drawn.ravel(), np.repeat(triangle_polygons, 3))
-            of_rows = of_vertices[self.source]
-        sizes = [len(polygon) for polygon in self.polygons]
-        return _most_frequent(np.repeat(np.arange(len(sizes)), sizes), of_rows[np.concatenate(self.polygons)])
+            return _winners(_sums(number, triangle_polygons[self.triangles[rows]], np.ones(len(rows))))
+        around = _sums(drawn.ravel(), np.repeat(triangle_polygons, 3), np.ones(drawn.size)).minimum(1.0)
+        near = self.barycentric[rows].clip(min=0.0).ravel()
+        return _winners(_sums(np.repeat(number, 3), self.vertices[rows].ravel(), near, int(drawn.max()) + 1) @ around)
 
 
 def polygon_sheet(formed: Formed, sheet: str, combinatorics: str) -> PolygonSheet:
@@ -79,11 +84,14 @@ def polygon_sheet(formed: Formed, sheet: str, combinatorics: str) -> PolygonShee
     )
 
 
-def _most_frequent(index: Int, labels: Int) -> Int:
-    """For each number up to the largest `index`, the label that comes with it most often; the smallest of several."""
-    span = int(labels.max()) + 1
-    pairs, counts = np.unique(index.astype(np.int64) * span + labels, return_counts=True)
-    numbers, found = np.divmod(pairs, span)
-    order = np.lexsort((-counts, numbers))  # stable: labels stay ascending among equals
-    first = np.unique(numbers[order], return_index=True)[1]
-    return found[order[first]]
+def _sums(rows: Int, columns: Int, values: Array, width: int | None = None) -> sp.csr_array:
+    """The sums of values (m,) with the same row and column, in a table of `width` columns."""
+    shape = (int(rows.max()) + 1, width or int(columns.max()) + 1)
+    return sp.csr_array((values, (rows, columns)), shape=shape)
+
+
+def _winners(votes: sp.csr_array) -> Int:
+    """The column of the largest number in each row; of several equal ones, up to rounding, the first."""
+    table = sp.coo_array(votes)
+    order = np.lexsort((table.col, -np.round(table.data, 6), table.row))
+    return table.col[order[np.unique(table.row[order], return_index=True)[1]]]
