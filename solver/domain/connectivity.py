@@ -205,14 +205,20 @@ def corner_classes(faces: Int, mesh: Edges, joined: NDArray[np.bool_]) -> Int:
     left, right = mesh.half_edges[joined].T
     # the corner at the start of the left half-edge is the one at the end of the right half-edge, and vice
     # versa
-    rows = np.concatenate([_next(left), _next(_next(left))])
-    cols = np.concatenate([_next(_next(right)), _next(right)])
+    rows = np.concatenate([after(left), before(left)])
+    cols = np.concatenate([before(right), after(right)])
     graph = sp.coo_array((np.ones(rows.size), (rows, cols)), shape=(faces.size, faces.size))
     return connected_components(graph, directed=False)[1].reshape(-1, 3).astype(np.int32)
 
 
-def _next(h: NDArray) -> NDArray:
-    return h - h % 3 + (h + 1) % 3
+def after(corners: NDArray) -> NDArray:
+    """The next corner `3 f + k` of the same face; of a half-edge, the corner where it starts."""
+    return corners - corners % 3 + (corners + 1) % 3
+
+
+def before(corners: NDArray) -> NDArray:
+    """The previous corner of the same face; of a half-edge, the corner where it ends."""
+    return corners - corners % 3 + (corners + 2) % 3
 
 
 def boundary_loops(mesh: Edges) -> tuple[list[Int], list[Int]]:

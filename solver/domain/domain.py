@@ -144,8 +144,7 @@ class Domain:
         corners = np.arange(self.faces.size)
         starts = np.empty(self.vertex_count, dtype=np.int64)
         starts[self.faces.ravel()] = corners
-        leaving = corners - corners % 3 + (corners + 2) % 3
-        on_rim = corners[self.twins[leaving] < 0]
+        on_rim = corners[self.twins[connectivity.before(corners)] < 0]
         starts[self.faces.ravel()[on_rim]] = on_rim
         return starts
 

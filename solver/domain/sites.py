@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from ..errors import ConditionError
 from ..linalg import graph_laplacian, sum_rows
+from .connectivity import after
 from .domain import Domain
 
 Array = NDArray[np.float64]
@@ -185,8 +186,8 @@ def _fans(domain: Domain) -> Int:
     twins = domain.twins.astype(np.int64)
     corner = np.arange(domain.faces.size)
     # the half-edge that ends at corner k lies opposite corner k + 1; beyond it is the next face around the vertex
-    beyond = twins[corner - corner % 3 + (corner + 1) % 3]
-    following = np.where(beyond >= 0, beyond - beyond % 3 + (beyond + 1) % 3, -1)
+    beyond = twins[after(corner)]
+    following = np.where(beyond >= 0, after(beyond), -1)
     first = domain.fan_starts[domain.faces.ravel()]
     proper = (following >= 0) & (corner != first) & (following != first)
     return np.stack([first[proper], corner[proper], following[proper]], axis=1) // 3

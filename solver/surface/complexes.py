@@ -15,11 +15,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..domain.connectivity import after, before
 from ..domain.domain import Domain
 from ..domain.sites import SiteGraph
 from ..domain.topology import Homology
 from .conjugate import Conjugate
-from .corners import Fans, after, before
+from .corners import Fans
 from .polygon_mesh import PolygonMesh
 
 Array = NDArray[np.float64]

@@ -11,20 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..domain.connectivity import after, before
 from ..domain.domain import Domain
 from ..domain.trees import accumulate
 
 Int = NDArray[np.integer]
-
-
-def after(corners: Int) -> Int:
-    """The next corner of the same face; of a half-edge, the corner where it starts."""
-    return corners - corners % 3 + (corners + 1) % 3
-
-
-def before(corners: Int) -> Int:
-    """The previous corner of the same face; of a half-edge, the corner where it ends."""
-    return corners - corners % 3 + (corners + 2) % 3
 
 
 @dataclass(frozen=True, eq=False)

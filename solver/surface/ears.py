@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ..domain.connectivity import after, before
 from ..domain.domain import Domain
 
 Array = NDArray[np.float64]
@@ -26,19 +27,16 @@ def unfold_ears(domain: Domain, rows: Int, g: Array, tau: Array, N: Array) -> tu
     if not len(base):
         return g, tau
     across = domain.twins[base].astype(np.int64)
-    tip, start = rows.ravel()[base], rows.ravel()[_turn(base, 1)]
+    tip, start = rows.ravel()[base], rows.ravel()[after(base)]
     # the other face walks the common edge backwards
-    near = (rows.ravel()[_turn(across, k)] for k in (2, 1, 0))
-    a, b, far = (g[row] for row in near)
+    a, b, far = (g[rows.ravel()[corner]] for corner in (before(across), after(across), across))
     along, away = _coordinates(domain, base, across)
     point = along[:, None] * (b - a) + away[:, None] * (far - a)
     normal = N[base // 3]
     g, tau = g.copy(), tau.copy()
     g[tip] = g[start] + point - np.einsum("ij,ij->i", point, normal)[:, None] * normal
-    for k in (1, 2):
-        side = _turn(base, k)
-        ends = rows.ravel()[_turn(side, 2)], rows.ravel()[_turn(side, 1)]
-        tau[domain.face_edges.ravel()[side]] = g[ends[0]] - g[ends[1]]
+    for side in (after(base), before(base)):
+        tau[domain.face_edges.ravel()[side]] = g[rows.ravel()[before(side)]] - g[rows.ravel()[after(side)]]
     return g, tau
 
 
@@ -60,10 +58,5 @@ def _coordinates(domain: Domain, base: Int, across: Int) -> tuple[Array, Array]:
 def _apex(domain: Domain, half_edge: Int) -> tuple[Array, Array]:
     """The corner opposite a half-edge: its foot along it, from 0 to 1, and its height, in units of its length."""
     cotans = domain.corner_cotans.ravel()
-    first, second = cotans[_turn(half_edge, 1)], cotans[_turn(half_edge, 2)]
+    first, second = cotans[after(half_edge)], cotans[before(half_edge)]
     return first / (first + second), 1.0 / (first + second)
-
-
-def _turn(corners: Int, steps: int) -> Int:
-    """The corner `steps` further around the same face."""
-    return corners - corners % 3 + (corners + steps) % 3

@@ -15,6 +15,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from ..domain.connectivity import after, before
 from ..domain.domain import Domain
 from ..domain.trees import accumulate
 from ..linalg import sum_rows
@@ -88,16 +89,16 @@ def _value_at_origin(rows: Int, samples: Array, count: int) -> Array:
 def _circumcentres(domain: Domain, corners: Int) -> tuple[Array, Array]:
     """x, y (n,) of the circumcentre of the face of each corner, which is the origin; the next one is on the x-axis."""
     angle = domain.corner_angles.ravel()[corners]
-    along = domain.side_lengths.ravel()[_around(corners, 2)]  # from the corner to the next one
-    back = domain.side_lengths.ravel()[_around(corners, 1)]  # from the corner to the one before
+    along = domain.side_lengths.ravel()[before(corners)]  # from the corner to the next one
+    back = domain.side_lengths.ravel()[after(corners)]  # from the corner to the one before
     return 0.5 * along, 0.5 * (back - along * np.cos(angle)) / np.sin(angle)
 
 
 def _circumcentres_beyond(domain: Domain, corners: Int) -> tuple[Array, Array]:
     """The same of the face across the opposite edge: ½ cot θ' of its length away from its midpoint."""
     angle = domain.corner_angles.ravel()[corners]
-    along = domain.side_lengths.ravel()[_around(corners, 2)]
-    back = domain.side_lengths.ravel()[_around(corners, 1)]
+    along = domain.side_lengths.ravel()[before(corners)]
+    back = domain.side_lengths.ravel()[after(corners)]
     cotan = domain.corner_cotans.ravel()[domain.twins[corners]]
     x, y = back * np.cos(angle), back * np.sin(angle)
     return 0.5 * (along + x + cotan * y), 0.5 * (y + cotan * (along - x))
@@ -114,11 +115,6 @@ def _chart(domain: Domain, corners: Int) -> Callable[[Array, Array], Array]:
         return points * np.sqrt(x**2 + y**2)[:, None]
 
     return unfold
-
-
-def _around(corners: Int, steps: int) -> Int:
-    """The corner `steps` further around the same face."""
-    return corners - corners % 3 + (corners + steps) % 3
 
 
 def _midpoints(domain: Domain) -> tuple[Array, Int]:
@@ -145,17 +141,17 @@ def _fan_angles(domain: Domain, corners: Int) -> tuple[Array, Array]:
     """
     vertices = domain.faces.ravel()[corners]
     # the half-edge that leaves corner k lies opposite corner k + 2; behind it is the corner before, clockwise
-    twin = domain.twins[_around(corners, 2)].astype(np.int64)
+    twin = domain.twins[before(corners)].astype(np.int64)
     position = np.empty(domain.faces.size, dtype=np.int64)
     position[corners] = np.arange(len(corners))
-    before = np.where(twin >= 0, position[_around(twin, 2)], np.arange(len(corners)))
+    previous = np.where(twin >= 0, position[before(twin)], np.arange(len(corners)))
     first = np.full(domain.vertex_count, len(corners))
     np.minimum.at(first, vertices, np.arange(len(corners)))
     on_rim = np.zeros(domain.vertex_count, dtype=bool)
     on_rim[domain.boundary_vertices] = True
     starts = np.where(on_rim[vertices], twin < 0, first[vertices] == np.arange(len(corners)))
-    parent = np.where(starts, np.arange(len(corners)), before)
+    parent = np.where(starts, np.arange(len(corners)), previous)
     stretch = np.where(on_rim, 1.0, 2.0 * np.pi / _vertex_angles(domain))[vertices]
     # a corner begins where the one before ends
-    turned = (domain.corner_angles.ravel()[corners] * stretch)[before]
+    turned = (domain.corner_angles.ravel()[corners] * stretch)[previous]
     return accumulate(parent, turned[:, None])[:, 0], stretch

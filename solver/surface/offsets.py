@@ -23,6 +23,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from ..domain.connectivity import after, before
 from ..domain.domain import Domain
 from ..domain.topology import Homology
 from ..gauss.dirichlet import Dirichlet
@@ -193,10 +194,5 @@ def _mean(a: Averaging, corners: sp.csr_array, ends: sp.csr_array | None = None)
     if ends is None:
         return mean
     behind = a.domain.half_edges[a.domain.boundary_edges, 0]
-    corner = np.stack([_around(behind, 1), _around(behind, 2)], axis=1).ravel()
+    corner = np.stack([after(behind), before(behind)], axis=1).ravel()
     return mean + ends @ (np.repeat(a.conjugate.boundary_points, 2, axis=0) - shift[corner])
-
-
-def _around(corners: Int, steps: int) -> Int:
-    """The corner `steps` further around the same face."""
-    return corners - corners % 3 + (corners + steps) % 3
