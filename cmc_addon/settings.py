@@ -131,7 +131,7 @@ _SETTINGS = {
         BoolProperty, name="Intrinsic Delaunay",
         description="Solve on the best triangles that the plan's vertices have; the shell keeps the plan's faces"),
     "combinatorics": partial(
-        EnumProperty, name="Faces", description="The faces that the results have",
+        EnumProperty, name="Result Mesh", description="Which faces the results have",
         items=_registered(COMBINATORICS), default="PRIMAL"),
     "averaging": partial(
         EnumProperty, name="Averaging", description="How points of the surface are found at the vertices",

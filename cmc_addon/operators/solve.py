@@ -174,11 +174,18 @@ def draw_settings(layout: bpy.types.UILayout, owner) -> None:
 def draw_advanced(layout: bpy.types.UILayout, owner) -> None:
     """Rows for what is solved and which faces it gets; of the energies those that are defined on the sites."""
     layout.row().prop(owner, "sites", expand=True)
-    column = layout.column(align=True, heading="Energy")
+    split = layout.split(factor=0.4)
+    title = split.row()
+    title.alignment = "RIGHT"
+    title.label(text="Energy")
+    choices = split.column(align=True)
+    choices.use_property_split = False
     for energy in energies_on(owner.sites):
-        column.prop_enum(owner, "energy", energy)
-    for name in ("method", "delaunay", "averaging", "combinatorics"):
+        choices.prop_enum(owner, "energy", energy)
+    for name in ("method", "delaunay", "averaging"):
         layout.prop(owner, name)
+    layout.separator()
+    layout.prop(owner, "combinatorics")
 
 
 class CMC_OT_solve(Solving, bpy.types.Operator):
