@@ -153,6 +153,12 @@ def _redraw(context: bpy.types.Context) -> None:
                 area.tag_redraw()
 
 
+def _as_settings(layout: bpy.types.UILayout) -> None:
+    """Names on the left, values on the right, as in the panels."""
+    layout.use_property_split = True
+    layout.use_property_decorate = False
+
+
 def draw_settings(layout: bpy.types.UILayout, owner) -> None:
     """Rows for the settings of a solve, of an object or an operator; only the ones that count now."""
     layout.prop(owner, "size")
@@ -196,7 +202,7 @@ class CMC_OT_solve(Solving, bpy.types.Operator):
     __annotations__ = setting_annotations({"SKIP_SAVE"})
 
     def draw(self, context: bpy.types.Context) -> None:
-        self.layout.use_property_split = True
+        _as_settings(self.layout)
         draw_settings(self.layout, self)
 
 
@@ -211,7 +217,7 @@ class CMC_OT_solve_selection(Solving, bpy.types.Operator):
         return {"kind": self.kind, "parameters": parameter_values(self.kind, self)}
 
     def draw(self, context: bpy.types.Context) -> None:
-        self.layout.use_property_split = True
+        _as_settings(self.layout)
         self.layout.prop(self, "kind")
         for name in kind_parameters(self.kind):
             self.layout.prop(self, name)

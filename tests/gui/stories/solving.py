@@ -55,7 +55,7 @@ def tell(hands):
     yield from hands.press("F9")
     yield from hands.picture("redo-panel")
     x, y = hands.view
-    yield from hands.click(x + 130, y + 46)  # Flip, in the panel that has opened at the mouse
+    yield from hands.click(x + 170, y + 172)  # Flip, in the panel that has opened at the mouse
     yield from until(lambda: plan().cmc.flip, "the redo panel has solved again")
     assert len(bpy.data.objects) == 2
     heights = [vertex.co.z for vertex in plan().cmc.f_plus.data.vertices]
