@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .domain.delaunay import speed_note
 from .errors import Status
 from .gauss.energies import ENERGIES
 from .measure.curvature import mean_curvature_of
@@ -205,6 +206,9 @@ def _warnings(
             f"The boundary of {settings.sheet} does not follow the drawn outline, so its size alone is "
             "matched; allow it to rotate, or size it by span, rise or radius."
         )
+    slow = speed_note(surface.domain) if settings.delaunay else None
+    if slow is not None:
+        notes.append(slow)
     shown = measured.shown
     twin = "f-" if measured.sheet == "f+" else "f+"
     if twin not in measured.sheets:

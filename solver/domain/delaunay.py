@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import CmcError
 from . import connectivity
 from .domain import Domain
 from .flips import Flips
@@ -28,6 +27,8 @@ Int = NDArray[np.integer]
 _LEAST_WEIGHT = -1e-12
 # Flips leave the area as it is, up to rounding: 1e-9 of it where the smallest angle is a millionth of a degree.
 _SAME_AREA = 1e-6
+# Faces from which on our own flips take three seconds or more.
+_LARGE = 150_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +38,7 @@ class Retriangulation:
     domain: the new triangles and edges.
     edges: (E,) for each boundary edge of the old domain its number in the new one; -1 for interior edges, which
         have no successor.
-    flips: how it came about, on domains with holes or handles; None on discs and spheres.
+    flips: how it came about, on domains with holes or handles; None on discs and spheres, where nothing asks for it.
     """
 
     domain: Domain
@@ -50,19 +51,29 @@ def intrinsic_delaunay(domain: Domain) -> Retriangulation:
 
     Then all cotangent weights inside are ≥ 0 (paper, Section 4.3.3). Area, boundary edges and their lengths stay,
     and faces stay counter-clockwise. Where four vertices lie on a circle either diagonal may come out. A domain
-    that is Delaunay already is returned as it is. Raises `CmcError` without libigl.
+    that is Delaunay already is returned as it is. libigl does it where it is installed and can, our own flips
+    elsewhere. Raises `MeshError` on faces so thin that rounding makes them flat.
     """
-    igl = _libigl()
-    simple = domain.genus == 0 and len(domain.boundary_loops) <= 1
-    flips = None
+    simple = _is_disc_or_sphere(domain)
     if _is_delaunay(domain):
-        new, flips = domain, None if simple else Flips(domain)
-    else:
-        new = _flipped_by(igl, domain) if simple and _told_apart_by_vertices(domain) else None
-        if new is None:
-            flips = Flips(domain)
-            new = flips.domain()
-    return Retriangulation(new, _followed(domain, new), flips)
+        return Retriangulation(domain, _followed(domain, domain), None if simple else Flips(domain))
+    igl = _libigl() if _is_for_libigl(domain) else None
+    new = None if igl is None else _flipped_by(igl, domain)
+    if new is not None:
+        return Retriangulation(new, _followed(domain, new))
+    flips = Flips(domain)
+    new = flips.domain()
+    return Retriangulation(new, _followed(domain, new), None if simple else flips)
+
+
+def speed_note(domain: Domain) -> str | None:
+    """A sentence if `intrinsic_delaunay` takes seconds on this domain that it would not take with libigl; else None."""
+    if len(domain.faces) < _LARGE or _libigl() is not None or _is_delaunay(domain) or not _is_for_libigl(domain):
+        return None
+    return (
+        "libigl is not installed, so edges were flipped one by one for the intrinsic Delaunay triangulation, which is "
+        "slower on large meshes; `pip install libigl` makes it faster."
+    )
 
 
 def carried_cut(domain: Domain, retriangulation: Retriangulation, new: Homology) -> CutSurface:
@@ -98,13 +109,20 @@ def _increments(domain: Domain, sheets: CutSurface) -> Int:
 
 
 def _libigl() -> Any:
+    """The module, or None."""
     try:
         return importlib.import_module("igl")
-    except ImportError as error:
-        raise CmcError(
-            f"Intrinsic Delaunay triangulation needs libigl, which cannot be imported ({error}). Install it with "
-            '`pip install "cmc-formfinding[intrinsic]"` (Blender\'s extension brings it along), or do without.'
-        ) from None
+    except ImportError:
+        return None
+
+
+def _is_disc_or_sphere(domain: Domain) -> bool:
+    return domain.genus == 0 and len(domain.boundary_loops) <= 1
+
+
+def _is_for_libigl(domain: Domain) -> bool:
+    """It does not tell how edges run around holes and handles, and starts from edges that their vertices tell apart."""
+    return _is_disc_or_sphere(domain) and _told_apart_by_vertices(domain)
 
 
 def _is_delaunay(domain: Domain) -> bool:

@@ -176,7 +176,7 @@ def solve_cmc(
     mean_curvature: H > 0 of the result, in 1/length; ½ is the scale of the paper.
     sites: "vertices" or "faces": where the normals live (paper, Sec. 3 and 4). energy: a name in `ENERGIES`; "cotan"
         means the dual cotangent energy on faces, where "mobius" is the robust choice.
-    method: a name in `METHODS`. delaunay: solve on the intrinsic Delaunay triangulation of the domain (needs libigl);
+    method: a name in `METHODS`. delaunay: solve on the intrinsic Delaunay triangulation of the domain;
         the result is carried back to its vertices and has its faces.
     averaging: how g comes to the vertices, or N from the faces: "galerkin", "linear" or "area" (see `offsets`).
     initial, side, degree: where to start, see `HarmonicSolver.solve`.

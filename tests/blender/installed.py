@@ -20,7 +20,7 @@ import bpy
 import addon_utils  # is on the path once bpy is imported
 
 MODULE = "bl_ext.user_default.cmc_formfinding"
-BUNDLED = {"scipy": "scipy", "trimesh": "trimesh", "cholespy": "cholespy", "libigl": "igl"}  # wheel: module
+BUNDLED = ("scipy", "trimesh", "cholespy")
 
 
 def versions() -> dict:
@@ -29,7 +29,7 @@ def versions() -> dict:
 
 def install(archive: str) -> dict:
     """Install and enable the zip; where the bundled packages are before and after."""
-    before = [name for name in BUNDLED.values() if importlib.util.find_spec(name)]
+    before = [name for name in BUNDLED if importlib.util.find_spec(name)]
     bpy.ops.extensions.package_install_files(
         filepath=archive, repo="user_default", enable_on_install=True, overwrite=True
     )
@@ -53,7 +53,10 @@ def solve() -> dict:
 
 
 def solve_on_delaunay() -> dict:
-    """A sheared grid of needles, solved on its intrinsic Delaunay triangulation; weights of both, status, size."""
+    """A sheared grid of needles, solved on its intrinsic Delaunay triangulation; weights of both, status, size.
+
+    And whether there is a libigl, which could do the flipping.
+    """
     solver = importlib.import_module(f"{MODULE}.solver")
     points = [[i + 2.5 * j, j] for i in range(5) for j in range(5)]
     corners = [5 * i + j for i in range(4) for j in range(4)]
@@ -62,7 +65,11 @@ def solve_on_delaunay() -> dict:
     rim = solver.conditions.binormal(domain, points, domain.boundary_edges, tilt=0.8)
     surface = solver.solve_cmc(domain, rim, delaunay=True)
     weights = [float(mesh.cotan_weights[mesh.interior_edges].min()) for mesh in (domain, surface.graph.domain)]
-    return {"weights": weights, "delaunay": [surface.status.value, len(surface.f_plus), len(surface.faces)]}
+    return {
+        "weights": weights,
+        "delaunay": [surface.status.value, len(surface.f_plus), len(surface.faces)],
+        "libigl": importlib.util.find_spec("igl") is not None,
+    }
 
 
 def command(folder: Path) -> dict:
@@ -82,7 +89,7 @@ def size(ob: bpy.types.Object) -> list[float]:
 
 def origins() -> dict:
     """The file each bundled package was imported from, and its version."""
-    files = {name: importlib.import_module(module).__file__ for name, module in BUNDLED.items()}
+    files = {name: importlib.import_module(name).__file__ for name in BUNDLED}
     return {"origins": {name: [file, importlib.metadata.version(name)] for name, file in files.items()}}
 
 

@@ -9,12 +9,13 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.spatial import Delaunay
 
-from solver import CmcError, Domain, conditions, shapes, solve_cmc
+from solver import Domain, MeshError, conditions, shapes, solve_cmc
 from solver.domain import delaunay
-from solver.domain.delaunay import Retriangulation, carried_cut, intrinsic_delaunay
+from solver.domain.delaunay import Retriangulation, carried_cut, intrinsic_delaunay, speed_note
 from solver.domain.flips import Flips
 from solver.domain.topology import CutSurface, Homology
 from solver.domain.trees import Tree
+from solver.pipeline import Plan, Settings, form
 from solver.surface import offsets
 from tests.solver import coarse, meshes
 
@@ -34,11 +35,17 @@ def sheared_grid(columns: int = 20, rows: int = 6, shear: float = 3.3) -> tuple[
 
 def stretched(factor: float, n: int = 400, seed: int = 3) -> tuple[np.ndarray, np.ndarray]:
     """Random points in a square, triangulated well, then drawn apart in y: needles."""
-    points = np.random.default_rng(seed).random((n, 2))
-    faces = Delaunay(points).simplices
+    points = np.random.default_rng(seed).random((n, 2)) * [1.0, factor]
+    return points, stretched_faces(points, 1.0 / factor)
+
+
+def stretched_faces(points: np.ndarray, factor: float) -> np.ndarray:
+    """Triangles that would be good ones if y were `factor` times as large; counter-clockwise."""
+    faces = Delaunay(points * [1.0, factor]).simplices
     a, b, c = (points[faces[:, k]] for k in range(3))
-    clockwise = (b - a)[:, 0] * (c - a)[:, 1] < (b - a)[:, 1] * (c - a)[:, 0]
-    return points * [1.0, factor], np.where(clockwise[:, None], faces[:, ::-1], faces)
+    twice = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
+    faces = np.where((twice < 0)[:, None], faces[:, ::-1], faces)
+    return faces[np.abs(twice) > 1e-9 * np.abs(twice).max()]
 
 
 def thin_strip() -> tuple[np.ndarray, np.ndarray]:
@@ -88,6 +95,18 @@ def domain(request) -> Domain:
     return DOMAINS[request.param]()
 
 
+@pytest.fixture
+def without_libigl(monkeypatch) -> None:
+    monkeypatch.setitem(sys.modules, "igl", None)  # what makes an import fail
+
+
+@pytest.fixture(params=["libigl", "our flips"])
+def way(request) -> None:
+    if request.param == "our flips":
+        request.getfixturevalue("without_libigl")
+    assert (delaunay._libigl() is None) == (request.param == "our flips")
+
+
 def cone_angles(domain: Domain) -> np.ndarray:
     return np.bincount(domain.faces.ravel(), domain.corner_angles.ravel())
 
@@ -108,12 +127,14 @@ def test_there_is_something_to_do(domain):
     assert domain.cotan_weights[domain.interior_edges].min() < -0.1
 
 
+@pytest.mark.usefixtures("way")
 def test_every_interior_edge_is_delaunay(domain):
     new = intrinsic_delaunay(domain).domain
     assert opposite_angles(new).max() <= np.pi + 1e-10
     assert new.cotan_weights[new.interior_edges].min() >= -1e-12
 
 
+@pytest.mark.usefixtures("way")
 def test_the_metric_stays(domain):
     """Area, the angles around each vertex, the boundary; and how many vertices, faces, handles and loops."""
     new = intrinsic_delaunay(domain).domain
@@ -125,6 +146,7 @@ def test_the_metric_stays(domain):
         assert_array_equal(mine, theirs)
 
 
+@pytest.mark.usefixtures("way")
 def test_boundary_edges_are_followed(domain):
     new, edges = intrinsic_delaunay(domain).domain, intrinsic_delaunay(domain).edges
     rim = domain.boundary_edges
@@ -134,6 +156,7 @@ def test_boundary_edges_are_followed(domain):
     assert (edges[domain.interior_edges] == -1).all() and len(edges) == len(domain.edges)
 
 
+@pytest.mark.usefixtures("way")
 def test_what_is_delaunay_stays_as_it_is(domain):
     once = intrinsic_delaunay(domain)
     twice = intrinsic_delaunay(once.domain)
@@ -143,6 +166,7 @@ def test_what_is_delaunay_stays_as_it_is(domain):
     assert_array_equal(twice.edges[rim], rim)
 
 
+@pytest.mark.usefixtures("way")
 def test_the_energy_falls(domain):
     """Of all triangulations of the vertices the Delaunay one has the least Dirichlet energy (Rippa)."""
     new = intrinsic_delaunay(domain).domain
@@ -173,11 +197,8 @@ def test_is_the_delaunay_triangulation_of_the_plane():
     angle = 2 * np.pi * np.arange(60) / 60
     points = np.concatenate([np.column_stack([np.cos(angle), np.sin(angle)]), 0.85 * (random.random((80, 2)) - 0.5)])
     points[60:, 1] *= 0.5
-    start = Delaunay(points * [1, 30]).simplices
+    start = stretched_faces(points, 30.0)
     best = np.unique(np.sort(Delaunay(points).simplices, axis=1), axis=0)
-    a, b, c = (points[start[:, k]] for k in range(3))
-    clockwise = (b - a)[:, 0] * (c - a)[:, 1] < (b - a)[:, 1] * (c - a)[:, 0]
-    start = np.where(clockwise[:, None], start[:, ::-1], start)
     new = intrinsic_delaunay(Domain.from_positions(points, start)).domain
     inner = lambda faces: {tuple(face) for face in np.sort(faces, axis=1).tolist() if max(face) >= 60}  # noqa: E731
     assert inner(start) != inner(best)
@@ -238,10 +259,84 @@ def test_squares_are_not_flipped_back_and_forth(shear, height):
     assert len(Flips(domain).history) // 3 == 9 * shear
 
 
-def test_is_said_to_need_libigl(monkeypatch):
-    monkeypatch.setitem(sys.modules, "igl", None)  # what makes an import fail
-    with pytest.raises(CmcError, match=r'needs libigl.*pip install "cmc-formfinding\[intrinsic\]"'):
-        intrinsic_delaunay(Domain.from_positions(*sheared_grid()))
+def test_both_ways_agree(domain, request):
+    """On the Laplacian, which does not depend on diagonals between four vertices on a circle, and the boundary."""
+    theirs = intrinsic_delaunay(domain)
+    request.getfixturevalue("without_libigl")
+    ours = intrinsic_delaunay(domain)
+    scale = np.abs(theirs.domain.laplacian).max()
+    assert_allclose(ours.domain.laplacian.toarray(), theirs.domain.laplacian.toarray(), rtol=0, atol=1e-7 * scale)
+    rim = domain.boundary_edges
+    assert_array_equal(ours.domain.edges[ours.edges[rim]], theirs.domain.edges[theirs.edges[rim]])
+    assert (ours.flips is None) == (theirs.flips is None)
+
+
+@pytest.mark.parametrize(("sites", "energy"), [("vertices", "cotan"), ("faces", "mobius")])
+def test_surfaces_of_both_ways_agree(sites, energy, request):
+    """A disc of needles."""
+    plan = shapes.disc(300)
+    domain = Domain.from_positions(plan.positions, stretched_faces(plan.positions[:, :2], 15.0))
+    rim = conditions.twisted(domain, plan.positions, domain.boundary_edges, 1)
+    theirs = solve_cmc(domain, rim, sites=sites, energy=energy, delaunay=True, tolerance=1e-10)
+    request.getfixturevalue("without_libigl")
+    ours = solve_cmc(domain, rim, sites=sites, energy=energy, delaunay=True, tolerance=1e-10)
+    assert np.degrees(domain.corner_angles.min()) < 2
+    assert_allclose(ours.f_plus, theirs.f_plus, rtol=0, atol=1e-8)
+    assert_array_equal(ours.faces, domain.faces)
+
+
+def test_a_libigl_that_does_not_load_is_as_none(monkeypatch):
+    """A wheel for another system, say."""
+
+    def broken(name):
+        raise ImportError(f"{name}: wrong ELF class")
+
+    monkeypatch.setattr(delaunay.importlib, "import_module", broken)
+    new = intrinsic_delaunay(Domain.from_positions(*sheared_grid())).domain
+    assert opposite_angles(new).max() <= np.pi + 1e-10
+
+
+def test_a_large_mesh_is_said_to_be_faster_with_libigl(monkeypatch, request):
+    """And nothing is said where libigl would change nothing: on Delaunay meshes, around holes, on coarse domains."""
+    needles, tidy = DOMAINS["needles"](), shapes.disc(300).domain
+    monkeypatch.setattr(delaunay, "_LARGE", 18)
+    assert speed_note(needles) is None
+    request.getfixturevalue("without_libigl")
+    assert "libigl is not installed" in speed_note(needles) and "pip install libigl" in speed_note(needles)
+    assert speed_note(tidy) is None
+    for name in ("two holes, stretched", "a torus of nine vertices", "a cylinder of three columns"):
+        assert speed_note(DOMAINS[name]()) is None
+    monkeypatch.setattr(delaunay, "_LARGE", len(needles.faces) + 1)
+    assert speed_note(needles) is None
+
+
+@pytest.mark.usefixtures("without_libigl")
+def test_the_note_comes_with_the_shell(monkeypatch):
+    points, faces = stretched(4.0, 150)
+    plan = Plan(np.column_stack([points, 0 * points[:, 0]]), faces)
+    chosen, usual = Settings(default_tilt=0.3, delaunay=True), Settings(default_tilt=0.3)
+    notes = lambda settings: [note for note in form(plan, settings).warnings if "libigl" in note]  # noqa: E731
+    assert notes(chosen) == []
+    monkeypatch.setattr(delaunay, "_LARGE", 200)
+    assert notes(chosen) == [speed_note(Domain.from_positions(points, faces))]
+    assert notes(usual) == []
+
+
+def test_needles_that_rounding_makes_flat_are_said_so():
+    """Ten million times as long as they are wide: some of these come out whole, for others the vertices are named."""
+    said = 0
+    for seed in range(60):
+        try:
+            domain = Domain.from_positions(*stretched(1e7, 60, seed))
+        except MeshError:
+            continue
+        try:
+            assert len(Flips(domain).domain().faces) == len(domain.faces)
+        except MeshError as error:
+            assert "so thin that rounding makes them flat" in str(error) and "do without" in str(error)
+            assert len(error.vertices) == 3 and set(error.vertices) <= set(range(60))
+            said += 1
+    assert said > 0
 
 
 def cone() -> Domain:
