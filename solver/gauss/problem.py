@@ -93,17 +93,22 @@ class EnergyProblem:
 
     def hessian(self, point: Point) -> Callable[[Array], Array]:
         """The Hessian at a map, as a function of admissible (S, 3)."""
+        operator = self.operator(point)
+        return lambda d: self.project(point.N, operator(d))
+
+    def operator(self, point: Point) -> Callable[[Array], Array]:
+        """The Hessian before projection, from any tangent (S, 3): how the tangent parts of LN change, fixed sites too."""
         N, L = point.N, point.L
         multiplier = dot(N, point.gradient)
         bending = self.bending(point)
         if bending is None:
-            return lambda d: self.project(N, L @ d - multiplier * d)
+            return lambda d: L @ d - multiplier * d
         rows, dstar = bending
         columns = sp.csr_array(rows.T)
 
         def apply(d: Array) -> Array:
             bent = columns @ (dstar * (rows @ d.ravel()))
-            return self.project(N, L @ d - multiplier * d - bent.reshape(-1, 3))
+            return L @ d - multiplier * d - bent.reshape(-1, 3)
 
         return apply
 

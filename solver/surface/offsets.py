@@ -166,6 +166,17 @@ def _galerkin_load(domain: Domain, N: Array) -> Array:
     return 0.5 * load
 
 
+def load_matrix(domain: Domain) -> sp.csr_array:
+    """(V, E) the matrix that takes the products N_i × N_j of the edges to Σ_f ∫ <∇φ, τ> (see `galerkin`)."""
+    half_edges = np.arange(domain.faces.size)
+    edges = domain.face_edges.ravel()
+    sign = np.where(domain.half_edges[edges, 0] == half_edges, 0.5, -0.5)
+    corners = np.concatenate([half_edges, half_edges, after(half_edges), before(half_edges)])
+    values = np.concatenate([sign, -sign / 3.0, -sign / 3.0, -sign / 3.0])
+    shape = (domain.vertex_count, len(domain.edge_lengths))
+    return sp.csr_array(sp.coo_array((values, (domain.faces.ravel()[corners], np.tile(edges, 4))), shape=shape))
+
+
 def _offset_load(domain: Domain, homology: Homology, periods: Array) -> Array:
     """Σ_f ∫ <∇φ_i, ∇(offset of the corners)> (V, 3)."""
     sheets = homology.sheets
