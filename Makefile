@@ -46,8 +46,9 @@ gui-test:
 bench: .venv/ready
 	$(PYTHON) -m pytest benchmarks -k "not sizes"
 
-# The pictures of docs/.
+# The pictures of docs/, and the tables of docs/combinatorics.md.
 gallery: .venv/ready
+	$(PYTHON) scripts/measure_faces.py --write
 	$(PYTHON) scripts/render_gallery.py
 
 # What was made from the sources; the environments stay.

@@ -18,6 +18,7 @@ package = blender_session.start()
 
 import bpy  # noqa: E402
 import demo  # noqa: E402
+import gallery_faces  # noqa: E402
 import make_assets  # noqa: E402
 import numpy as np  # noqa: E402
 import portrait  # noqa: E402
@@ -97,11 +98,39 @@ def plans_and_shells(samples: int) -> None:
     picture("plans", (8.0, -122.0, 74.0), (8.0, 5.0, 0.0), 45.0, 0.52, samples, sky=False)
 
 
+def combinatorics(samples: int) -> None:
+    """The complexes of Figures 5 and 6, on a coarse disc."""
+    gallery_faces.combinatorics()
+    picture("combinatorics", (3.38, -30.0, 14.0), (3.38, 0.0, -0.72), 119.0, 0.42, samples, suffix=".jpg")
+
+
+def energies(samples: int) -> None:
+    """Edge energies and their stars, as curves."""
+    gallery_faces.energies()
+    picture("energies", (5.9, -60.0, 1.3), (5.9, 0.0, 1.3), 164.0, 0.28, samples)
+
+
+def identity(samples: int) -> None:
+    """The identity of the sphere, recovered or lost (paper, Figure 20)."""
+    gallery_faces.identity()
+    picture("identity", (5.4, -60.0, 12.0), (5.4, 0.0, -2.1), 148.0, 0.52, samples, suffix=".jpg")
+
+
+def needles(samples: int) -> None:
+    """The same surface over a disc of needles and over a regular one (paper, Figure 19)."""
+    gallery_faces.needles()
+    picture("needles", (3.42, -40.0, 10.0), (3.42, 0.0, 0.0), 159.0, 0.27, samples, suffix=".jpg")
+
+
 PICTURES: dict[str, Callable[[int], None]] = {
     "pavilion": pavilion,
     "plans": plans_and_shells,
     "figure3": figure3,
     "nodoid": nodoid,
+    "combinatorics": combinatorics,
+    "energies": energies,
+    "identity": identity,
+    "needles": needles,
 }
 
 
@@ -139,8 +168,10 @@ def drawn_normals(positions, rim, place) -> None:
         studio.add_line("Normal", [foot, foot + 0.34 * normals[k]], 0.016, closed=False, colour=(0.55, 0.12, 0.06))
 
 
-def picture(name: str, eye, target, lens: float, height: float, samples: int, sky: bool = True) -> Path:
-    """Render what is in the scene to docs/images/NAME.png; `height` as a part of the width."""
+def picture(
+    name: str, eye, target, lens: float, height: float, samples: int, sky: bool = True, suffix: str = ".png"
+) -> Path:
+    """Render what is in the scene to docs/images/NAME.png (or .jpg); `height` as a part of the width."""
     if sky:
         studio.light(sun=(-0.5, -0.8, 0.9), strength=2.6, sky=0.8)
         paper = studio.matte("Paper", (0.83, 0.83, 0.82))
@@ -148,7 +179,7 @@ def picture(name: str, eye, target, lens: float, height: float, samples: int, sk
         corners = [(-far, far, -far), (2 * far, far, -far), (2 * far, far, far), (-far, far, far)]
         studio.mesh_object("Backdrop", corners, [(0, 1, 2, 3)], paper).visible_shadow = False
     studio.aim(eye, target, lens)
-    return studio.render(IMAGES / f"{name}.png", WIDTH, round(height * WIDTH), samples)
+    return studio.render(IMAGES / f"{name}{suffix}", WIDTH, round(height * WIDTH), samples)
 
 
 def tell(name: str, surface: CmcSurface) -> None:

@@ -34,6 +34,16 @@ def matte(name: str, colour: Sequence[float], roughness: float = 0.85) -> bpy.ty
     return material
 
 
+def glow(name: str, colour: Sequence[float]) -> bpy.types.Material:
+    """A colour that no light changes (linear RGB)."""
+    material = matte(name, (0.0, 0.0, 0.0), 1.0)
+    surface = material.node_tree.nodes["Principled BSDF"]
+    surface.inputs["Emission Color"].default_value = (*colour, 1.0)
+    surface.inputs["Emission Strength"].default_value = 1.0
+    surface.inputs["Specular IOR Level"].default_value = 0.0
+    return material
+
+
 def checker(
     name: str,
     uv_layer: str,
@@ -106,6 +116,19 @@ def add_line(name: str, points, width: float, closed: bool = True, colour=INK) -
     spline.points.foreach_set("co", np.column_stack([points, np.ones(len(points))]).ravel().astype(np.float32))
     spline.use_cyclic_u = closed
     return add_object(name, curve, matte(name, colour))
+
+
+def add_text(
+    text: str, place: Sequence[float], size: float, turned: float = 0.0, colour=INK, align: str = "CENTER"
+) -> bpy.types.Object:
+    """Text in the plane y = const, centred at `place`, to be read from -y; `turned` degrees counter-clockwise."""
+    curve = bpy.data.curves.new(text, "FONT")
+    curve.body, curve.size, curve.align_x, curve.align_y = text, size, align, "CENTER"
+    ob = add_object(text, curve, glow(text, colour))
+    ob.location = place
+    ob.rotation_euler = (math.pi / 2, -math.radians(turned), 0.0)
+    ob.visible_shadow = False
+    return ob
 
 
 # Half of a standing person as seen from the front, from the crown to the sole: distance from the middle line and
@@ -199,14 +222,15 @@ def render(path: Path, width: int, height: int, samples: int = 64, dither: float
     scene.cycles.use_denoising, scene.cycles.max_bounces = True, 4
     scene.cycles.adaptive_threshold = 0.03
     scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = width, height, 100
-    scene.render.image_settings.file_format = "PNG"
-    scene.render.image_settings.color_mode, scene.render.image_settings.compression = "RGB", 100
+    image = scene.render.image_settings
+    image.file_format, image.color_mode = "JPEG" if path.suffix == ".jpg" else "PNG", "RGB"
+    image.compression, image.quality = 100, 85
     scene.render.dither_intensity = dither
     scene.view_settings.view_transform = "AgX"
     scene.view_settings.look = "AgX - Medium High Contrast"
     scene.view_settings.exposure = 0.1
     path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.stem}.part.png")
+    temporary = path.with_name(f".{path.stem}.part{path.suffix}")
     scene.render.filepath = str(temporary)
     bpy.ops.render.render(write_still=True)
     scene.render.filepath = f"//{path.name}"

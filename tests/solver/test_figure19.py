@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose
 
 from solver import Domain, Status, conditions, shapes, solve_cmc
@@ -26,7 +25,6 @@ def dome(points, faces, **options):
 
 def test_needles_give_the_same_surface():
     """Angles down to 1°, a third of the edges not Delaunay: 0.9 % of the diagonal away, 0.2 % with delaunay."""
-    pytest.importorskip("igl")
     points, faces = meshes.needles(3000, 8.0)
     assert np.degrees(meshes.smallest_angle(points, faces).min()) < 2.0
     assert (Domain.from_positions(points, faces).cotan_weights < 0).mean() > 0.25

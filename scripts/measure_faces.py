@@ -1,0 +1,171 @@
+"""The tables of docs/combinatorics.md, measured: what converges, what survives poor triangles.
+
+    make gallery                                                # measures, writes the tables, draws the pictures
+    .venv/bin/python scripts/measure_faces.py recovery needles  # some of them, printed only
+    .venv/bin/python scripts/measure_faces.py --write           # all of them, into the page
+
+Needs no Blender. The experiments are those of tests/solver, on larger meshes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+from solver import Domain, shapes  # noqa: E402
+from tests.solver import figure20, meshes  # noqa: E402
+from tests.solver.exact import disc, rates  # noqa: E402
+from tests.solver.measured import Errors, errors_of, hausdorff  # noqa: E402
+from tests.solver.test_convergence import immersed_sheet, jittered_but_at_the_rim, solved  # noqa: E402
+from tests.solver.test_figure19 import dome  # noqa: E402
+
+PAGE = ROOT / "docs" / "combinatorics.md"
+SIZES = (600, 2400, 9600, 38400)
+KINDS = {
+    "vertices, cotangent": ("vertices", "cotan"),
+    "faces, dual cotangent": ("faces", "dual_cotan"),
+    "faces, Möbius": ("faces", "mobius"),
+}
+# what is irregular: how to make the disc, and whether its Delaunay triangulation is used
+IRREGULAR = {
+    "inside, Delaunay": (jittered_but_at_the_rim, True),
+    "to the rim, Delaunay": (lambda n: disc(n, jitter=0.2), True),
+    "inside, as it is": (jittered_but_at_the_rim, False),
+}
+
+
+# --- the tables ----------------------------------------------------------------------------
+
+
+def recovery() -> list[str]:
+    """Figure 20: mean angle to the identity of the sphere."""
+    rows = ["| aspect ratio | vertices | not Delaunay | Möbius | dual cotangent |", "|---|---|---|---|---|"]
+    for aspect in figure20.ASPECTS:
+        mesh = figure20.sphere(1200, aspect)
+        mobius, cotan = (figure20.recover(*mesh, energy) for energy in ("mobius", "dual_cotan"))
+        rows.append(
+            f"| {aspect} | {len(mesh[0])} | {100 * mobius.not_delaunay:.0f} % of edges "
+            f"| {in_words(mobius)} | {in_words(cotan)} |"
+        )
+    return rows
+
+
+def in_words(found: figure20.Recovery) -> str:
+    return f"{found.error:.1f}°" + ("" if found.found.status.value == "converged" else ", not converged")
+
+
+def discs() -> list[str]:
+    """Section 6: errors on regular discs, the mean over m = 1, 2, 3 as in the paper's Figure 17."""
+    rows = header("normals", "error", SIZES)
+    for name, kind in KINDS.items():
+        each = [[errors(disc(n, jitter=0.0), m, *kind) for n in SIZES] for m in (1, 2, 3)]
+        means = np.mean([[(e.l2, e.linf, e.distortion) for e in row] for row in each], axis=0)
+        for k, what in enumerate(("H, L²", "H, L∞", "distortion")):
+            rows.append(row(name, what, means[:, k]))
+    return rows
+
+
+def irregular() -> list[str]:
+    """H for m = 1 on discs whose triangles are irregular."""
+    rows = header("irregular", "normals, error", SIZES[:3])
+    for where, (make, delaunay) in IRREGULAR.items():
+        for name, kind in KINDS.items():
+            if delaunay or kind[1] != "dual_cotan":  # which has no minimum to find elsewhere
+                found = [errors(make(n), 1, *kind, delaunay=delaunay) for n in SIZES[:3]]
+                rows.append(row(where, f"{name}, L²", [e.l2 for e in found]))
+                rows.append(row(where, f"{name}, L∞", [e.linf for e in found]))
+    return rows
+
+
+def header(first: str, second: str, sizes) -> list[str]:
+    head = " | ".join(f"{n}" for n in sizes)
+    return [f"| {first} | {second} | {head} | order |", "|---|---|" + "---|" * (len(sizes) + 1)]
+
+
+def row(first: str, second: str, values) -> str:
+    """Errors at growing sizes, and the order of the last refinement."""
+    return f"| {first} | {second} | {' | '.join(f'{x:.1e}' for x in values)} | {rates(list(values))[-1]:.1f} |"
+
+
+def errors(mesh, m: int, sites: str, energy: str, **options) -> Errors:
+    surface = solved(*mesh, m, sites, energy, **options)
+    return errors_of(surface, immersed_sheet(surface, m))
+
+
+def averages() -> list[str]:
+    """Which averages are consistent: H in L² for m = 1 on irregular discs, Delaunay."""
+    rows = header("normals", "average", SIZES[:3])
+    for sites, energy, averagings in (
+        ("vertices", "cotan", ("galerkin", "linear", "area")),
+        ("faces", "mobius", ("linear", "area")),
+    ):
+        for name in averagings:
+            meshes_of = (jittered_but_at_the_rim(n) for n in SIZES[:3])
+            found = [errors(mesh, 1, sites, energy, averaging=name, delaunay=True) for mesh in meshes_of]
+            rows.append(row(sites, f"`{name}`", [e.l2 for e in found]))
+    return rows
+
+
+def needles() -> list[str]:
+    """Figure 19: Hausdorff distance to the surface of a regular disc, in parts of its diagonal."""
+    plan = shapes.disc(12_000)
+    regular = dome(plan.positions, plan.domain.faces)
+    diagonal = np.linalg.norm(np.ptp(regular[0], axis=0))
+    rows = [
+        "| stretch | vertices | smallest angle | median | not Delaunay | as it is | with *Delaunay* |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for n, stretch in ((3000, 4.0), (3000, 8.0), (6000, 10.0), (6000, 20.0)):
+        points, faces = meshes.needles(n, stretch)
+        angles = np.degrees(meshes.smallest_angle(points, faces))
+        bad = np.mean(Domain.from_positions(points, faces).cotan_weights < 0)
+        far = [hausdorff(*dome(points, faces, delaunay=on), *regular) / diagonal for on in (False, True)]
+        rows.append(
+            f"| {stretch:.0f} | {len(points)} | {angles.min():.1f}° | {np.median(angles):.1f}° "
+            f"| {100 * bad:.0f} % of edges | {100 * far[0]:.2f} % | {100 * far[1]:.2f} % |"
+        )
+    return rows
+
+
+TABLES: dict[str, Callable[[], list[str]]] = {
+    "recovery": recovery,
+    "discs": discs,
+    "irregular": irregular,
+    "averages": averages,
+    "needles": needles,
+}
+
+
+# --- writing -------------------------------------------------------------------------------
+
+
+def written(text: str, name: str, rows: list[str]) -> str:
+    """The page with the rows between `<!-- table: NAME -->` and `<!-- end -->`."""
+    place = re.compile(rf"(<!-- table: {name} -->\n).*?(<!-- end -->)", flags=re.DOTALL)
+    if not place.search(text):
+        raise SystemExit(f"{PAGE.name} has no place for the table {name}.")
+    return place.sub(lambda found: found[1] + "\n".join(rows) + "\n" + found[2], text)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Measure the tables of docs/combinatorics.md.")
+    parser.add_argument("names", nargs="*", choices=[*TABLES, []], help="which of them (all)")
+    parser.add_argument("--write", action="store_true", help="into the page")
+    arguments = parser.parse_args()
+    for name in arguments.names or TABLES:
+        rows = TABLES[name]()
+        print(f"\n{name}", *rows, sep="\n", flush=True)
+        if arguments.write:
+            PAGE.write_text(written(PAGE.read_text(encoding="utf-8"), name, rows), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
