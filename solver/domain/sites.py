@@ -12,6 +12,10 @@ link carry the conjugate surface:
 
 Around a site the links cross a closed ring of cells, except along the boundary, where the ring is closed by one
 point on each boundary edge (sites at vertices) or by the boundary edges themselves (at faces; paper, Fig. 7).
+
+What is prescribed along a boundary edge fixes the face behind it, whose site lies half a triangle inside: more or
+less, where the triangles are irregular. A third kind does without this: *faces and rim* has one more site in the middle
+of each boundary edge, half-way to the mirror image of its face, and a link from the face to it.
 """
 
 from __future__ import annotations
@@ -22,6 +26,7 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
 
 from ..errors import ConditionError
 from ..linalg import graph_laplacian, sum_rows
@@ -31,9 +36,11 @@ from .domain import Domain
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
+# What a site on the rim has of the area of the face behind it; the residual needs some.
+_RIM_SHARE = 0.125
 # The dual weight of an edge whose triangles lie on one circle is infinite: w counts as this much at least. Such
 # triangles (halves of a rectangle, say) then turn as one.
-_SMALLEST_WEIGHT = 1e-6
+_SMALLEST_WEIGHT = 1e-4
 
 
 @dataclass(frozen=True)
@@ -47,6 +54,9 @@ class Site:
 SITES = {
     "vertices": Site("Vertices", "Normals at the vertices of the plan; the standard choice"),
     "faces": Site("Faces", "Normals at the faces of the plan; the conjugate surface then has flat triangles"),
+    "faces_and_rim": Site(
+        "Faces and Rim", "Normals at the faces, and at the edges of the rim, where they are prescribed: more exact"
+    ),
 }
 
 
@@ -62,7 +72,8 @@ class LinkSubset:
 class SiteGraph:
     """S sites and K links between them; what the energies, the minimisers and the conjugate see of a domain.
 
-    name: "vertices" or "faces". links: (K, 2) sites. edges: (K,) the edge of the domain that a link follows or
+    name: "vertices", "faces", or "faces_and_rim", whose sites are the F faces and then the B boundary edges.
+    links: (K, 2) sites. edges: (K,) the edge of the domain that a link follows or
     crosses. cells: (K, 2) on its left and its right, -1 outside; `tau = g_left - g_right`. areas: (S,), a third of
     the surrounding faces or the face itself.
     """
@@ -76,15 +87,28 @@ class SiteGraph:
 
     @classmethod
     def of(cls, domain: Domain, name: str) -> SiteGraph:
-        """The graph named "vertices" or "faces"; `ConditionError` on any other name."""
+        """The graph of that name; `ConditionError` where there is none."""
         if name not in SITES:
             raise ConditionError(f"There is no sites {name!r}; known are {', '.join(SITES)}.")
         if name == "vertices":
             every = np.arange(len(domain.edge_lengths))
             return cls(name, domain, domain.edges, every, domain.edge_faces, domain.vertex_areas)
-        inside = domain.interior_edges
+        inside, rim = domain.interior_edges, domain.boundary_edges
         # seen along the link from the left face to the right one, the head of the edge is on the left
-        return cls(name, domain, domain.edge_faces[inside], inside, domain.edges[inside, ::-1], domain.face_areas)
+        links, cells, areas = domain.edge_faces[inside], domain.edges[inside, ::-1], domain.face_areas
+        if name == "faces":
+            return cls(name, domain, links, inside, cells, areas)
+        behind = domain.edge_faces[rim, 0]
+        outwards = np.stack([behind, len(areas) + np.arange(len(rim))], axis=1)
+        shares = _RIM_SHARE * areas[behind]
+        return cls(
+            name,
+            domain,
+            np.concatenate([links, outwards]),
+            np.concatenate([inside, rim]),
+            np.concatenate([cells, domain.edges[rim, ::-1]]),
+            np.concatenate([areas - np.bincount(behind, shares, len(areas)), shares]),
+        )
 
     @property
     def count(self) -> int:
@@ -118,9 +142,18 @@ class SiteGraph:
 
     @cached_property
     def rim(self) -> Int:
-        """Sorted sites on the boundary: vertices of boundary edges, or the faces behind them."""
+        """Sorted sites on the boundary: vertices of boundary edges, or the sites that these edges fix."""
         domain = self.domain
-        return domain.boundary_vertices if self.at_vertices else np.unique(domain.edge_faces[domain.boundary_edges, 0])
+        return domain.boundary_vertices if self.at_vertices else np.unique(self.owners[domain.boundary_edges])
+
+    @cached_property
+    def owners(self) -> Int:
+        """(E,) the site that each boundary edge fixes, the face behind it or its own; -1 inside. Not at vertices."""
+        rim = self.domain.boundary_edges
+        owners = np.full(len(self.domain.edge_lengths), -1)
+        own = len(self.domain.faces) + np.arange(len(rim))
+        owners[rim] = self.domain.edge_faces[rim, 0] if self.name == "faces" else own
+        return owners
 
     @cached_property
     def rings(self) -> list[Int]:
@@ -128,15 +161,34 @@ class SiteGraph:
         domain = self.domain
         if self.at_vertices:
             return list(domain.boundary_loops)
-        return [_without_repeats(domain.edge_faces[edges, 0]) for edges in domain.boundary_loop_edges]
+        return [_without_repeats(self.owners[edges]) for edges in domain.boundary_loop_edges]
 
     @cached_property
     def triangles(self) -> Int:
         """(n, 3) triples of sites that cover the domain, counter-clockwise: its faces, or fans around its vertices.
 
-        At faces the half of each boundary triangle that lies outside of the fans is left out.
+        Fans around vertices on the boundary reach as far as there are sites.
         """
-        return self.domain.faces if self.at_vertices else _fans(self.domain)
+        domain = self.domain
+        if self.at_vertices:
+            return domain.faces
+        leaving, arriving = np.full((2, domain.vertex_count), -1)
+        if self.name == "faces_and_rim":
+            tail, head = domain.edges[domain.boundary_edges].T
+            leaving[tail] = arriving[head] = self.owners[domain.boundary_edges]
+        return _fans(domain, leaving, arriving)
+
+    @cached_property
+    def bodies(self) -> Int:
+        """(S,) a number for each site, the same for those that turn as one.
+
+        They are joined by links of infinite weight, across edges whose two triangles lie on one circle. Not at
+        vertices, where no weight is infinite.
+        """
+        w = self.domain.cotan_weights[self.edges]
+        i, j = self.links[np.abs(w) < _SMALLEST_WEIGHT].T
+        joined = sp.coo_array((np.ones(len(i)), (i, j)), shape=(self.count, self.count))
+        return connected_components(joined, directed=False)[1]
 
     def subset(self, links: Int) -> LinkSubset:
         return LinkSubset(self.weights[links], self.angles[links])
@@ -154,14 +206,14 @@ class SiteGraph:
     def completed(self, form: Array) -> Array:
         """A form (E, k) on all edges from one on the links (K, k), its sums around sites on the boundary closed.
 
-        At vertices links are edges. At faces a boundary edge gets what makes the sum of its face zero (paper, Fig. 7,
-        bottom): a half each where a face has two.
+        At faces a boundary edge gets what makes the sum of its face zero (paper, Fig. 7, bottom): a half each where a
+        face has two. The other kinds have a link for every edge.
         """
-        if self.at_vertices:
-            return form
         domain = self.domain
         whole = np.zeros((len(domain.edge_lengths), form.shape[1]))
         whole[self.edges] = form
+        if self.name != "faces":
+            return whole
         behind = domain.edge_faces[domain.boundary_edges, 0]
         count = np.bincount(behind, minlength=self.count)
         whole[domain.boundary_edges] = -(self.sums(form) / np.maximum(count, 1)[:, None])[behind]
@@ -178,19 +230,20 @@ def _without_repeats(items: Int) -> Int:
     return items[np.sort(np.unique(items, return_index=True)[1])]
 
 
-def _fans(domain: Domain) -> Int:
-    """Triangles (n, 3) of faces around each vertex: the first face of its fan with every two that follow.
+def _fans(domain: Domain, leaving: Int, arriving: Int) -> Int:
+    """Triangles (n, 3) of sites around each vertex: the first of its fan with every two that follow, counter-clockwise.
 
-    Half-edges that end at a vertex lead from each face around it to the next, counter-clockwise.
+    leaving, arriving: (V,) the sites before the first and after the last face around a boundary vertex, -1 for none.
     """
-    twins = domain.twins.astype(np.int64)
-    corner = np.arange(domain.faces.size)
-    # the half-edge that ends at corner k lies opposite corner k + 1; beyond it is the next face around the vertex
-    beyond = twins[after(corner)]
-    following = np.where(beyond >= 0, after(beyond), -1)
-    first = domain.fan_starts[domain.faces.ravel()]
-    proper = (following >= 0) & (corner != first) & (following != first)
-    return np.stack([first[proper], corner[proper], following[proper]], axis=1) // 3
+    corner, vertex = np.arange(domain.faces.size), domain.faces.ravel()
+    start = domain.fan_starts[vertex]
+    # the half-edge that ends at a corner lies opposite the corner after it; beyond it is the next face of the fan
+    beyond = domain.twins[after(corner)].astype(np.int64)
+    following = np.where(beyond >= 0, beyond // 3, arriving[vertex])
+    is_proper = (corner != start) & ((beyond < 0) | (after(beyond) != start))
+    has_rim = leaving[vertex] >= 0
+    first = np.where(has_rim, leaving[vertex], start // 3)
+    return np.stack([first, corner // 3, following], axis=1)[(following >= 0) & (has_rim | is_proper)]
 
 
 Links = SiteGraph | LinkSubset

@@ -4,10 +4,11 @@ A condition fixes the normals N at some sites. Conditions are combined with `+`;
 site, it gets the normalised sum of their normals. Sites of which nothing is said are free: there the natural
 condition ∂N/∂ν = 0 holds by itself (paper, Sec. 5.1).
 
-Conditions along boundary edges serve both kinds of site. With normals at vertices they hold at the vertices of the
+Conditions along boundary edges serve every kind of site. With normals at vertices they hold at the vertices of the
 edges. With normals at faces an edge fixes the normal of the face behind it, to what holds in the middle of the edge:
 half a triangle further in (paper, Fig. 7, bottom). The shell then answers to a plan that is narrower by that much, a
-first-order change of its boundary normals; it has constant mean curvature all the same.
+first-order change, and a rough one where the triangles are irregular. With "faces_and_rim" the condition holds in the
+middle of the edge itself, half-way between the face and its mirror image, and the face is free.
 """
 
 from __future__ import annotations
@@ -80,21 +81,23 @@ class Conditions:
         """Whether every site is free."""
         return not (self.vertices.size or self.edges.size or self.faces.size)
 
-    def resolve(self, sites: str = "vertices", behind: Int | None = None) -> tuple[Int, Array]:
+    def resolve(self, sites: str = "vertices", owners: Int | None = None) -> tuple[Int, Array]:
         """Sorted fixed sites (n,) and the one unit normal (n, 3) of each, with normals at vertices or at faces.
 
-        behind: (E,) the face that each boundary edge fixes, needed at faces. Raises `ConditionError` naming the
-        sites whose normals cancel, or normals prescribed one by one at the other kind of site.
+        owners: (E,) the site that each boundary edge fixes, needed where they are not at vertices. Raises
+        `ConditionError` naming the sites whose normals cancel, or normals prescribed one by one at the other kind of
+        site.
         """
         if sites == "vertices":
             self._refuse(self.faces, "face", "faces", "vertices")
             return blend(self.vertices, self.vertex_normals, np.ones(len(self.vertices)), "conditions")
-        self._refuse(self.only_vertices, "vertex", "vertices", "faces")
-        if behind is None:
-            raise ConditionError("The faces behind the boundary edges are needed where normals live on faces.")
-        owners = np.concatenate([np.asarray(behind, dtype=np.int64)[self.edges], self.faces])
-        normals = np.concatenate([self.edge_normals, self.face_normals])
-        return blend(owners, normals, np.ones(len(owners)), "conditions", "face")
+        self._refuse(self.only_vertices, "vertex", "vertices", sites)
+        if owners is None:
+            raise ConditionError("Where normals live on faces, the sites that boundary edges fix are needed.")
+        edges, edge_normals = blend(self.edges, self.edge_normals, np.ones(len(self.edges)), "conditions", "edge")
+        fixed = np.concatenate([np.asarray(owners, dtype=np.int64)[edges], self.faces])
+        normals = np.concatenate([edge_normals, self.face_normals])
+        return blend(fixed, normals, np.ones(len(fixed)), "conditions", "face")
 
     def carried(self, edges: Int) -> Conditions:
         """The same on another triangulation of the domain, `edges` (E,) being the boundary edges there.

@@ -21,6 +21,7 @@ from ..errors import ConditionError
 
 Array = NDArray[np.float64]
 
+_ON_FACES = ("faces", "faces_and_rim")
 # Below this angle of intersection β the Möbius energy is smoothed.
 _COCIRCULAR = 1e-4
 # 1 + cos β below which two circles count as opposite.
@@ -71,7 +72,7 @@ class DualCotan(Cotan):
 
     label = "Dual Cotangent"
     description = "Inverse cotangent weights; brittle: needs a Delaunay triangulation"
-    sites: tuple[str, ...] = ("faces",)
+    sites: tuple[str, ...] = _ON_FACES
 
 
 class Mobius:
@@ -90,7 +91,7 @@ class Mobius:
 
     label = "Möbius"
     description = "Möbius-invariant, from the discrete Willmore energy; robust on bad triangulations"
-    sites: tuple[str, ...] = ("faces",)
+    sites: tuple[str, ...] = _ON_FACES
     quadratic = False
 
     def value(self, c: Array, links: Links) -> Array:
@@ -146,7 +147,7 @@ class Shell:
 
     label = "Shell"
     description = "Square of the bending angle, with inverse cotangent weights; brittle as they are"
-    sites: tuple[str, ...] = ("faces",)
+    sites: tuple[str, ...] = _ON_FACES
     quadratic = False
 
     def value(self, c: Array, links: Links) -> Array:
@@ -191,7 +192,7 @@ class Tan:
 
     label = "Tangent"
     description = "Keeps neighbouring normals from becoming opposite; inverse cotangent weights, brittle as they are"
-    sites: tuple[str, ...] = ("faces",)
+    sites: tuple[str, ...] = _ON_FACES
     quadratic = False
 
     def value(self, c: Array, links: Links) -> Array:
@@ -221,7 +222,7 @@ def energy_on(name: str, sites: str) -> EdgeEnergy:
     """
     if name not in ENERGIES:
         raise ConditionError(f"There is no energy {name!r}; known are {', '.join(ENERGIES)}.")
-    if name == "cotan" and sites == "faces":
+    if name == "cotan" and sites in _ON_FACES:
         return ENERGIES["dual_cotan"]
     if sites not in ENERGIES[name].sites:
         fitting = ", ".join(key for key, energy in ENERGIES.items() if sites in energy.sites)

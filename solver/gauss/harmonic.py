@@ -17,6 +17,7 @@ from . import sphere
 from .conditions import Conditions
 from .dirichlet import Dirichlet
 from .energies import energy_on
+from .frames import blend
 from .initial import harmonic_start, wound_start
 from .methods import METHODS
 from .minimise import Iterate, Progress
@@ -52,7 +53,7 @@ class HarmonicMap:
 class HarmonicSolver:
     """Solves on one domain for many boundary conditions; factors are kept, keyed by the set of fixed sites.
 
-    sites: "vertices" or "faces". energy: a name in `ENERGIES` that is defined there.
+    sites: a name in `SITES`. energy: a name in `ENERGIES` that is defined there.
     """
 
     def __init__(self, domain: Domain, sites: str = "vertices", energy: str = "cotan") -> None:
@@ -123,7 +124,7 @@ class HarmonicSolver:
 
     def _fixed(self, conditions: Conditions, has_start: bool) -> tuple[NDArray[np.integer], Array]:
         domain, graph = self.domain, self.graph
-        fixed, data = conditions.resolve(graph.name, domain.edge_faces[:, 0])
+        fixed, data = resolved(conditions, graph)
         if len(fixed) == 0 and not has_start:
             raise ConditionError(
                 "Nothing fixes the normals: every boundary edge is free, and the only minimiser is constant; "
@@ -174,6 +175,19 @@ class HarmonicSolver:
             return Status.COLLAPSED
         torn = c[~(is_fixed[i] & is_fixed[j])].min(initial=1.0) < 0.0
         return Status.UNDER_RESOLVED if torn else status
+
+
+def resolved(conditions: Conditions, graph: SiteGraph) -> tuple[NDArray[np.integer], Array]:
+    """Sorted fixed sites (n,) of a graph and their normals (n, 3).
+
+    Faces that turn as one (halves of a rectangle) get one normal: the normalised sum of what is prescribed on them.
+    """
+    if graph.at_vertices:
+        return conditions.resolve(graph.name)
+    fixed, data = conditions.resolve(graph.name, graph.owners)
+    _, first, body = np.unique(graph.bodies[fixed], return_index=True, return_inverse=True)
+    _, normals = blend(fixed[first][body], data, np.ones(len(fixed)), "conditions", "face")
+    return fixed, normals[np.argsort(np.argsort(fixed[first]))[body]]
 
 
 def _as_unit(initial: ArrayLike, graph: SiteGraph) -> Array:

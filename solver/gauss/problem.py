@@ -65,11 +65,14 @@ class EnergyProblem:
 
     def at(self, N: Array) -> Point:
         """The energy at N (S, 3). Where two normals are opposite it may be infinite, and is then not differentiated."""
-        c = star = None
+        c: Array | None = None
+        star: Array | None = None
         L = self._constant_laplacian if self.energy.quadratic else None
         if L is None:
             i, j = self.graph.links.T
-            c = dot(N[i], N[j])[:, 0]
+            # from the difference, which keeps the digits of small angles
+            u = N[i] - N[j]
+            c = 1.0 - 0.5 * dot(u, u)[:, 0]
             star = self.energy.star(c, self.graph)
             if not np.isfinite(star).all():
                 zero = np.zeros_like(N)
@@ -97,7 +100,7 @@ class EnergyProblem:
         return lambda d: self.project(point.N, operator(d))
 
     def operator(self, point: Point) -> Callable[[Array], Array]:
-        """The Hessian before projection, from any tangent (S, 3): how the tangent parts of LN change, fixed sites too."""
+        """The Hessian before projection, of any tangent (S, 3): how the tangent parts of LN change, fixed or not."""
         N, L = point.N, point.L
         multiplier = dot(N, point.gradient)
         bending = self.bending(point)

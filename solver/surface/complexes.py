@@ -66,7 +66,7 @@ class Corners:
         if graph.at_vertices:
             g, normals, points = _on_corners(conjugate.g), N[domain.faces], conjugate.boundary_points
         else:
-            g, normals, points = conjugate.g[rows], _on_corners(N), None
+            g, normals, points = conjugate.g[rows], _on_corners(N[: len(domain.faces)]), None
         return cls(domain, g, normals, weights, rim, points, crossings, periods)
 
     @cached_property

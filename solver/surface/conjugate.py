@@ -72,7 +72,8 @@ class Conjugation:
         domain, homology = self.domain, self.homology
         rows = domain.faces if homology.is_trivial else homology.sheets.faces
         g = self._row_tree.integrate(self._along_sides(tau))
-        g, tau = unfold_ears(domain, rows, g, tau, N)
+        if self.graph.name == "faces":
+            g, tau = unfold_ears(domain, rows, g, tau, N)
         periods = np.zeros((0, 3))
         if not homology.is_trivial:
             sheets = homology.sheets

@@ -14,7 +14,7 @@ from ..domain.sites import SiteGraph
 from ..domain.topology import CutSurface
 from ..errors import ConditionError, plural
 from ..gauss.conditions import Conditions
-from ..gauss.harmonic import HarmonicMap, HarmonicSolver
+from ..gauss.harmonic import HarmonicMap, HarmonicSolver, resolved
 from ..gauss.minimise import Progress
 from .cmc import CmcSurface
 from .conjugate import Conjugate, Conjugation
@@ -81,7 +81,7 @@ class CmcSolver:
     def _fixed(self, conditions: Conditions) -> Int:
         """The fixed sites, which must lie on the boundary: elsewhere the conjugate would not close around them."""
         graph = self.harmonic.graph
-        fixed, _ = conditions.resolve(graph.name, graph.domain.edge_faces[:, 0])
+        fixed, _ = resolved(conditions, graph)
         inside = np.setdiff1d(fixed, graph.rim)
         if inside.size:
             noun = "vertex" if graph.at_vertices else "face"
@@ -146,7 +146,7 @@ class CmcSolver:
         """g and N (V, 3); where the surface is cut open, on the first row of each vertex."""
         graph, average = self.harmonic.graph, AVERAGINGS[averaging]
         if not graph.at_vertices:
-            return conjugate.g[: graph.domain.vertex_count], average.normals(graph.domain, N)
+            return conjugate.g[: graph.domain.vertex_count], average.normals(graph, N)
         given = Averaging(graph.domain, self.conjugation.homology, conjugate, N, fixed, self.harmonic.dirichlet)
         return average.conjugate(given), N
 
@@ -174,8 +174,8 @@ def solve_cmc(
 
     tolerance: of the residual `sqrt(A Σ |P_i (LN)_i|² / A_i)`, which does not depend on units.
     mean_curvature: H > 0 of the result, in 1/length; ½ is the scale of the paper.
-    sites: "vertices" or "faces": where the normals live (paper, Sec. 3 and 4). energy: a name in `ENERGIES`; "cotan"
-        means the dual cotangent energy on faces, where "mobius" is the robust choice.
+    sites: "vertices", "faces" or "faces_and_rim": where the normals live (paper, Sec. 3 and 4; see `SiteGraph`).
+    energy: a name in `ENERGIES`; "cotan" means the dual cotangent energy on faces, where "mobius" is the robust choice.
     method: a name in `METHODS`. delaunay: solve on the intrinsic Delaunay triangulation of the domain;
         the result is carried back to its vertices and has its faces.
     averaging: how g comes to the vertices, or N from the faces: "galerkin", "linear" or "area" (see `offsets`).

@@ -8,8 +8,6 @@ from scipy.spatial import Delaunay
 from solver import CmcSolver, ConditionError, Domain, conditions, shapes, solve_cmc
 from solver.domain.sites import SITES
 
-pytest.importorskip("igl")
-
 
 def stretched(shape, factor=12.0):
     """The same points and outline with needles for triangles: Delaunay in a stretched plane."""
@@ -26,7 +24,7 @@ def test_needles_give_the_surface_of_the_regular_mesh(sites):
     shape = shapes.disc(700)
     needles = stretched(shape)
     assert np.degrees(needles.corner_angles.min()) < 2
-    energy = {"vertices": "cotan", "faces": "mobius"}[sites]
+    energy = "cotan" if sites == "vertices" else "mobius"
     surfaces = []
     for domain, delaunay in ((shape.domain, False), (needles, True)):
         condition = conditions.twisted(domain, shape.positions, domain.boundary_edges, 1)
@@ -44,7 +42,7 @@ def test_an_annulus_of_needles_is_cut_open_in_its_own_triangles(sites):
     regular = shapes.annulus(0.4, 1.0, 500)
     points = regular.positions
     skewed = skew(regular.domain, points)
-    energy = {"vertices": "cotan", "faces": "mobius"}[sites]
+    energy = "cotan" if sites == "vertices" else "mobius"
     found = []
     for domain, delaunay in ((regular.domain, False), (skewed, True)):
         loops = sorted(domain.boundary_loop_edges, key=len)

@@ -16,6 +16,7 @@ from solver import (
     shapes,
     solve_cmc,
 )
+from solver.domain.sites import SiteGraph
 from solver.gauss.energies import ENERGIES
 from tests.solver.exact import rates
 
@@ -29,12 +30,12 @@ def faces_behind(domain, edges):
 def test_edges_fix_the_faces_behind_them():
     shape = shapes.disc(200)
     domain, edges = shape.domain, shape.domain.boundary_edges
-    behind = faces_behind(domain, edges)
-    sites, normals = conditions.fixed(domain, edges, [0, 3, 4]).resolve("faces", domain.edge_faces[:, 0])
+    behind, owners = faces_behind(domain, edges), SiteGraph.of(domain, "faces").owners
+    sites, normals = conditions.fixed(domain, edges, [0, 3, 4]).resolve("faces", owners)
     assert_array_equal(sites, np.unique(behind))
     assert_allclose(normals, np.tile([0, 0.6, 0.8], (len(sites), 1)), rtol=0, atol=1e-15)
     one_each = np.column_stack([shape.positions[domain.edges[edges]].mean(axis=1)[:, :2], np.ones(len(edges))])
-    sites, normals = conditions.fixed(domain, edges, one_each).resolve("faces", domain.edge_faces[:, 0])
+    sites, normals = conditions.fixed(domain, edges, one_each).resolve("faces", owners)
     expected = one_each[np.argsort(behind)] / np.linalg.norm(one_each, axis=1)[np.argsort(behind), None]
     assert_allclose(normals, expected, rtol=0, atol=1e-15)
     found = HarmonicSolver(domain, sites="faces").solve(conditions.fixed(domain, edges, one_each))
@@ -48,17 +49,17 @@ def test_conditions_hold_in_the_middle_of_edges():
     domain, points = shape.domain, shape.positions
     middle = points[domain.edges[domain.boundary_edges]].mean(axis=1)[:, :2]
     middle /= np.linalg.norm(middle, axis=1)[:, None]
-    order = np.argsort(faces_behind(domain, domain.boundary_edges))
+    order, owners = np.argsort(faces_behind(domain, domain.boundary_edges)), SiteGraph.of(domain, "faces").owners
     tilted = conditions.binormal(domain, points, domain.boundary_edges, 0.4)
     expected = np.column_stack([np.cos(0.4) * middle, np.full(len(middle), np.sin(0.4))])
-    assert_allclose(tilted.resolve("faces", domain.edge_faces[:, 0])[1], expected[order], rtol=0, atol=1e-12)
+    assert_allclose(tilted.resolve("faces", owners)[1], expected[order], rtol=0, atol=1e-12)
     start = points[domain.boundary_loops[0][0]]
     angle = np.mod(np.arctan2(middle[:, 1], middle[:, 0]) - np.arctan2(start[1], start[0]), 2 * np.pi)
     turned = conditions.twisted(domain, points, domain.boundary_edges, 2)
     expected = np.column_stack([np.cos(2 * angle)[:, None] * middle, np.sin(2 * angle)])
-    assert_allclose(turned.resolve("faces", domain.edge_faces[:, 0])[1], expected[order], rtol=0, atol=1e-12)
+    assert_allclose(turned.resolve("faces", owners)[1], expected[order], rtol=0, atol=1e-12)
     flat = conditions.gauss_map(domain, points, domain.boundary_edges)
-    assert_allclose(flat.resolve("faces", domain.edge_faces[:, 0])[1], np.tile([0, 0, 1], (len(middle), 1)), atol=1e-12)
+    assert_allclose(flat.resolve("faces", owners)[1], np.tile([0, 0, 1], (len(middle), 1)), atol=1e-12)
 
 
 def test_normals_prescribed_one_by_one_belong_to_one_kind_of_site():

@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from solver import ConditionError, HarmonicSolver, Status, conditions, linalg, shapes
 from solver.gauss import sphere
 from solver.gauss.energies import ENERGIES
+from solver.gauss.harmonic import resolved
 from solver.gauss.problem import EnergyProblem
 from tests.solver.exact import Nodoid, cylinder, disc, hemisphere, rates
 
@@ -213,7 +214,7 @@ def test_gradient_and_hessian_against_finite_differences(sites, name):
     """E along exp_N: its first derivative is <PG, d>, its second <d, Hd>."""
     domain, points = disc(200)
     solver = HarmonicSolver(domain, sites=sites, energy=name)
-    fixed, data = rim(domain, points, 0.2).resolve(sites, domain.edge_faces[:, 0])
+    fixed, data = resolved(rim(domain, points, 0.2), solver.graph)
     problem = EnergyProblem(solver.graph, solver.energy, solver.dirichlet(fixed))
     random = np.random.default_rng(5)
     spread = 0.3 * random.normal(size=(solver.graph.count, 3)) + [0.2, 0.1, 1.0]
@@ -237,7 +238,8 @@ def test_gradient_and_hessian_against_finite_differences(sites, name):
 
 @pytest.mark.parametrize(("sites", "name"), KINDS_AND_ENERGIES)
 def test_the_sum_of_edge_energies_is_the_energy_reported(sites, name):
-    domain, points = disc(400)
+    shape = shapes.disc(400)
+    domain, points = shape.domain, shape.positions
     solver = HarmonicSolver(domain, sites=sites, energy=name)
     found = solver.solve(rim(domain, points, 0.3))
     i, j = solver.graph.links.T
