@@ -57,11 +57,11 @@ def sphere(n: int, aspect: float) -> tuple[Array, NDArray[np.int64]]:
     return meshes.rings(n, aspect, JITTER if aspect > 1 else 0.0)
 
 
-def recover(points: Array, faces: NDArray[np.int64], energy: str, steps: int = 60) -> Recovery:
-    """Minimise from the identity, four faces held."""
+def recover(points: Array, faces: NDArray[np.int64], energy: str, method: str = "newton") -> Recovery:
+    """Minimise from the identity, four faces held; after 60 steps it counts as not converged."""
     domain = Domain.from_positions(points, faces)
     identity = meshes.face_normals(points, domain.faces)
     pins = np.argmax(identity @ PINS.T, axis=0)
     held = conditions.fixed_at_faces(domain, pins, identity[pins])
     solver = HarmonicSolver(domain, sites="faces", energy=energy)
-    return Recovery(points, domain, identity, solver.solve(held, initial=identity, max_iterations=steps))
+    return Recovery(points, domain, identity, solver.solve(held, initial=identity, method=method, max_iterations=60))

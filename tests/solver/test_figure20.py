@@ -26,6 +26,12 @@ def test_dual_cotangents_lose_it(aspect):
     assert found.not_delaunay > 0 and found.found.energy < 0 and found.is_lost
 
 
+def test_newtons_method_for_critical_points_finds_it_with_dual_cotangents():
+    """It is a critical point there too, but no minimum."""
+    found = recover(*sphere(800, 10), "dual_cotan", method="lagrange")
+    assert found.found.status is Status.CONVERGED and found.error < 1.0
+
+
 def test_dual_cotangents_do_on_a_delaunay_sphere():
     found = recover(*sphere(800, 1), "dual_cotan")
     assert found.not_delaunay == 0 and found.found.status is Status.CONVERGED and found.error < 0.1
