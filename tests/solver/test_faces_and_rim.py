@@ -98,7 +98,8 @@ def test_the_conjugate_closes_around_every_face_and_reaches_the_tips_of_ears():
     corners = g[domain.faces]
     area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     assert_allclose(np.cross(area, N[: len(domain.faces)]), 0, rtol=0, atol=1e-8)
-    assert np.nanmax(conformal_distortion(domain, surface.f_plus)) < 1.3
+    Q = conformal_distortion(domain, surface.f_plus)  # the corners of the plan are not rounded
+    assert Q.max() < 1.6 and np.quantile(Q, 0.9) < 1.1
 
 
 def test_free_edges_take_the_normal_of_their_face():
