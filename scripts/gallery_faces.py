@@ -95,7 +95,7 @@ def identity() -> None:
         octant = (np.sign(points).prod(axis=1) > 0).astype(int)
         found = [figure20.recover(points, faces, energy) for energy in ("mobius", "dual_cotan")]
         place = np.array([2.3 * column, 0.0, 0.0])
-        line = 0.007 / np.sqrt(max(1.0, aspect / 4))
+        line = 0.007 / np.sqrt(max(1.0, aspect / 8))
         studio.add_text(str(aspect), place + [0.0, 0.0, 1.5], 0.36)
         faceted(f"{aspect} sphere", points + place, list(faces), PLASTER, line=line)
         for row, recovery in enumerate(found, start=1):

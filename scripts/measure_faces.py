@@ -20,9 +20,9 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from solver import Domain, shapes  # noqa: E402
+from solver import Domain, conditions, shapes, solve_cmc  # noqa: E402
 from tests.solver import figure20, meshes  # noqa: E402
-from tests.solver.exact import disc, rates  # noqa: E402
+from tests.solver.exact import disc, hemisphere, rates  # noqa: E402
 from tests.solver.measured import Errors, errors_of, hausdorff  # noqa: E402
 from tests.solver.test_convergence import immersed_sheet, jittered_but_at_the_rim, solved  # noqa: E402
 from tests.solver.test_figure19 import dome  # noqa: E402
@@ -33,6 +33,7 @@ KINDS = {
     "vertices, cotangent": ("vertices", "cotan"),
     "faces, dual cotangent": ("faces", "dual_cotan"),
     "faces, Möbius": ("faces", "mobius"),
+    "faces and rim, Möbius": ("faces_and_rim", "mobius"),
 }
 # what is irregular: how to make the disc, and whether its Delaunay triangulation is used
 IRREGULAR = {
@@ -75,13 +76,16 @@ def discs() -> list[str]:
 
 def irregular() -> list[str]:
     """H for m = 1 on discs whose triangles are irregular."""
-    rows = header("irregular", "normals, error", SIZES[:3])
+    first, last = SIZES[0], SIZES[2]
+    rows = [f"| irregular | normals | L², {first} | {last} | order | L∞, {first} | {last} | order |", "|---" * 8 + "|"]
     for where, (make, delaunay) in IRREGULAR.items():
         for name, kind in KINDS.items():
             if delaunay or kind[1] != "dual_cotan":  # which has no minimum to find elsewhere
                 found = [errors(make(n), 1, *kind, delaunay=delaunay) for n in SIZES[:3]]
-                rows.append(row(where, f"{name}, L²", [e.l2 for e in found]))
-                rows.append(row(where, f"{name}, L∞", [e.linf for e in found]))
+                cells = [f"| {where} | {name}"]
+                for values in ([e.l2 for e in found], [e.linf for e in found]):
+                    cells.append(f"{values[0]:.1e} | {values[-1]:.1e} | {rates(values).mean():.1f}")
+                rows.append(" | ".join(cells) + " |")
     return rows
 
 
@@ -101,17 +105,35 @@ def errors(mesh, m: int, sites: str, energy: str, **options) -> Errors:
 
 
 def averages() -> list[str]:
-    """Which averages are consistent: H in L² for m = 1 on irregular discs, Delaunay."""
-    rows = header("normals", "average", SIZES[:3])
-    for sites, energy, averagings in (
+    """Which averages are consistent, on irregular Delaunay discs: H for m = 1, positions for the hemisphere (m = 0)."""
+    rows = header("normals, average", "error", SIZES[:3])
+    for sites, energy, names in (
         ("vertices", "cotan", ("galerkin", "linear", "area")),
-        ("faces", "mobius", ("linear", "area")),
+        ("faces_and_rim", "mobius", ("linear", "area")),
     ):
-        for name in averagings:
-            meshes_of = (jittered_but_at_the_rim(n) for n in SIZES[:3])
-            found = [errors(mesh, 1, sites, energy, averaging=name, delaunay=True) for mesh in meshes_of]
-            rows.append(row(sites, f"`{name}`", [e.l2 for e in found]))
+        for name in names:
+            plans = [disc(n, jitter=0.2) for n in SIZES[:3]]
+            options = dict(averaging=name, delaunay=True)
+            found = [errors(plan, 1, sites, energy, **options).l2 for plan in plans]
+            rows.append(row(f"{sites}, `{name}`", "H of f+ on triangles", found))
+            for complex_name in ("primal", "dual"):
+                found = [
+                    off_the_hemisphere(plan, complex_name, sites=sites, energy=energy, **options) for plan in plans
+                ]
+                rows.append(row(f"{sites}, `{name}`", f"f+, {complex_name}", found))
     return rows
+
+
+def off_the_hemisphere(plan, complex_name: str, **options) -> float:
+    """Root mean square distance of f+ over the unit disc from where it is exactly, on the sphere of radius two."""
+    domain, points = plan
+    mesh = solve_cmc(domain, conditions.binormal(domain, points, domain.boundary_edges), **options).as_mesh(
+        "f+", complex_name
+    )
+    places = np.einsum("nk,nkx->nx", mesh.barycentric, points[mesh.anchors])
+    away = mesh.vertices - 2.0 * hemisphere(places)
+    away = away[np.linalg.norm(places, axis=1) < 0.999]  # points on boundary edges lie on chords of the circle
+    return float(np.sqrt(np.mean(np.sum((away - away.mean(axis=0)) ** 2, axis=1))))
 
 
 def needles() -> list[str]:
