@@ -82,6 +82,13 @@ def listed(indices: Iterable[int]) -> str:
     return ", ".join(items[:_LISTED]) + f" and {len(items) - _LISTED} more"
 
 
+def chosen(name: object, known: Iterable[str], what: str) -> None:
+    """Raise `ConditionError` unless `name` is one of the names `known` of that kind of thing."""
+    names = list(known)
+    if name not in names:
+        raise ConditionError(f"There is no {what} {name!r}; known are {', '.join(names)}.")
+
+
 def plural(noun: str, indices: Iterable[int]) -> str:
     """Noun and indices for a message: "vertex 3", "vertices 3, 5", "face 0", "edges 1, 2"."""
     items = list(indices)

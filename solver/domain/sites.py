@@ -28,7 +28,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
-from ..errors import ConditionError
+from ..errors import chosen, plural
 from ..linalg import graph_laplacian, sum_rows
 from .connectivity import after
 from .domain import Domain
@@ -88,8 +88,7 @@ class SiteGraph:
     @classmethod
     def of(cls, domain: Domain, name: str) -> SiteGraph:
         """The graph of that name; `ConditionError` where there is none."""
-        if name not in SITES:
-            raise ConditionError(f"There is no sites {name!r}; known are {', '.join(SITES)}.")
+        chosen(name, SITES, "kind of sites")
         if name == "vertices":
             every = np.arange(len(domain.edge_lengths))
             return cls(name, domain, domain.edges, every, domain.edge_faces, domain.vertex_areas)
@@ -189,6 +188,18 @@ class SiteGraph:
         i, j = self.links[np.abs(w) < _SMALLEST_WEIGHT].T
         joined = sp.coo_array((np.ones(len(i)), (i, j)), shape=(self.count, self.count))
         return connected_components(joined, directed=False)[1]
+
+    def named(self, sites: Int) -> tuple[str, dict[str, Int]]:
+        """Sites in words, "faces 1, 2 and edge 7", and their indices as a `CmcError` takes them.
+
+        A site on the rim goes by its edge.
+        """
+        if self.at_vertices:
+            return plural("vertex", sites), {"vertices": sites}
+        count = len(self.domain.faces)
+        faces, edges = sites[sites < count], self.domain.boundary_edges[sites[sites >= count] - count]
+        words = [plural(noun, items) for noun, items in (("face", faces), ("edge", edges)) if len(items)]
+        return " and ".join(words), {"faces": faces, "edges": edges}
 
     def subset(self, links: Int) -> LinkSubset:
         return LinkSubset(self.weights[links], self.angles[links])

@@ -33,6 +33,7 @@ from .frames import (
     edge_frames,
     in_space,
     loop_angles,
+    of_boundary,
     unit,
     unit_rows,
     vertex_frames,
@@ -95,7 +96,7 @@ class Conditions:
         if owners is None:
             raise ConditionError("Where normals live on faces, the sites that boundary edges fix are needed.")
         edges, edge_normals = blend(self.edges, self.edge_normals, np.ones(len(self.edges)), "conditions", "edge")
-        fixed = np.concatenate([np.asarray(owners, dtype=np.int64)[edges], self.faces])
+        fixed = np.concatenate([of_boundary(edges, owners), self.faces])
         normals = np.concatenate([edge_normals, self.face_normals])
         return blend(fixed, normals, np.ones(len(fixed)), "conditions", "face")
 
@@ -110,7 +111,7 @@ class Conditions:
                 "does not have; prescribe them along boundary edges, or solve with delaunay=False.",
                 faces=self.faces,
             )
-        return replace(self, edges=np.asarray(edges, dtype=np.int64)[self.edges])
+        return replace(self, edges=of_boundary(self.edges, edges))
 
     def _refuse(self, single: Int, noun: str, given: str, wanted: str) -> None:
         if single.size:
@@ -166,7 +167,10 @@ def fixed_at_faces(domain: Domain, faces: ArrayLike, normals: ArrayLike) -> Cond
 
 
 def _indices(given: ArrayLike, count: int, noun: str, what: str) -> Int:
-    indices = np.atleast_1d(np.asarray(given))
+    try:
+        indices = np.atleast_1d(np.asarray(given))
+    except ValueError:
+        raise ConditionError(f"{what} must be indices (n,), not lists of several lengths.") from None
     if indices.ndim != 1 or (indices.size and not np.issubdtype(indices.dtype, np.integer)):
         raise ConditionError(f"{what} must be indices (n,), not {indices.dtype} {indices.shape}.")
     indices = indices.astype(np.int64)

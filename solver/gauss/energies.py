@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..domain.sites import Links
-from ..errors import ConditionError
+from ..errors import ConditionError, chosen
 
 Array = NDArray[np.float64]
 
@@ -220,8 +220,7 @@ def energy_on(name: str, sites: str) -> EdgeEnergy:
 
     Raises `ConditionError` for an unknown name, and for an energy that is not defined there.
     """
-    if name not in ENERGIES:
-        raise ConditionError(f"There is no energy {name!r}; known are {', '.join(ENERGIES)}.")
+    chosen(name, ENERGIES, "energy")
     if name == "cotan" and sites in _ON_FACES:
         return ENERGIES["dual_cotan"]
     if sites not in ENERGIES[name].sites:

@@ -39,6 +39,19 @@ def boundary_edges(domain: Domain, edges: ArrayLike) -> Int:
     return given.astype(np.int64)
 
 
+def of_boundary(edges: Int, values: Int) -> Int:
+    """The values (E,) of boundary edges, -1 on others, at `edges`; `ConditionError` on edges of another domain."""
+    values = np.asarray(values, dtype=np.int64)
+    known = edges < len(values)
+    bad = np.unique(np.concatenate([edges[~known], edges[known][values[edges[known]] < 0]]))
+    if bad.size:
+        raise ConditionError(
+            f"The conditions are on {plural('edge', bad)}, not on the boundary of this domain; make them for it.",
+            edges=bad,
+        )
+    return values[edges]
+
+
 def _edges_of_pairs(domain: Domain, pairs: Int) -> Int:
     n = domain.vertex_count
     check_range(pairs.ravel(), n, "vertex")

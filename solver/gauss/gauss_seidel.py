@@ -61,6 +61,7 @@ class _Colour:
         others = N[self.neighbours]
         c = dot(N[self.sites[self.places]], others)[:, 0]
         star = problem.energy.star(c, self.links)
+        star[~np.isfinite(star)] = 0.0  # a neighbour exactly opposite pulls nowhere
         mean = sum_rows(self.places, star[:, None] * others, len(self.sites))
         length = np.sqrt(dot(mean, mean))
         weight = sum_rows(self.places, np.abs(star), len(self.sites))[:, None]

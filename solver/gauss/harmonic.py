@@ -11,13 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
 from ..domain.sites import SiteGraph
-from ..errors import ConditionError, Status
+from ..errors import ConditionError, Status, chosen, plural
 from ..linalg import as_numbers
 from . import sphere
 from .conditions import Conditions
 from .dirichlet import Dirichlet
 from .energies import energy_on
-from .frames import blend
+from .frames import blend, of_boundary
 from .initial import harmonic_start, wound_start
 from .methods import METHODS
 from .minimise import Iterate, Progress
@@ -29,6 +29,8 @@ Array = NDArray[np.float64]
 _KEPT_FACTORS = 4
 # Energy, as a part of 4π, below which a map counts as constant.
 _COLLAPSED = 1e-12
+# Sites of each kind in a message.
+_AT = {"vertices": "vertices", "faces": "faces", "faces_and_rim": "faces and edges of the rim"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,8 +104,10 @@ class HarmonicSolver:
         energy, degree and status. Raises `ConditionError` when everything is fixed, or nothing is and there is no
         initial map to start from.
         """
-        if method not in METHODS:
-            raise ConditionError(f"There is no method {method!r}; known are {', '.join(METHODS)}.")
+        chosen(method, METHODS, "method")
+        _check_number(tolerance, "tolerance")
+        if max_iterations is not None:
+            _check_number(max_iterations, "largest number of iterations")
         fixed, data = self._fixed(conditions, initial is not None)
         dirichlet = self.dirichlet(fixed)
         start = self._start(dirichlet, data, conditions.up, initial, side, degree)
@@ -133,13 +137,10 @@ class HarmonicSolver:
                 else "The mesh is closed: it has no boundary along which normals could be prescribed; "
                 "give an initial map."
             )
-        noun = "vertex" if graph.at_vertices else "face"
-        if len(fixed) and fixed[-1] >= graph.count:
-            raise ConditionError(f"The conditions fix {noun} {fixed[-1]}, which this domain does not have.")
         if len(fixed) == graph.count:
             raise ConditionError(
-                f"All {len(fixed)} {graph.name} are fixed and none is left to solve for; subdivide the mesh, "
-                f"so that it has {graph.name} inside."
+                f"All normals are fixed, at {graph.count} {_AT[graph.name]}, and none is left to solve for; subdivide "
+                f"the mesh, so that it has {_AT[graph.name]} inside."
             )
         return fixed, data
 
@@ -154,8 +155,8 @@ class HarmonicSolver:
     ) -> Array:
         if side not in (1, -1):
             raise ConditionError(f"The side must be +1 or -1, not {side}.")
-        if degree is not None and not np.isfinite(degree):
-            raise ConditionError(f"The degree must be a finite number, not {degree}.")
+        if degree is not None:
+            _check_number(degree, "degree", -np.inf)
         if initial is None:
             start = harmonic_start(dirichlet, data, up, side)
         else:
@@ -183,23 +184,40 @@ def resolved(conditions: Conditions, graph: SiteGraph) -> tuple[NDArray[np.integ
     Faces that turn as one (halves of a rectangle) get one normal: the normalised sum of what is prescribed on them.
     """
     if graph.at_vertices:
-        return conditions.resolve(graph.name)
+        fixed, data = conditions.resolve(graph.name)
+        _check_sites(fixed, graph.count, "vertex")
+        of_boundary(conditions.edges, np.where(graph.domain.edge_faces[:, 1] < 0, 0, -1))
+        return fixed, data
+    _check_sites(conditions.faces, len(graph.domain.faces), "face")
     fixed, data = conditions.resolve(graph.name, graph.owners)
     _, first, body = np.unique(graph.bodies[fixed], return_index=True, return_inverse=True)
     _, normals = blend(fixed[first][body], data, np.ones(len(fixed)), "conditions", "face")
     return fixed, normals[np.argsort(np.argsort(fixed[first]))[body]]
 
 
+def _check_sites(sites: NDArray[np.integer], count: int, noun: str) -> None:
+    bad = sites[sites >= count]
+    if bad.size:
+        raise ConditionError(f"The conditions fix {plural(noun, bad)}, which this domain does not have.")
+
+
+def _check_number(value: object, what: str, least: float = 0.0) -> None:
+    """Refuse what is no finite number, or below `least`."""
+    if not isinstance(value, (int, float, np.number)) or not np.isfinite(value) or value < least:
+        kind = "finite number" if least < 0.0 else f"number of {least:g} or more"
+        raise ConditionError(f"The {what} must be a {kind}, not {value!r}.")
+
+
 def _as_unit(initial: ArrayLike, graph: SiteGraph) -> Array:
     given = as_numbers(initial, "The normals of an initial map", ConditionError)
     if given.shape != (graph.count, 3):
         raise ConditionError(
-            f"The initial map must have shape ({graph.count}, 3), a normal for each of the {graph.name}, not "
+            f"The initial map must have shape ({graph.count}, 3), a normal for each of the {_AT[graph.name]}, not "
             f"{given.shape}."
         )
     length = np.linalg.norm(given, axis=1)
     bad = np.flatnonzero(~(np.isfinite(length) & (length > 1e-9)))
     if bad.size:
-        noun = "vertex" if graph.at_vertices else "face"
-        raise ConditionError(f"The initial map is zero or not finite at {noun} {bad[0]}.", **{graph.name: bad})
+        where, offenders = graph.named(bad)
+        raise ConditionError(f"The initial map is zero or not finite at {where}.", **offenders)
     return given / length[:, None]

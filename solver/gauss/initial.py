@@ -187,4 +187,6 @@ def _angle_around(dirichlet: Dirichlet, potential: Array) -> NDArray[np.complex1
     sites, cells = graph.incidence
     spin: NDArray[np.complex128] = np.exp(1j * v)[cells]
     sums = sum_rows(sites, spin.real, graph.count) + 1j * sum_rows(sites, spin.imag, graph.count)
-    return sums / np.maximum(np.abs(sums), 1e-12)
+    length = np.abs(sums)
+    # anywhere where the cells cancel or there are none: at the source and on the rim, where nothing turns
+    return np.where(length > 1e-9, sums / np.maximum(length, 1e-9), 1.0)

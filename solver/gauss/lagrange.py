@@ -38,6 +38,8 @@ def lagrange(
 
     def take_step(point: Point) -> Step | int:
         direction = _direction(problem, point)
+        if direction is None:
+            return 1
         length = 1.0
         for _ in range(_HALVINGS):
             trial = problem.at(normalize(point.N + length * direction))
@@ -49,8 +51,8 @@ def lagrange(
     return descend(problem, N, take_step, tolerance=tolerance, max_iterations=max_iterations, progress=progress)
 
 
-def _direction(problem: EnergyProblem, point: Point) -> Array:
-    """δN (S, 3) of one Newton step of the whole system; zero at fixed sites.
+def _direction(problem: EnergyProblem, point: Point) -> Array | None:
+    """δN (S, 3) of one Newton step of the whole system, zero at fixed sites; None where the system is singular.
 
     On the sphere the best multiplier is Λ_i = -<N_i, G_i>, and with it the second equation holds already.
     """
@@ -68,7 +70,10 @@ def _direction(problem: EnergyProblem, point: Point) -> Array:
     X = sp.csr_array((-point.N[unknown].ravel(), np.arange(3 * count), starts), shape=(count, 3 * count))
     saddle = sp.block_array([[hessian, -X.T], [X, None]], format="csc")
     first = (point.gradient + multiplier * point.N)[unknown].ravel()
-    solution = splu(saddle).solve(np.concatenate([-first, np.zeros(count)]))
+    try:
+        solution = splu(saddle).solve(np.concatenate([-first, np.zeros(count)]))
+    except RuntimeError:  # SuperLU: "Factor is exactly singular"
+        return None
     direction = np.zeros_like(point.N)
     direction[unknown] = solution[: 3 * count].reshape(-1, 3)
     return direction

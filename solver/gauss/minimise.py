@@ -70,8 +70,9 @@ def descend(
 ) -> Minimum:
     """Take steps from N (S, 3) until the residual is within the tolerance.
 
-    `take_step` returns the number of back-solves it took in vain where it finds no better map. Never raises for want
-    of convergence: the status says how it ended. `progress(iteration, residual)` is called at each map reached;
+    `take_step` returns the number of back-solves it took in vain where it finds no better map; where the energy is
+    infinite there is nothing to step along. Never raises for want of convergence: the status says how it ended.
+    `progress(iteration, residual)` is called at each map reached;
     returning False cancels.
     """
     history: list[Iterate] = []
@@ -82,7 +83,7 @@ def descend(
         if status is not None:
             history.append(Iterate(point.energy, point.residual, 0, 0.0))
             return Minimum(point.N, point.residual, status, history)
-        step = take_step(point)
+        step = take_step(point) if np.isfinite(point.residual) else 0
         if not isinstance(step, Step):
             history.append(Iterate(point.energy, point.residual, step, 0.0))
             return Minimum(point.N, point.residual, Status.STALLED, history)

@@ -122,10 +122,11 @@ class Conjugation:
 
 
 def conjugate_form(graph: SiteGraph, N: Array, energy: EdgeEnergy) -> Array:
-    """tau (K, 3) = star N_i × N_j on the links (paper, Eq. 9 and 14)."""
+    """tau (K, 3) = star N_i × N_j on the links (paper, Eq. 9 and 14), zero where star is infinite."""
     i, j = graph.links.T
     a, b = N[i], N[j]
     star = energy.star(np.einsum("ij,ij->i", a, b), graph)
+    star[~np.isfinite(star)] = 0.0  # opposite normals; the status says that the map is not resolved
     return star[:, None] * cross(a, b)
 
 

@@ -28,13 +28,16 @@ from ..domain.domain import Domain
 from ..domain.sites import SiteGraph
 from ..domain.topology import Homology
 from ..gauss.dirichlet import Dirichlet
-from ..gauss.sphere import normalize
+from ..gauss.sphere import dot, normalize
 from ..linalg import sum_rows
 from .conjugate import Conjugate, cross
 from .fit import face_fit_weights, fit_weights
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
+
+# A mean of normals shorter than this says nothing about a direction.
+_SHORTEST = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,16 +98,22 @@ def fitted_normals(graph: SiteGraph, N: Array) -> Array:
     """
     domain, count = graph.domain, len(graph.domain.faces)
     if graph.name == "faces":
-        return normalize(face_fit_weights(domain) @ N)
+        return _unit(domain, N, face_fit_weights(domain) @ N)
     corners, ends = fit_weights(domain, np.arange(domain.vertex_count))
     inside, outside = np.repeat(N[:count], 3, axis=0), np.repeat(N[count:], 2, axis=0)
-    return normalize(np.asarray(corners @ inside + ends @ outside, dtype=np.float64))
+    return _unit(domain, N, np.asarray(corners @ inside + ends @ outside, dtype=np.float64))
 
 
 def mean_normals(graph: SiteGraph, N: Array) -> Array:
     """Area-weighted means (V, 3) of the normals of the faces (S, 3) around each vertex (paper, Eq. 11), made unit."""
     of_faces = N[: len(graph.domain.faces)]
-    return normalize(_area_weights(graph.domain) @ np.repeat(of_faces, 3, axis=0))
+    return _unit(graph.domain, N, _area_weights(graph.domain) @ np.repeat(of_faces, 3, axis=0))
+
+
+def _unit(domain: Domain, N: Array, means: Array) -> Array:
+    """Means (V, 3) of the normals N around each vertex, made unit; where they cancel, the normal of one face there."""
+    cancel = dot(means, means) < _SHORTEST**2
+    return normalize(np.where(cancel, N[domain.fan_starts // 3], means))
 
 
 def circumcentres(domain: Domain) -> Array:

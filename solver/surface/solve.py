@@ -12,7 +12,7 @@ from ..domain.delaunay import carried_cut, intrinsic_delaunay
 from ..domain.domain import Domain
 from ..domain.sites import SiteGraph
 from ..domain.topology import CutSurface
-from ..errors import ConditionError, plural
+from ..errors import ConditionError, chosen
 from ..gauss.conditions import Conditions
 from ..gauss.harmonic import HarmonicMap, HarmonicSolver, resolved
 from ..gauss.minimise import Progress
@@ -60,8 +60,8 @@ class CmcSolver:
     ) -> CmcSurface:
         """See `solve_cmc`."""
         scale = _scale(mean_curvature)
-        if averaging not in AVERAGINGS:
-            raise ConditionError(f"There is no average {averaging!r}; known are {', '.join(AVERAGINGS)}.")
+        chosen(averaging, AVERAGINGS, "average")
+        _check_period_tolerance(period_tolerance)
         if self._carried:
             conditions = conditions.carried(self._carried.edges)
         fixed = self._fixed(conditions)
@@ -84,11 +84,11 @@ class CmcSolver:
         fixed, _ = resolved(conditions, graph)
         inside = np.setdiff1d(fixed, graph.rim)
         if inside.size:
-            noun = "vertex" if graph.at_vertices else "face"
+            where, offenders = graph.named(inside)
             raise ConditionError(
-                f"Normals are prescribed inside, at {plural(noun, inside)}; a CMC surface takes them on the "
-                f"boundary only, since its conjugate does not close around other prescribed {graph.name}.",
-                **{graph.name: inside},
+                f"Normals are prescribed inside, at {where}; a CMC surface takes them on the boundary only, since its "
+                "conjugate does not close around others.",
+                **offenders,
             )
         return fixed
 
@@ -201,9 +201,18 @@ def solve_cmc(
 
 
 def _scale(mean_curvature: float) -> float:
-    if not (np.isfinite(mean_curvature) and mean_curvature > 0.0):
-        raise ConditionError(f"The mean curvature must be a positive number, not {mean_curvature}.")
+    if not (_is_number(mean_curvature) and mean_curvature > 0.0):
+        raise ConditionError(f"The mean curvature must be a positive number, not {mean_curvature!r}.")
     return 0.5 / mean_curvature
+
+
+def _check_period_tolerance(value: float) -> None:
+    if not (isinstance(value, (int, float, np.number)) and value >= 0.0):  # infinite: whatever the gap, close it
+        raise ConditionError(f"The tolerance of periods must be a part of the diameter, 0 or more, not {value!r}.")
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, (int, float, np.number)) and bool(np.isfinite(value))
 
 
 def _longest(periods: Array) -> float:
