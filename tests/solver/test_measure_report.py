@@ -282,6 +282,7 @@ def nodoid_on(domain: Domain, positions) -> CmcSurface:
         g=plus - N,
         f_plus=plus,
         f_minus=plus - 2.0 * N,
+        normals=N,
         faces=domain.faces,
         source=np.arange(domain.vertex_count, dtype=np.int32),
         periods=np.zeros((0, 3)),
