@@ -1,0 +1,164 @@
+"""From boundary normals to the surface, and gradients the way back (paper, Sec. 5.2 and Appendix F).
+
+The boundary normals N₀ determine the harmonic map N = Φ(N₀) and, by a Poisson equation, the conjugate g. With the
+Hessian H of the energy at N (`gauss.problem`), I the sites that are not fixed and B the fixed ones:
+
+    dN_I = -(P H P)⁻¹ P H_IB dN₀,    L dg = d load(N),   load = Σ_f ∫ <∇φ, N̄ × *∇N>.
+
+A function F(N, g) then has the gradient P (F_N + load'ᵀ y)_B - H_BI μ on the boundary, with L y = F_g and
+P H P μ = P (F_N + load'ᵀ y)_I: two linear solves for any number of boundary normals. Both use factors that are kept.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.sparse.linalg import LinearOperator, minres
+
+from ..errors import ConditionError
+from ..gauss.conditions import Conditions
+from ..gauss.dirichlet import Dirichlet
+from ..gauss.harmonic import HarmonicMap, HarmonicSolver
+from ..gauss.problem import EnergyProblem, Point
+from ..gauss.sphere import inner, project
+from ..linalg import sum_rows
+from ..surface.conjugate import cross
+from ..surface.offsets import load_matrix
+
+Array = NDArray[np.float64]
+Int = NDArray[np.integer]
+Linear = Callable[[Array], Array]
+
+_ACCURACY = 1e-10
+_CG_LIMIT = 400
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """A harmonic map and its surface at scale 1: N and g (V, 3), g centred at the mean of its boundary."""
+
+    harmonic: HarmonicMap
+    point: Point
+    g: Array
+
+    @property
+    def N(self) -> Array:
+        return self.harmonic.normals
+
+
+class Extension:
+    """The surfaces of one domain as a function of the normals at its fixed boundary vertices.
+
+    `solver` has normals at vertices; `fixed` (n,) are sorted boundary vertices, the others are free. Domains with
+    holes give the surface without its periods.
+    """
+
+    def __init__(self, solver: HarmonicSolver, fixed: Int, up: Array) -> None:
+        if not solver.graph.at_vertices:
+            raise ConditionError("Fitting needs normals at the vertices; solve with sites='vertices'.")
+        self.solver = solver
+        self.domain = solver.domain
+        self.fixed = fixed
+        self.up = up
+        self.dirichlet = solver.dirichlet(fixed)
+        self.problem = EnergyProblem(solver.graph, solver.energy, self.dirichlet)
+        self._rim = self.domain.boundary_vertices
+
+    @cached_property
+    def _poisson(self) -> Dirichlet:
+        return self.solver.dirichlet(np.zeros(1, dtype=np.int64))
+
+    @cached_property
+    def _load(self) -> sp.csr_array:
+        return load_matrix(self.domain)
+
+    def __call__(self, rim: Array, start: Array | None = None, tolerance: float = 1e-8) -> State:
+        """The surface of the boundary normals `rim` (n, 3), from `start` (V, 3), or a start of the solver's own."""
+        given = Conditions(self.fixed, rim, up=self.up)
+        return self.at(self.solver.solve(given, initial=start, tolerance=tolerance))
+
+    def at(self, harmonic: HarmonicMap) -> State:
+        """The surface of a harmonic map that is known."""
+        i, j = self.domain.edges.T
+        products = cross(harmonic.normals[i], harmonic.normals[j])
+        g = self._integral(self._load @ products)
+        return State(harmonic, self.problem.at(harmonic.normals), g)
+
+    def _integral(self, load: Array) -> Array:
+        """u (V, k) with L u = load, centred at the mean of its boundary."""
+        u = self._poisson.solve(load, np.zeros((1, load.shape[1])))
+        return u - u[self._rim].mean(axis=0)
+
+    def differential(self, state: State, turned: Array) -> tuple[Array, Array]:
+        """The changes (V, 3) of N and of g with tangent changes `turned` (n, 3) of the boundary normals."""
+        operator = self.problem.operator(state.point)
+        moved = np.zeros_like(state.N)
+        moved[self.fixed] = turned
+        moved = moved - self._solve_hessian(state, self.problem.project(state.N, operator(moved)))
+        i, j = self.domain.edges.T
+        products = cross(moved[i], state.N[j]) + cross(state.N[i], moved[j])
+        return moved, self._integral(self._load @ products)
+
+    def pull_back(self, state: State, by_normals: Array, by_conjugate: Array) -> Array:
+        """The gradient (n, 3), tangent at the boundary normals, of F(N, g) from its partial derivatives by N and by g
+        (V, 3)."""
+        total = by_normals + self._pulled_load(state, by_conjugate)
+        mu = self._solve_hessian(state, self.problem.project(state.N, total))
+        back = total - self.problem.operator(state.point)(mu)
+        return project(state.N[self.fixed], back[self.fixed])
+
+    def _pulled_load(self, state: State, by_conjugate: Array) -> Array:
+        """The transpose of N ↦ g: <q, N_i × N_j> has the derivatives N_j × q and q × N_i."""
+        balanced = by_conjugate.copy()
+        balanced[self._rim] -= by_conjugate.sum(axis=0) / len(self._rim)
+        y = self._poisson.solve(balanced, np.zeros((1, 3)))
+        i, j = self.domain.edges.T
+        q = self._load.T @ y
+        count = self.domain.vertex_count
+        return sum_rows(i, cross(state.N[j], q), count) + sum_rows(j, cross(q, state.N[i]), count)
+
+    def _solve_hessian(self, state: State, right: Array) -> Array:
+        """(P H P)⁻¹ right (V, 3), by conjugate gradients; by MINRES where the map is a saddle."""
+        apply = self.problem.hessian(state.point)
+
+        def precondition(X: Array) -> Array:
+            return self.problem.project(state.N, self.dirichlet.precondition(X))
+
+        x = np.zeros_like(right)
+        rest, z = right, precondition(right)
+        p, size = z, inner(right, z)
+        goal = _ACCURACY**2 * size
+        for _ in range(_CG_LIMIT):
+            if size <= goal:
+                return x
+            curved = apply(p)
+            curvature = inner(p, curved)
+            if curvature <= 0.0:
+                return self._minres(state, apply, right)
+            alpha = size / curvature
+            x, rest = x + alpha * p, rest - alpha * curved
+            z = precondition(rest)
+            size, last = inner(rest, z), size
+            p = z + (size / last) * p
+        return x
+
+    def _minres(self, state: State, apply: Linear, right: Array) -> Array:
+        """The preconditioner has to be definite there: directions that are not admissible pass through it."""
+        N, problem = state.N, self.problem
+
+        def precondition(X: Array) -> Array:
+            admissible = problem.project(N, X)
+            return X - admissible + problem.project(N, self.dirichlet.precondition(admissible))
+
+        def flat(f: Linear) -> Any:  # scipy.sparse.linalg ships no types
+            operator: Any = LinearOperator
+            return operator((right.size, right.size), matvec=lambda v: f(v.reshape(-1, 3)).ravel(), dtype=np.float64)
+
+        solution, _ = minres(flat(apply), right.ravel(), M=flat(precondition), rtol=_ACCURACY, maxiter=_CG_LIMIT)
+        return solution.reshape(-1, 3)

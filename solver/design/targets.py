@@ -1,0 +1,302 @@
+"""What a surface shall be like, as functions to be minimised, each with its partial derivatives.
+
+A target is a value ½ |residual|², without units, of a `Shape`: the sheet in the world, its normals, its scale. Targets
+are added up with weights by `fit`. One that is met exactly has the value zero, so that a few of them can all be met.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..domain.domain import Domain
+from ..gauss.sphere import dot
+from .curves import Curve
+
+Array = NDArray[np.float64]
+Int = NDArray[np.integer]
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """A sheet in the world: points and unit normals N (V, 3) of the harmonic map; `size`, a length to divide by.
+
+    rim: sorted boundary vertices whose normals may change; domain: of the plan.
+    """
+
+    domain: Domain
+    rim: Int
+    points: Array
+    normals: Array
+    size: float
+
+
+@dataclass(frozen=True, eq=False)
+class Partials:
+    """A value, and its derivatives by the points and by the normals of a shape, (V, 3) each."""
+
+    value: float
+    by_points: Array
+    by_normals: Array
+
+    @classmethod
+    def none(cls, shape: Shape) -> Partials:
+        return cls(0.0, np.zeros_like(shape.points), np.zeros_like(shape.normals))
+
+    def __add__(self, other: Partials) -> Partials:
+        return Partials(
+            self.value + other.value, self.by_points + other.by_points, self.by_normals + other.by_normals
+        )
+
+    def times(self, factor: float) -> Partials:
+        return Partials(factor * self.value, factor * self.by_points, factor * self.by_normals)
+
+
+@dataclass(frozen=True, eq=False)
+class Target:
+    """weight: a factor in the sum. `partials(shape)`: value and derivatives; `distance(shape)`: how far, in words'
+    units: a length where it is one, else a pure number.
+    """
+
+    weight: float = field(default=1.0, kw_only=True)
+
+    label = "target"
+
+    def partials(self, shape: Shape) -> Partials:
+        raise NotImplementedError
+
+    def distance(self, shape: Shape) -> float:
+        raise NotImplementedError
+
+
+@dataclass(frozen=True, eq=False)
+class GaussMap(Target):
+    """½ ∫ |N - N_φ|² over the domain of area one; N_φ: `normals` (V, 3) (paper, Sec. 5.2)."""
+
+    normals: Array
+    label = "Gauss map"
+
+    def partials(self, shape: Shape) -> Partials:
+        shares = shape.domain.vertex_areas / shape.domain.area
+        miss = shape.normals - self.normals
+        value = 0.5 * float(np.sum(shares * dot(miss, miss)[:, 0]))
+        return Partials(value, np.zeros_like(miss), shares[:, None] * miss)
+
+    def distance(self, shape: Shape) -> float:
+        """Root mean square of |N - N_φ|."""
+        return float(np.sqrt(2.0 * self.partials(shape).value))
+
+
+@dataclass(frozen=True, eq=False)
+class SmoothRim(Target):
+    """½ ∮ |dN₀|² along the boundary edges, times their length (no unit): the variation of the normals there."""
+
+    label = "smooth rim"
+
+    def partials(self, shape: Shape) -> Partials:
+        domain = shape.domain
+        edges = domain.boundary_edges
+        i, j = domain.edges[edges].T
+        factor = domain.edge_lengths[edges].sum() / domain.edge_lengths[edges]
+        jump = shape.normals[i] - shape.normals[j]
+        by_normals = np.zeros_like(shape.normals)
+        np.add.at(by_normals, i, factor[:, None] * jump)
+        np.subtract.at(by_normals, j, factor[:, None] * jump)
+        value = 0.5 * float(np.sum(factor * dot(jump, jump)[:, 0]))
+        return Partials(value, np.zeros_like(jump, shape=shape.points.shape), by_normals)
+
+    def distance(self, shape: Shape) -> float:
+        return float(np.sqrt(2.0 * self.partials(shape).value))
+
+
+@dataclass(frozen=True, eq=False)
+class MinimalChange(Target):
+    """½ mean |N₀ - M|² over the boundary, M: `normals` (n, 3) at `shape.rim`."""
+
+    normals: Array
+    label = "change of the rim's normals"
+
+    def partials(self, shape: Shape) -> Partials:
+        miss = shape.normals[shape.rim] - self.normals
+        by_normals = np.zeros_like(shape.normals)
+        by_normals[shape.rim] = miss / len(miss)
+        return Partials(0.5 * float(np.mean(dot(miss, miss))), np.zeros_like(shape.points), by_normals)
+
+    def distance(self, shape: Shape) -> float:
+        return float(np.sqrt(2.0 * self.partials(shape).value))
+
+
+@dataclass(frozen=True, eq=False)
+class RimOnCurve(Target):
+    """½ mean squared distance of the rim from a curve, and of the curve from the rim, over the size squared.
+
+    From every rim vertex, weighted by the plan's rim, to its closest point on the curve, not point to point: the rim
+    may slide along. The way back keeps it from gathering on a part of the curve. With `free_heights` distances are
+    horizontal.
+    vertices: (n,) along the rim, in order, closed.
+    """
+
+    curve: Curve
+    vertices: Int
+    free_heights: bool = False
+    label = "rim on curve"
+
+    def partials(self, shape: Shape) -> Partials:
+        by_points = np.zeros_like(shape.points)
+        points = shape.points[self.vertices]
+        there = self._flat(points - self._curve.closest(self._seen(points)).points)
+        weights = boundary_shares(shape.domain)[self.vertices]
+        value = float(np.sum(weights * dot(there, there)[:, 0]))
+        np.add.at(by_points, self.vertices, weights[:, None] * there)
+        back = Curve(self._seen(points), closed=True).closest(self._curve.samples)
+        miss = self._flat(self._curve.samples - back.points)
+        value += float(np.mean(dot(miss, miss)))
+        pull = miss / len(miss)
+        np.subtract.at(by_points, self.vertices[back.start], (1.0 - back.along)[:, None] * pull)
+        np.subtract.at(by_points, self.vertices[back.end], back.along[:, None] * pull)
+        scale = 1.0 / shape.size**2
+        return Partials(0.5 * scale * value, scale * by_points, np.zeros_like(shape.normals))
+
+    @cached_property
+    def _curve(self) -> Curve:
+        return Curve(self._seen(self.curve.points), closed=self.curve.closed)
+
+    def _seen(self, points: Array) -> Array:
+        return points * [1.0, 1.0, 0.0] if self.free_heights else points
+
+    def _flat(self, vectors: Array) -> Array:
+        return self._seen(vectors)
+
+    def distance(self, shape: Shape) -> float:
+        """The largest distance of a rim vertex from the curve, and of the curve from the rim."""
+        points = self._seen(shape.points[self.vertices])
+        there = points - self._curve.closest(points).points
+        back = self._curve.samples - Curve(points, closed=True).closest(self._curve.samples).points
+        return float(np.sqrt(max(dot(there, there).max(), dot(back, back).max())))
+
+
+@dataclass(frozen=True, eq=False)
+class Anchors(Target):
+    """½ Σ |x_i - a_i|² / size² at vertices (n,), a: `places` (n, 3), counting the coordinates of `axes` only."""
+
+    vertices: Int
+    places: Array
+    axes: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    label = "anchors"
+
+    def partials(self, shape: Shape) -> Partials:
+        miss = (shape.points[self.vertices] - self.places) * self.axes
+        by_points = np.zeros_like(shape.points)
+        np.add.at(by_points, self.vertices, miss / shape.size**2)
+        value = 0.5 * float(np.sum(dot(miss, miss))) / shape.size**2
+        return Partials(value, by_points, np.zeros_like(shape.normals))
+
+    def distance(self, shape: Shape) -> float:
+        miss = (shape.points[self.vertices] - self.places) * self.axes
+        return float(np.sqrt(dot(miss, miss).max()))
+
+
+@dataclass(frozen=True, eq=False)
+class _Quantity(Target):
+    """½ (q / wanted - 1)² of one number q of the shape; `wanted` is not zero."""
+
+    wanted: float
+
+    def quantity(self, shape: Shape) -> tuple[float, Array]:
+        """q and its derivative by the points (V, 3)."""
+        raise NotImplementedError
+
+    def partials(self, shape: Shape) -> Partials:
+        q, derivative = self.quantity(shape)
+        miss = q / self.wanted - 1.0
+        return Partials(0.5 * miss**2, (miss / self.wanted) * derivative, np.zeros_like(shape.normals))
+
+    def distance(self, shape: Shape) -> float:
+        return abs(self.quantity(shape)[0] - self.wanted)
+
+
+@dataclass(frozen=True, eq=False)
+class Crown(_Quantity):
+    """The height of the highest point above the plan's plane z = 0."""
+
+    label = "crown height"
+
+    def quantity(self, shape: Shape) -> tuple[float, Array]:
+        top = int(np.argmax(shape.points[:, 2]))
+        derivative = np.zeros_like(shape.points)
+        derivative[top, 2] = 1.0
+        return float(shape.points[top, 2]), derivative
+
+
+@dataclass(frozen=True, eq=False)
+class Volume(_Quantity):
+    """The volume between the surface and the plane z = 0: Σ_f (area seen from above) × (mean height)."""
+
+    label = "volume"
+
+    def quantity(self, shape: Shape) -> tuple[float, Array]:
+        faces = shape.domain.faces
+        a, b, c = (shape.points[faces[:, k]] for k in range(3))
+        area = 0.5 * _turn(b - a, c - a)
+        height = (a[:, 2] + b[:, 2] + c[:, 2]) / 3.0
+        derivative = np.zeros_like(shape.points)
+        for k, (p, q) in enumerate(((b, c), (c, a), (a, b))):
+            # the area changes by ½ (q - p)^⊥ as its corner opposite p → q moves
+            part = np.column_stack([p[:, 1] - q[:, 1], q[:, 0] - p[:, 0]]) * (0.5 * height)[:, None]
+            np.add.at(derivative, faces[:, k], np.column_stack([part, area / 3.0]))
+        return float(np.sum(area * height)), derivative
+
+
+@dataclass(frozen=True, eq=False)
+class Area(_Quantity):
+    """The area of the surface."""
+
+    label = "area"
+
+    def quantity(self, shape: Shape) -> tuple[float, Array]:
+        faces = shape.domain.faces
+        a, b, c = (shape.points[faces[:, k]] for k in range(3))
+        normal = np.cross(b - a, c - a)
+        double = np.linalg.norm(normal, axis=1)
+        unit = normal / np.maximum(double, 1e-300)[:, None]
+        derivative = np.zeros_like(shape.points)
+        for k, (p, q) in enumerate(((b, c), (c, a), (a, b))):
+            np.add.at(derivative, faces[:, k], 0.5 * np.cross(unit, q - p))
+        return 0.5 * float(double.sum()), derivative
+
+
+@dataclass(frozen=True, eq=False)
+class NearSurface(Target):
+    """½ mean squared distance of the vertices, weighted by area, from a surface, over the size squared.
+
+    closest: points (n, 3) to the closest points of the surface.
+    """
+
+    closest: Callable[[Array], Array]
+    label = "near surface"
+
+    def partials(self, shape: Shape) -> Partials:
+        shares = shape.domain.vertex_areas / shape.domain.area
+        miss = shape.points - self.closest(shape.points)
+        value = 0.5 * float(np.sum(shares * dot(miss, miss)[:, 0])) / shape.size**2
+        return Partials(value, shares[:, None] * miss / shape.size**2, np.zeros_like(shape.normals))
+
+    def distance(self, shape: Shape) -> float:
+        miss = shape.points - self.closest(shape.points)
+        return float(np.sqrt(dot(miss, miss).max()))
+
+
+def boundary_shares(domain: Domain) -> Array:
+    """(V,) half of the boundary edges at each vertex, as parts of all."""
+    lengths = np.repeat(domain.edge_lengths[domain.boundary_edges], 2)
+    shares = np.bincount(domain.edges[domain.boundary_edges].ravel(), lengths, domain.vertex_count)
+    return shares / shares.sum()
+
+
+def _turn(u: Array, v: Array) -> Array:
+    """u × v seen from above."""
+    return u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
