@@ -35,7 +35,7 @@ Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 Linear = Callable[[Array], Array]
 
-_ACCURACY = 1e-10
+_ACCURACY = 1e-8
 _CG_LIMIT = 400
 
 

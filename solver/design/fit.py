@@ -26,7 +26,7 @@ Progress = Callable[[int, float], bool | None]
 
 _SIDES = {"f+": 1.0, "f-": -1.0}
 # Harmonic maps are found to this residual while searching, so that gradients are good to as many digits.
-_RESIDUAL = 1e-8
+_RESIDUAL = 1e-7
 # Steps that L-BFGS remembers.
 _MEMORY = 30
 
