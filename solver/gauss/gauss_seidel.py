@@ -1,6 +1,8 @@
 """Nonlinear Gauss-Seidel sweeps: each normal becomes the average of its neighbours (paper, Remark 8).
 
-Sites of one colour have no link between them, so a sweep updates them all at once.
+Sites of one colour have no link between them, so a sweep updates them all at once. Faces across an edge whose
+triangles lie on one circle (halves of a rectangle) are tied by an almost infinite weight, and one by one they would
+hardly move: after each sweep such bodies turn as a whole, by the torque of the links that leave them.
 """
 
 from __future__ import annotations
@@ -14,7 +16,7 @@ from ..domain.sites import LinkSubset, SiteGraph
 from ..linalg import sum_rows
 from .minimise import Minimum, Progress, Step, descend
 from .problem import EnergyProblem, Point
-from .sphere import dot
+from .sphere import dot, normalize
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -36,12 +38,12 @@ def gauss_seidel(
     Each is a descent where star is positive and does not fall with c (cotan on Delaunay edges, Möbius). Convergence
     is linear, and slower the finer the mesh.
     """
-    palette = _palette(problem.graph, problem.dirichlet.unknown)
+    palette = _palette(problem.graph, problem.dirichlet.unknown) + _bodies(problem.graph, problem.dirichlet.unknown)
 
     def take_step(point: Point) -> Step | int:
         N = point.N.copy()
         for colour in palette:
-            colour.average(problem, N)
+            colour.update(problem, N)
         return Step(problem.at(N), 0, 1.0)
 
     return descend(problem, N, take_step, tolerance=tolerance, max_iterations=max_iterations, progress=progress)
@@ -56,8 +58,8 @@ class _Colour:
     neighbours: Int
     links: LinkSubset
 
-    def average(self, problem: EnergyProblem, N: Array) -> None:
-        """Update N (S, 3) at the sites of this colour."""
+    def update(self, problem: EnergyProblem, N: Array) -> None:
+        """Average N (S, 3) at the sites of this colour."""
         others = N[self.neighbours]
         c = dot(N[self.sites[self.places]], others)[:, 0]
         star = problem.energy.star(c, self.links)
@@ -89,23 +91,80 @@ def _palette(graph: SiteGraph, unknown: Int) -> list[_Colour]:
     return palette
 
 
+@dataclass(frozen=True, eq=False)
+class _Bodies:
+    """Bodies of one colour: their sites (n,) and the body (n,) of each; of the links (m,) that leave them the site
+    inside, the one outside and the body."""
+
+    sites: Int
+    body: Int
+    inside: Int
+    outside: Int
+    owner: Int
+    links: LinkSubset
+
+    def update(self, problem: EnergyProblem, N: Array) -> None:
+        """Turn each body by the angle that its normals, were they one, would turn to their average."""
+        a, b = N[self.inside], N[self.outside]
+        star = problem.energy.star(dot(a, b)[:, 0], self.links)[:, None]
+        star[~np.isfinite(star)] = 0.0
+        count = int(self.body.max()) + 1
+        torque = sum_rows(self.owner, star * np.cross(a, b), count)
+        length = np.sqrt(dot(torque, torque))
+        angle = np.arctan2(length, sum_rows(self.owner, star * dot(a, b), count))[self.body]
+        axis = (torque / np.maximum(length, 1e-300))[self.body]
+        v = N[self.sites]
+        along = axis * dot(axis, v)
+        N[self.sites] = normalize(along + np.cos(angle) * (v - along) + np.sin(angle) * np.cross(axis, v))
+
+
+def _bodies(graph: SiteGraph, unknown: Int) -> list[_Bodies]:
+    """Bodies of several sites, all unknown, by colours."""
+    if graph.at_vertices:
+        return []
+    bodies, free = graph.bodies, np.bincount(graph.bodies[unknown], minlength=graph.count)
+    size = np.bincount(bodies, minlength=graph.count)
+    moves = (size > 1) & (free == size)
+    i, j = graph.links.T
+    leaving = np.flatnonzero(bodies[i] != bodies[j])
+    inside, outside = np.concatenate([i[leaving], j[leaving]]), np.concatenate([j[leaving], i[leaving]])
+    links = np.concatenate([leaving, leaving])
+    colours = _coloured(bodies[i], bodies[j], graph.count)
+    found = []
+    for colour in range(colours[moves].max(initial=-1) + 1):
+        chosen = moves & (colours == colour)
+        number = np.cumsum(chosen) - 1
+        sites, out = np.flatnonzero(chosen[bodies]), np.flatnonzero(chosen[bodies[inside]])
+        if len(sites):
+            owner = number[bodies[inside[out]]]
+            subset = graph.subset(links[out])
+            found.append(_Bodies(sites, number[bodies[sites]], inside[out], outside[out], owner, subset))
+    return found
+
+
 def colouring(graph: SiteGraph) -> Int:
-    """(S,) colours from 0, different along every link: rounds of independent sets (Jones and Plassmann).
+    """(S,) colours from 0, different along every link."""
+    i, j = graph.links.T
+    return _coloured(i, j, graph.count)
+
+
+def _coloured(first: Int, second: Int, count: int) -> Int:
+    """(count,) colours from 0, different along every link: rounds of independent sets (Jones and Plassmann).
 
     In each round every uncoloured site whose priority is above that of its uncoloured neighbours takes the smallest
     colour that none of its neighbours has.
     """
-    i, j = (np.concatenate(pair) for pair in (graph.links.T, graph.links[:, ::-1].T))
+    i, j = np.concatenate([first, second]), np.concatenate([second, first])
     proper = i != j
     i, j = i[proper], j[proper]
-    priority = np.random.default_rng(0).permutation(graph.count)
-    colours = np.full(graph.count, -1)
+    priority = np.random.default_rng(0).permutation(count)
+    colours = np.full(count, -1)
     while (colours < 0).any():
-        rival = np.full(graph.count, -1)
+        rival = np.full(count, -1)
         waiting = (colours[i] < 0) & (colours[j] < 0)
         np.maximum.at(rival, i[waiting], priority[j[waiting]])
         chosen = np.flatnonzero((colours < 0) & (priority > rival))
-        colours[chosen] = _smallest_free(graph.count, chosen, i, j, colours)
+        colours[chosen] = _smallest_free(count, chosen, i, j, colours)
     return colours
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from solver import Conditions, HarmonicSolver, Status, conditions, shapes
+from solver import Conditions, Domain, HarmonicSolver, Status, conditions, shapes
 from solver.domain.sites import SITES, SiteGraph
 from solver.gauss.energies import ENERGIES
 from solver.gauss.gauss_seidel import colouring
@@ -83,3 +83,19 @@ def test_nothing_fixed_needs_a_start_and_then_converges():
     found = HarmonicSolver(sphere.domain).solve(Conditions(), initial=sphere.positions, tolerance=1e-5)
     assert found.status is Status.CONVERGED
     assert_allclose([found.degree, found.energy], [1, 4 * np.pi], rtol=0.01, atol=0)
+
+
+@pytest.mark.parametrize(("sites", "energy"), [pair for pair in TAME if pair[0] != "vertices"])
+def test_gauss_seidel_turns_the_halves_of_squares_as_one(sites, energy):
+    """Tied by weights of 10⁴, they would take 10⁵ sweeps one by one."""
+    x, y = (grid.ravel() for grid in np.meshgrid(np.arange(6.0), np.arange(5.0), indexing="ij"))
+    corner = (5 * np.arange(5)[:, None] + np.arange(4)).ravel()
+    faces = np.concatenate([corner[:, None] + [0, 5, 6], corner[:, None] + [0, 6, 1]])
+    points = np.column_stack([x, y, np.zeros(30)])
+    domain = Domain.from_positions(points, faces)
+    condition = conditions.binormal(domain, points, domain.boundary_edges, 0.4)
+    solver = HarmonicSolver(domain, sites=sites, energy=energy)
+    reference = solver.solve(condition, tolerance=1e-9)
+    found = solver.solve(condition, method="gauss_seidel", tolerance=1e-5, max_iterations=100)
+    assert found.status is Status.CONVERGED
+    assert_allclose(found.normals, reference.normals, rtol=0, atol=1e-6)
