@@ -249,3 +249,11 @@ def test_energies_on_the_wrong_sites_are_refused(name):
         energy_on(name, "vertices")
     with pytest.raises(ConditionError, match="mobius"):
         energy_on("nosuch", "faces")
+
+
+def test_the_series_of_shell_ends_where_the_formula_begins():
+    """Either side of α = 0.1 dstar is -(sin α - α cos α) / sin³ α."""
+    angle = np.array([0.09, 0.0999, 0.1001, 0.11])
+    at = SimpleNamespace(angles=np.full((4, 2), 1.0), weights=np.ones(4))
+    expected = -(np.sin(angle) - angle * np.cos(angle)) / np.sin(angle) ** 3
+    assert_allclose(ENERGIES["shell"].dstar(np.cos(angle), at), expected, rtol=1e-11, atol=0)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from solver import ConditionError, Domain, shapes
+from solver import ConditionError, Domain, conditions, shapes, solve_cmc
 from solver.domain.sites import SITES, SiteGraph
 from solver.gauss import sphere
 
@@ -101,3 +101,16 @@ def test_a_rectangle_has_no_weight_across_its_diagonal_and_a_dual_one_that_is_fi
 def test_unknown_sites_are_refused():
     with pytest.raises(ConditionError, match="vertices, faces"):
         SiteGraph.of(shapes.disc(60).domain, "edges")
+
+
+@pytest.mark.parametrize("sites", SITES)
+def test_tau_leads_from_the_right_cell_to_the_left_one(sites):
+    shape = shapes.disc(150)
+    conormals = conditions.twisted(shape.domain, shape.positions, shape.domain.boundary_edges, 1)
+    surface = solve_cmc(shape.domain, conormals, sites=sites, tolerance=1e-11)
+    graph, conjugate = surface.graph, surface.conjugate
+    inside = (graph.cells >= 0).all(axis=1)
+    left, right = conjugate.g[graph.cells[inside].T]
+    i, j = surface.harmonic.normals[graph.links[inside].T]
+    star = graph.weights[inside, None]  # of the cotangent energy, or the dual one
+    assert_allclose(left - right, star * np.cross(i, j), rtol=0, atol=1e-9)
