@@ -115,15 +115,13 @@ def plan_domain(plan: Plan) -> Domain:
     domain = Domain.from_positions(plan.positions, plan.triangles)
     if not len(domain.boundary_edges):
         raise MeshError(
-            "The mesh is closed: it has no boundary on which tangent planes could be prescribed; delete "
-            "the faces "
-            "that are not part of the plan."
+            "The mesh is closed: it has no boundary on which tangent planes could be prescribed; delete the faces that "
+            "are not part of the plan."
         )
     if len(domain.boundary_vertices) == domain.vertex_count:
         count = len(domain.faces)
         raise MeshError(
-            f"The mesh ({count} triangle{'s' * (count > 1)}) has no vertex inside its boundary, so there "
-            "is nothing to "
+            f"The mesh ({count} triangle{'s' * (count > 1)}) has no vertex inside its boundary, so there is nothing to "
             "solve for; run Mesh Plan, or subdivide it."
         )
     return domain

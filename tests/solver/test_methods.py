@@ -99,3 +99,18 @@ def test_gauss_seidel_turns_the_halves_of_squares_as_one(sites, energy):
     found = solver.solve(condition, method="gauss_seidel", tolerance=1e-5, max_iterations=100)
     assert found.status is Status.CONVERGED
     assert_allclose(found.normals, reference.normals, rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("sites", SITES)
+def test_units_do_not_matter_to_any_method(sites, method):
+    """Nor where nothing is fixed, and an area has to be added to the Laplacian."""
+    found = []
+    for size in (1.0, 1000.0):
+        shape = shapes.sphere(40)
+        domain = Domain.from_positions(size * shape.positions, shape.domain.faces)
+        solver = HarmonicSolver(domain, sites=sites)
+        start = np.random.default_rng(0).normal(size=(solver.graph.count, 3)) + [0.0, 0.0, 4.0]
+        found.append(solver.solve(Conditions(), start, method=method, max_iterations=8))
+    assert found[0].iterations == found[1].iterations
+    assert_allclose(found[0].normals, found[1].normals, rtol=0, atol=1e-6)
