@@ -63,6 +63,10 @@ class Order:
                 outcome.polygons(name)
         return outcome
 
+    def deliver(self, context: bpy.types.Context, plan: bpy.types.Object, outcome: Outcome) -> list[str]:
+        """Write the results of the plan; see `deliver`."""
+        return deliver(context, plan, self, outcome)
+
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
@@ -85,6 +89,10 @@ class Outcome:
     @property
     def converged(self) -> bool:
         return self.formed.converged
+
+    @property
+    def message(self) -> str:
+        return self.formed.message
 
 
 def take_order(
@@ -177,6 +185,12 @@ def _report(context: bpy.types.Context, plan: bpy.types.Object, outcome: Outcome
     }
 
 
+def check_unchanged(plan: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None, mesh: PlanMesh) -> None:
+    """Raise `CmcError` where the plan is not what it was when `mesh` was read."""
+    if session.fingerprint(read_plan(plan, depsgraph)) != session.fingerprint(mesh):
+        raise CmcError(f"'{plan.name}' was changed while it was being solved; solve again.")
+
+
 def deliver(
     context: bpy.types.Context, plan: bpy.types.Object, order: Order, outcome: Outcome
 ) -> list[str]:
@@ -186,8 +200,7 @@ def deliver(
     """
     settings, formed = order.settings, outcome.formed
     depsgraph = plan_depsgraph(context, settings)
-    if session.fingerprint(read_plan(plan, depsgraph)) != session.fingerprint(order.mesh):
-        raise CmcError(f"'{plan.name}' was changed while it was being solved; solve again.")
+    check_unchanged(plan, depsgraph, order.mesh)
     wanted = wanted_roles(settings)
     warnings = [*order.warnings, *formed.warnings]
     writer = Writer(context, plan, depsgraph, order.mesh, outcome.cut)

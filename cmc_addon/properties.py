@@ -32,13 +32,17 @@ from bpy.props import (
 )
 
 from ..solver.gauss.conditions import KINDS
+from .design_settings import stored_design_annotations
 from .group_list import free_name
 from .settings import setting_annotations
 
 GROUP_ATTRIBUTE = "cmc_group"
 
 ROLES = {"F_PLUS": "f+", "F_MINUS": "f-", "G": "g", "GAUSS": "gauss"}
-"""Role of a result object -> the solver's name of that sheet."""
+"""Role of a result object of Solve -> the solver's name of that sheet."""
+
+DESIGN_ROLES = {"NEAREST": "nearest CMC surface", "FIT": "shell fitted to an outline"}
+"""Role of a result object of Approximate Surface and of Fit to Outline -> what it is."""
 
 
 # --- from the registry of kinds ------------------------------------------------------------
@@ -142,12 +146,16 @@ class CmcObject(bpy.types.PropertyGroup):
 
     __annotations__ = {
         **setting_annotations(),
+        **stored_design_annotations(),
         # On a plan. A link counts only while the result's `source` points back (see results.py).
         "f_plus": PointerProperty(name="f+", type=bpy.types.Object, poll=_is_mesh_object),
         "f_minus": PointerProperty(name="f-", type=bpy.types.Object, poll=_is_mesh_object),
         "g": PointerProperty(name="g", type=bpy.types.Object, poll=_is_mesh_object),
         "gauss": PointerProperty(name="Gauss Image", type=bpy.types.Object, poll=_is_mesh_object),
+        "nearest": PointerProperty(name="Nearest CMC Surface", type=bpy.types.Object, poll=_is_mesh_object),
+        "fit": PointerProperty(name="Fit", type=bpy.types.Object, poll=_is_mesh_object),
         "collection": PointerProperty(name="Results", type=bpy.types.Collection),
+        "design_report": StringProperty(name="Design Report", description="Report of the last fit, as JSON"),
         "report": StringProperty(name="Report", description="Report of the last solve, as JSON"),
         "message": StringProperty(name="Message", description="What the last solve said"),
         # Mesh Plan: on an outline its plan, on a plan its outline (counted as the links above are).
@@ -156,10 +164,14 @@ class CmcObject(bpy.types.PropertyGroup):
         "meshed": BoolProperty(name="Meshed", description="This plan was made by Mesh Plan"),
         # On a result.
         "role": EnumProperty(name="Role", items=[("NONE", "None", "Not a result")] + [
-            (role, sheet, "Result of a solve") for role, sheet in ROLES.items()]),
+            (role, what, "Result of a solve") for role, what in (ROLES | DESIGN_ROLES).items()]),
         "source": PointerProperty(name="Plan", type=bpy.types.Object),
         "placed_at": FloatVectorProperty(name="Placed At", size=3, subtype="TRANSLATION"),
         "parked": BoolProperty(name="Parked", description="Hidden by Solve because not wanted now"),
+        # On an empty.
+        "anchor_weight": FloatProperty(
+            name="Weight", description="How much this anchor of Fit to Outline counts; 0 leaves it out",
+            default=1.0, min=0.0, soft_max=10.0),
     }
 
 

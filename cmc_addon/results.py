@@ -21,6 +21,9 @@ not even that).
 **Wanted no longer.** A result that exists but is not asked for now is brought up to date all the same and
 hidden, and shown again when it is asked for. A sheet that has become a single point is deleted.
 
+**Of a design.** Approximate Surface makes "Hall nearest CMC" and Fit to Outline "Hall fit": results of their own
+role, which Solve neither changes nor hides, and to which all the rest of this applies.
+
 **Deleted.** A result counts as deleted when it is in no scene; the next solve makes a new one. The same
 holds for the collection. A result whose plan is deleted stays as it is and can no longer be solved.
 
@@ -33,6 +36,7 @@ duplicated result is a copy that no solve changes; Solve with it active solves t
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 
 import bpy
 import numpy as np
@@ -49,10 +53,10 @@ from .mesh_bridge import (
     set_positions,
 )
 from .polygon_bridge import polygon_mesh, row_weights
-from .properties import ROLES
+from .properties import DESIGN_ROLES, ROLES
 from .result_bridge import Cut, fresh_mesh, put_mesh, put_weights, vertex_weights
 
-_SUFFIX = {"F_PLUS": "f+", "F_MINUS": "f-", "G": "g", "GAUSS": "Gauss image"}
+_SUFFIX = {"F_PLUS": "f+", "F_MINUS": "f-", "G": "g", "GAUSS": "Gauss image", "NEAREST": "nearest CMC", "FIT": "fit"}
 
 
 # --- links ---------------------------------------------------------------------------------
@@ -80,9 +84,9 @@ def result_of(plan: bpy.types.Object, role: str) -> bpy.types.Object | None:
     return result
 
 
-def results_of(plan: bpy.types.Object) -> dict[str, bpy.types.Object]:
-    """Role -> object of all results that a plan has."""
-    found = {role: result_of(plan, role) for role in ROLES}
+def results_of(plan: bpy.types.Object, roles: Iterable[str] = ROLES) -> dict[str, bpy.types.Object]:
+    """Role -> object of all results that a plan has; those of Solve, unless other roles are asked for."""
+    found = {role: result_of(plan, role) for role in roles}
     return {role: result for role, result in found.items() if result is not None}
 
 
@@ -104,7 +108,7 @@ def check_writable(plan: bpy.types.Object) -> None:
             f"'{plan.name}' is linked from another file; make it local (Object > Library Override, or "
             "Object > Relations > Make Local) to solve it here."
         )
-    for result in results_of(plan).values():
+    for result in results_of(plan, (*ROLES, *DESIGN_ROLES)).values():
         if result.data.is_editmode:
             raise CmcError(f"The result '{result.name}' is in edit mode; leave it (Tab) and solve again.")
 

@@ -6,7 +6,7 @@ import importlib
 
 import bpy
 
-MODULES = ("boundary", "plan", "go_to", "solve")
+MODULES = ("boundary", "plan", "go_to", "solve", "design")
 """Files with a tuple CLASSES of operator (and list) classes."""
 
 

@@ -11,7 +11,7 @@ import bpy
 
 from ...solver.errors import CmcError
 from .. import session
-from ..forming import deliver, settings_of, take_order
+from ..forming import settings_of, take_order
 from ..properties import condition_annotations, kind_parameters, parameter_values
 from ..results import check_writable, plan_of
 from ..settings import SETTINGS, SIZE_PROPERTY, energies_on, fitted_settings, setting_annotations
@@ -41,6 +41,14 @@ class Solving:
         """Kind and parameters for the selected boundary edges, if the selection counts."""
         return None
 
+    def take(self, context: bpy.types.Context, plan: bpy.types.Object):
+        """What is to be done, without Blender data: `work(progress)`, and `deliver` for what that returns."""
+        return take_order(context, plan, self.order_settings(plan), self.selection())
+
+    def tell(self, update: session.Update) -> tuple[float, str]:
+        """How far the work is, from 0 to 1, and in words."""
+        return update.part, f"Step {update.iteration}, residual {update.residual:.1e}"
+
     # --- the one way
 
     def steps(self, context: bpy.types.Context, wait: float) -> Generator:
@@ -51,7 +59,7 @@ class Solving:
         context.view_layer.update()
         plan = plan_of(context.view_layer.objects.active)
         check_writable(plan)
-        order = take_order(context, plan, self.order_settings(plan), self.selection())
+        order = self.take(context, plan)
         uid = plan.session_uid
         outcome = yield from session.steps(order.work, order.settings.tolerance, wait)
         if outcome is None:
@@ -60,10 +68,10 @@ class Solving:
         if plan is None:
             raise CmcError(f"The plan '{order.name}' was deleted while it was being solved.")
         check_writable(plan)
-        for warning in deliver(context, plan, order, outcome):
+        for warning in order.deliver(context, plan, outcome):
             self.report({"WARNING"}, warning)
         if outcome.converged:  # otherwise the warnings say how it ended
-            self.report({"INFO"}, f"{plan.name}: {outcome.formed.message}")
+            self.report({"INFO"}, f"{plan.name}: {outcome.message}")
         return {"FINISHED"}
 
     def _say_cancelled(self) -> set[str]:
@@ -118,10 +126,8 @@ class Solving:
         try:
             update = next(self._work)
             while update is not None:
-                context.window_manager.cmc.progress = update.part
-                context.window_manager.cmc.message = (
-                    f"Step {update.iteration}, residual {update.residual:.1e}"
-                )
+                run = context.window_manager.cmc
+                run.progress, run.message = self.tell(update)
                 update = next(self._work)
         except StopIteration as end:
             self._cleanup(context)
@@ -153,7 +159,7 @@ def _redraw(context: bpy.types.Context) -> None:
                 area.tag_redraw()
 
 
-def _as_settings(layout: bpy.types.UILayout) -> None:
+def as_settings(layout: bpy.types.UILayout) -> None:
     """Names on the left, values on the right, as in the panels."""
     layout.use_property_split = True
     layout.use_property_decorate = False
@@ -202,7 +208,7 @@ class CMC_OT_solve(Solving, bpy.types.Operator):
     __annotations__ = setting_annotations({"SKIP_SAVE"})
 
     def draw(self, context: bpy.types.Context) -> None:
-        _as_settings(self.layout)
+        as_settings(self.layout)
         draw_settings(self.layout, self)
 
 
@@ -217,7 +223,7 @@ class CMC_OT_solve_selection(Solving, bpy.types.Operator):
         return {"kind": self.kind, "parameters": parameter_values(self.kind, self)}
 
     def draw(self, context: bpy.types.Context) -> None:
-        _as_settings(self.layout)
+        as_settings(self.layout)
         self.layout.prop(self, "kind")
         for name in kind_parameters(self.kind):
             self.layout.prop(self, name)

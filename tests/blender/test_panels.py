@@ -76,17 +76,17 @@ class Properties:
 
 
 def panel_class(name):
-    from cmc_formfinding.cmc_addon import boundary_panel, panels, results_panel
+    from cmc_formfinding.cmc_addon import boundary_panel, design_panel, panels, results_panel
 
-    for module in (panels, boundary_panel, results_panel):
+    for module in (panels, boundary_panel, design_panel, results_panel):
         if hasattr(module, name):
             return getattr(module, name)
     raise LookupError(name)
 
 
 PANELS = (
-    "CMC_PT_plan", "CMC_PT_boundary", "CMC_PT_shell", "CMC_PT_options", "CMC_PT_advanced", "CMC_PT_results",
-    "CMC_PT_checks", "CMC_PT_solver",
+    "CMC_PT_plan", "CMC_PT_boundary", "CMC_PT_shell", "CMC_PT_options", "CMC_PT_advanced", "CMC_PT_design",
+    "CMC_PT_results", "CMC_PT_checks", "CMC_PT_solver",
 )
 
 
@@ -243,6 +243,38 @@ def test_every_setting_of_a_solve_can_be_reached(plan) -> None:
         plan.cmc.size = size
         drawn |= set(draw("CMC_PT_boundary", "CMC_PT_shell", "CMC_PT_options", "CMC_PT_advanced").props)
     assert set(SETTINGS) - drawn == {"flip"}, "which has a button of its own"
+
+
+def test_every_setting_of_a_design_can_be_reached(plan) -> None:
+    from cmc_formfinding.cmc_addon.design_settings import APPROXIMATE_SETTINGS, FIT_SETTINGS, KNOB_PROPERTY, POINTERS
+
+    drawn = set()
+    for target in ("OUTLINE", "CURVE", "ANCHORS"):
+        for knob in KNOB_PROPERTY:
+            plan.cmc.fit_to, plan.cmc.knob = target, knob
+            record = draw("CMC_PT_design")
+            drawn |= set(record.props)
+            assert record.props.count(KNOB_PROPERTY[knob]) == 1
+    assert {*APPROXIMATE_SETTINGS, *FIT_SETTINGS, *POINTERS.values()} == drawn
+    assert record.operators == ["cmc.fit_outline", "cmc.approximate_surface"]
+
+
+def test_a_design_in_numbers(plan) -> None:
+    assert "Span" not in draw("CMC_PT_design").texts
+    bpy.ops.cmc.fit_outline()
+    record = draw("CMC_PT_design")
+    for name in ("Span", "Rise", "Area", "Radius 1/H", "H", "Rim on curve", "Crown height"):
+        assert name in record.texts
+    assert json.loads(plan.cmc.design_report)["message"].split()[0] in said(record)
+    bpy.context.view_layer.objects.active = plan.cmc.fit
+    assert "cmc.fit_outline" in draw("CMC_PT_design").operators
+    plan.cmc.design_report = "not a report {"
+    assert "Span" not in draw("CMC_PT_design").texts
+
+
+def test_the_weight_of_an_anchor() -> None:
+    bpy.ops.object.empty_add()
+    assert draw("CMC_PT_design").props == ["anchor_weight"]
 
 
 def test_angles_in_the_list_are_degrees(plan) -> None:

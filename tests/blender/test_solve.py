@@ -390,7 +390,7 @@ class Hand:
 
     def __init__(self, addon, context):
         solve = addon.cmc_addon.operators.solve
-        for name in ("modal", "_advance", "_cleanup", "_say_cancelled"):
+        for name in ("modal", "_advance", "_cleanup", "_say_cancelled", "take", "tell"):
             setattr(self, name, getattr(solve.Solving, name).__get__(self))
         self.context, self.reports = context, []
         self.order_settings = lambda plan: addon.cmc_addon.forming.settings_of(plan.cmc)

@@ -1,0 +1,94 @@
+"""Design: a shell nearest to a surface, or to an outline, a curve, anchors; and how near it has come."""
+
+import json
+from functools import lru_cache
+
+import bpy
+
+from .operators.design import draw_fit
+from .panels import TALL, Tab, length_text, plan_to_solve, properties_column
+from .results_panel import numbers, paragraph, per_length
+
+
+def last_design(context: bpy.types.Context) -> dict | None:
+    """The report of the last fit of the active plan or result; None where there was none."""
+    plan = plan_to_solve(context)
+    return _parsed(plan.cmc.design_report) if plan is not None and plan.cmc.design_report else None
+
+
+@lru_cache(maxsize=4)
+def _parsed(text: str) -> dict | None:
+    """A report as it was written; None if somebody else wrote into the property."""
+    try:
+        found = json.loads(text)
+        found["sheets"][found["sheet"]]["area"], found["message"], found["met"], found["distances"].items()
+    except (ValueError, KeyError, TypeError, AttributeError):
+        return None
+    return found
+
+
+class CMC_PT_design(Tab, bpy.types.Panel):
+    bl_idname = "CMC_PT_design"
+    bl_label = "Design"
+    bl_parent_id = "CMC_PT_shell"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 2
+
+    @classmethod
+    def poll(cls, context):
+        return plan_to_solve(context) is not None or _is_anchor(context.object)
+
+    def draw(self, context):
+        layout, plan = self.layout, plan_to_solve(context)
+        if plan is None:
+            properties_column(layout).prop(context.object.cmc, "anchor_weight", text="Anchor Weight")
+            return
+        column = layout.column()
+        column.enabled = plan.is_editable and not context.window_manager.cmc.running
+        draw_fit(properties_column(column), plan.cmc)
+        self._button(column, "cmc.fit_outline")
+        column.separator()
+        properties_column(column).prop(plan.cmc, "smoothness")
+        self._button(column, "cmc.approximate_surface")
+        report = last_design(context)
+        if report is not None:
+            paragraph(layout, context, report["message"], "CHECKMARK" if report["met"] else "ERROR")
+            numbers(layout, design_rows(report))
+
+    def _button(self, layout, name):
+        row = layout.row()
+        row.scale_y = TALL
+        row.operator(name)
+
+
+def _is_anchor(ob: bpy.types.Object | None) -> bool:
+    return ob is not None and ob.type == "EMPTY"
+
+
+def design_rows(report: dict) -> list[tuple[str, str]]:
+    shown, H = report["sheets"][report["sheet"]], report["mean_curvature"]
+    rows = [
+        ("Span", length_text(shown["span"])),
+        ("Rise", length_text(shown["rise"])),
+        ("Area", length_text(shown["area"], 2)),
+        ("Radius 1/H", length_text(1 / H)),
+        ("H", f"{H:.4g} {per_length()}"),
+    ]
+    if report.get("deviation"):
+        mean, most = (length_text(report["deviation"][name], digits=2) for name in ("mean", "max"))
+        rows.append(("Deviation", f"{mean}, at most {most}"))
+    return rows + [(label[:1].upper() + label[1:], f"{off:.2g}") for label, off in report["distances"].items()]
+
+
+CLASSES = (CMC_PT_design,)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    for cls in reversed(CLASSES):
+        if cls.is_registered:
+            bpy.utils.unregister_class(cls)

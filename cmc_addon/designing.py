@@ -1,0 +1,316 @@
+"""One design by target: from the plan object and what it is to fit to, to arrays, and from arrays to the result.
+
+The counterpart of `forming`, which solves for boundary conditions that are given. The work between the two ends sees
+no Blender data and may run in a thread; while it runs, `latest` is the best shape found so far, for the screen.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from types import SimpleNamespace
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..solver.design.fit import Fit, FitStatus
+from ..solver.design.gauss_map import fit_gauss_map
+from ..solver.design.outline import fit_outline
+from ..solver.domain.domain import Domain
+from ..solver.errors import CmcError
+from ..solver.measure import report
+from ..solver.pipeline import placed_normals, row_curvature
+from ..solver.surface.placement import Similarity
+from . import session
+from .deviation import deviation_from, show_deviation
+from .forming import check_unchanged, plan_depsgraph
+from .mesh_bridge import PlanMesh
+from .messages import in_plan_numbers
+from .result_bridge import Cut, find_cut
+from .results import Writer, result_of, write_report
+
+Array = NDArray[np.float64]
+Progress = Callable[[int, float], bool | None]
+
+# Evaluations of a fit at most, and of its first slice, after which it is shown; each next one is twice as long.
+LIMIT = 300
+_FIRST_SLICE = 20
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """Coordinates in which a fit stands upright: local = linear (x - origin), linear (3, 3) orthogonal."""
+
+    origin: Array
+    linear: Array
+
+    @classmethod
+    def over(cls, positions: Array, triangles: NDArray, hanging: bool) -> Frame:
+        """Heights along the vertical, downwards where the faces look down, or along the normal of a steep plan.
+
+        A hanging shell is a standing one in a mirror.
+        """
+        a, b, c = (positions[triangles[:, k]] for k in range(3))
+        vector = np.cross(b - a, c - a).sum(axis=0)
+        normal = vector / (np.linalg.norm(vector) or 1.0)
+        up = np.array([0.0, 0.0, -1.0 if normal[2] < 0 else 1.0])
+        if abs(normal[2]) < _STEEP and normal.any():
+            up = normal
+        start = np.eye(3)[0 if abs(up[0]) < 0.9 else 1]
+        first = start - (start @ up) * up
+        first /= np.linalg.norm(first)
+        linear = np.array([first, np.cross(up, first), -up if hanging else up])
+        return cls(positions.mean(axis=0), linear)
+
+    def inside(self, points: Array) -> Array:
+        return (points - self.origin) @ self.linear.T
+
+    def placing(self, found: Fit) -> Similarity:
+        """From the points of the surface of a fit in this frame to the world."""
+        return Similarity(1.0, found.sign * self.linear.T, self.origin + found.shift @ self.linear)
+
+    @property
+    def up(self) -> Array:
+        return np.array([0.0, 0.0, 1.0]) if abs(self.linear[2, 2]) > 0.5 else self.linear[2]
+
+
+# Cosine between the normal of a plan and the vertical below which it is a wall, not a floor.
+_STEEP = 0.1
+
+
+@dataclass(eq=False)
+class DesignOrder:
+    """All that a fit needs, without any Blender data.
+
+    latest: points (n, 3) in the world and triangles (F, 3) of the best shape so far, set while the work runs.
+    chosen: names of the data-blocks to keep with the plan, for the pointers of `design_settings`.
+    """
+
+    name: str
+    mesh: PlanMesh
+    settings: SimpleNamespace
+    stored: tuple[str, ...]
+    role: str = ""
+    warnings: list[str] = field(default_factory=list)
+    chosen: dict[str, object] = field(default_factory=dict)
+    latest: tuple[Array, NDArray] | None = None
+
+    def work(self, progress: Progress) -> DesignOutcome:
+        """Fit. Raises `CmcError` in the plan's own numbering."""
+        prepared = session.prepare(self.mesh)
+        try:
+            return self._work(prepared, progress)
+        except CmcError as error:
+            raise in_plan_numbers(error, self.mesh, prepared.triangles, prepared.owners) from error
+
+    def _work(self, prepared: session.Prepared, progress: Progress) -> DesignOutcome:
+        frame = self.frame(prepared)
+
+        def show(found: Fit) -> None:
+            self.latest = frame.placing(found).points(found.surface.sheet(found.sheet)), found.surface.faces
+
+        found = self.fit(frame, prepared, progress, show)
+        surface, sheet, placing = found.surface, found.sheet, frame.placing(found)
+        points = placing.points(surface.sheet(sheet))
+        measured = report(
+            surface,
+            self.outline(),
+            sheet=sheet,
+            positions={sheet: points},
+            intersections=False,
+            up=frame.up,
+        )
+        return DesignOutcome(
+            found,
+            points,
+            placed_normals(surface.normals, sheet, placing),
+            row_curvature(surface, placing, {sheet: points}, sheet),
+            find_cut(self.mesh, prepared.triangles, prepared.owners, surface.faces, surface.source),
+            measured.to_dict(),
+            self.deviation(prepared, points),
+        )
+
+    # --- what the two do differently
+
+    def frame(self, prepared: session.Prepared) -> Frame:
+        raise NotImplementedError
+
+    def fit(
+        self, frame: Frame, prepared: session.Prepared, progress: Progress, show: Callable[[Fit], None]
+    ) -> Fit:
+        raise NotImplementedError
+
+    def outline(self) -> Array | list[Array] | None:
+        """What the rim's distance is measured from: drawn positions of the vertices, closed lines, or nothing."""
+        return self.mesh.positions
+
+    def deviation(self, prepared: session.Prepared, points: Array) -> Array | None:
+        return None
+
+    # --- the result
+
+    def deliver(self, context: bpy.types.Context, plan: bpy.types.Object, outcome: DesignOutcome) -> list[str]:
+        """Write the result of a plan and return what the user should be warned of.
+
+        Raises `CmcError`, with nothing changed, where the plan is not what it was when the order was taken.
+        """
+        depsgraph = plan_depsgraph(context, self.settings)
+        check_unchanged(plan, depsgraph, self.mesh)
+        writer = Writer(context, plan, depsgraph, self.mesh, outcome.cut)
+        writer.write(self.role, outcome.points, outcome.normals, outcome.curvature)
+        result = result_of(plan, self.role)
+        result.cmc.parked = result.hide_viewport = result.hide_render = False
+        told = self._report(context, plan, outcome)
+        if outcome.deviation is not None:
+            show_deviation(plan, result, outcome.deviation)
+        write_report(result, told)
+        plan.cmc.design_report = json.dumps(told, ensure_ascii=False)
+        for name in self.stored:
+            setattr(plan.cmc, name, getattr(self.settings, name))
+        for name, block in self.chosen.items():
+            setattr(plan.cmc, name, _still_there(block))
+        return [*self.warnings, *([] if outcome.converged else [outcome.message])]
+
+    def _report(self, context: bpy.types.Context, plan: bpy.types.Object, outcome: DesignOutcome) -> dict:
+        found = outcome.fit
+        told = {
+            "plan": plan.name,
+            "unit_scale": context.scene.unit_settings.scale_length,
+            "design": self.role,
+            **outcome.report,
+            "message": outcome.message,
+            "met": outcome.converged,
+            "distances": {label: float(number) for label, number in found.distances.items()},
+            "evaluations": len(found.history),
+        }
+        if outcome.deviation is not None:
+            told["deviation"] = {"mean": float(outcome.deviation.mean()), "max": float(outcome.deviation.max())}
+        return told
+
+
+def _still_there(block: tuple[str, str] | None):
+    """A data-block by collection and name, if it has not been deleted meanwhile."""
+    return None if block is None else getattr(bpy.data, block[0]).get(block[1])
+
+
+@dataclass(frozen=True, eq=False)
+class DesignOutcome:
+    """What a fit gave, in the world; deviation (n,): distances of the points from the surface that was fitted to."""
+
+    fit: Fit
+    points: Array
+    normals: Array
+    curvature: Array
+    cut: Cut | None
+    report: dict
+    deviation: Array | None
+
+    @property
+    def converged(self) -> bool:
+        """Whether the wishes are met."""
+        return bool(self.fit.met)
+
+    @property
+    def message(self) -> str:
+        return self.fit.message
+
+
+def in_slices(
+    run: Callable[[Fit | None, int, Progress], Fit], progress: Progress, show: Callable[[Fit], None]
+) -> Fit:
+    """run(earlier, evaluations, progress), again and again from where it ended, until it ends by itself.
+
+    Each slice is twice as long as the one before, since each forgets what the one before has learnt about the
+    curvature of the problem.
+    """
+    found: Fit | None = None
+    past: list[float] = []
+    size, told = _FIRST_SLICE, counted(progress)
+    while True:
+        found = run(found, size, told)
+        past += found.history
+        if found.status is not FitStatus.EVALUATION_LIMIT or len(past) >= LIMIT:
+            return replace(found, history=past)
+        show(found)
+        size = min(2 * size, LIMIT - len(past))
+
+
+def counted(progress: Progress) -> Progress:
+    """A progress that counts on where the evaluations are counted from the beginning, in a stage or a slice."""
+    before = last = 0
+
+    def told(count: int, value: float) -> bool | None:
+        nonlocal before, last
+        before, last = (before + last if count <= last else before), count
+        return progress(before + count, value)
+
+    return told
+
+
+class ApproximateOrder(DesignOrder):
+    """The CMC surface nearest to the plan itself, a surface in space."""
+
+    def frame(self, prepared: session.Prepared) -> Frame:
+        return Frame(self.mesh.positions.mean(axis=0), np.eye(3))
+
+    def fit(self, frame: Frame, prepared: session.Prepared, progress: Progress, show: Callable[[Fit], None]) -> Fit:
+        return fit_gauss_map(
+            prepared.solver.domain,
+            frame.inside(self.mesh.positions),
+            self.settings.smoothness,
+            max_evaluations=LIMIT,
+            solver=prepared.solver,
+            progress=progress,
+        )
+
+    def deviation(self, prepared: session.Prepared, points: Array) -> Array:
+        return deviation_from(self.mesh.positions, prepared.triangles, points)
+
+
+@dataclass(eq=False)
+class FitOrder(DesignOrder):
+    """The shell whose rim lies on a curve (m, 3), None for the plan's own, and which goes through anchors: places
+    (k, 3) and weights (k,), or None."""
+
+    curve: Array | None = None
+    anchors: tuple[Array, Array] | None = None
+
+    def frame(self, prepared: session.Prepared) -> Frame:
+        return Frame.over(self.mesh.positions, prepared.triangles, self.settings.hanging)
+
+    def fit(self, frame: Frame, prepared: session.Prepared, progress: Progress, show: Callable[[Fit], None]) -> Fit:
+        settings, local = self.settings, frame.inside(self.mesh.positions)
+        domain: Domain = prepared.solver.domain
+        knob = settings.knob.lower()
+
+        def run(earlier: Fit | None, evaluations: int, told: Progress) -> Fit:
+            return fit_outline(
+                domain,
+                local,
+                None if self.curve is None else frame.inside(self.curve),
+                **{knob: getattr(settings, f"fit_{knob}")},
+                free_heights=settings.free_heights and settings.fit_to != "ANCHORS",
+                anchors=self._anchored(frame, local),
+                on_curve=settings.fit_to != "ANCHORS",
+                max_evaluations=evaluations,
+                initial=earlier,
+                solver=prepared.solver,
+                progress=told,
+            )
+
+        return in_slices(run, progress, show)
+
+    def _anchored(self, frame: Frame, local: Array) -> tuple[NDArray, Array, Array] | None:
+        """Each anchor holds the vertex nearest to it as seen from above."""
+        if self.anchors is None:
+            return None
+        places, weights = frame.inside(self.anchors[0]), self.anchors[1]
+        far = np.linalg.norm(places[:, None, :2] - local[None, :, :2], axis=2)
+        return far.argmin(axis=1), places, weights
+
+    def outline(self) -> Array | list[Array] | None:
+        if self.settings.fit_to == "ANCHORS":
+            return None
+        return self.mesh.positions if self.curve is None else [self.curve]
