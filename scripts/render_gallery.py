@@ -1,4 +1,4 @@
-"""The pictures of docs/: the demo, the paper's Figure 3, a nodoid, the plans of assets/ with their shells.
+"""The pictures of docs/: the demo, the paper's figures, a nodoid, the plans of assets/ with their shells.
 
     make gallery
     .venv/bin/python scripts/render_gallery.py figure3 --samples 8     # one of them, quickly
@@ -18,6 +18,7 @@ package = blender_session.start()
 
 import bpy  # noqa: E402
 import demo  # noqa: E402
+import gallery_design  # noqa: E402
 import gallery_faces  # noqa: E402
 import make_assets  # noqa: E402
 import numpy as np  # noqa: E402
@@ -122,6 +123,24 @@ def needles(samples: int) -> None:
     picture("needles", (3.42, -40.0, 10.0), (3.42, 0.0, 0.0), 159.0, 0.27, samples, suffix=".jpg")
 
 
+def approximation(samples: int) -> None:
+    """A wavy disc and its CMC approximations (paper, Figure 10)."""
+    gallery_design.approximation()
+    picture("approximation", (3.68, -26.0, 18.0), (3.68, 0.0, -0.62), 116.0, 0.45, samples)
+
+
+def centre(samples: int) -> None:
+    """A cultural centre and its CMC approximation (paper, Figure 11)."""
+    gallery_design.centre()
+    picture("centre", (150.0, -102.0, 62.0), (36.0, 26.0, 1.0), 38.0, 0.4, samples, sky=False)
+
+
+def outline(samples: int) -> None:
+    """The L-shaped hall, its rim on its outline."""
+    gallery_design.hall()
+    studio.render(IMAGES / "outline.png", WIDTH, round(WIDTH / 1.75), samples)
+
+
 PICTURES: dict[str, Callable[[int], None]] = {
     "pavilion": pavilion,
     "plans": plans_and_shells,
@@ -131,6 +150,9 @@ PICTURES: dict[str, Callable[[int], None]] = {
     "energies": energies,
     "identity": identity,
     "needles": needles,
+    "approximation": approximation,
+    "centre": centre,
+    "outline": outline,
 }
 
 

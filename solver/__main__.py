@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from . import __version__
 from .errors import CmcError
-from .job import EXAMPLE, load_job, run_job
+from .job import EXAMPLE, Job, load_job, run_job
 
 OK, FAILED, BAD_JOB = 0, 1, 2
 
 _EPILOG = f"""\
-exit code: 0 done; 1 the solve failed or did not converge, or a file could not be written; 2 a job or its mesh
-cannot be used
+exit code: 0 done; 1 the solve failed or did not converge, a wish was not met, or a file could not be written; 2 a
+job or its mesh cannot be used
 
 a job:
 
@@ -36,7 +36,7 @@ def run(job_file: str, *, verbose: bool = False, quiet: bool = False) -> int:
     except CmcError as error:
         return _complain(path, error, BAD_JOB)
     try:
-        formed = run_job(job, progress=_show if verbose else None)
+        formed = run_job(job, progress=_shower(job) if verbose else None)
     except CmcError as error:
         return _complain(path, error, FAILED)
     except KeyboardInterrupt:
@@ -44,7 +44,7 @@ def run(job_file: str, *, verbose: bool = False, quiet: bool = False) -> int:
     for warning in formed.warnings:
         print(f"{path}: {warning}", file=sys.stderr)
     if not quiet:
-        print(formed.report.summary())
+        print(formed.summary())
         for name, file in job.outputs.items():
             print(f"{name} → {file}")
     return OK if formed.converged else FAILED
@@ -57,8 +57,10 @@ def _complain(path: str, error: object, code: int) -> int:
     return code
 
 
-def _show(iteration: int, residual: float) -> None:
-    print(f"step {iteration}: residual {residual:.2e}", file=sys.stderr)
+def _shower(job: Job) -> Callable[[int, float], None]:
+    """What prints the steps of a job: residuals of a solve, values of a fit."""
+    what = "residual" if job.wish is None else "distance"
+    return lambda step, value: print(f"step {step}: {what} {value:.2e}", file=sys.stderr)
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -55,6 +55,11 @@ def read_mesh(path: str | os.PathLike[str], *, up: str | None = None) -> MeshDat
     return replace(mesh, positions=mesh.positions @ _Y_TO_Z.T) if _up(file, up) == "y" else mesh
 
 
+def oriented(points: Array, up: str) -> Array:
+    """Points (n, 3) of a file whose up is "y" or "z", with z up."""
+    return points @ _Y_TO_Z.T if up == "y" else points
+
+
 def write_mesh(
     path: str | os.PathLike[str], mesh: MeshData, *, normals: Array | None = None, up: str | None = None
 ) -> None:

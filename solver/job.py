@@ -20,6 +20,8 @@ from .domain.domain import Domain
 from .domain.sites import SITES
 from .errors import CmcError, ConditionError, JobError
 from .files import FORMATS, MeshData, read_mesh
+from .fit_table import read_fit
+from .fitting import Wish, fit_plan
 from .gauss.conditions import KINDS, Parameter
 from .gauss.energies import ENERGIES, energy_on
 from .gauss.methods import METHODS
@@ -46,6 +48,10 @@ tilt = 20                # degrees: 0 is a vertical rim, 90 flat
 span = 12.0              # or rise, radius (1/H), mean_curvature
 ground = "lowest"        # or "rim"; also rotate, flip = true, sheet = "f-"
 
+# [fit]                  # instead of conditions and a size: the shell whose rim lies on the outline
+# outline = true         # or a closed polyline, "curve.obj"; or approximate = true: the shell nearest to the mesh
+# rise = 0.35            # or height, volume, mean_curvature
+
 [output]
 f_plus = "shell.obj"     # also f_minus, g, gauss; .obj keeps polygons, UVs and materials
                          # combinatorics = "dual" or "corner" for other polygons than the plan's
@@ -66,7 +72,8 @@ class Job:
     """A job that has been read and checked: what to solve, and where to write it.
 
     mesh: what was drawn, with all it carries. outputs: sheet ("f+", "f-", "g", "gauss") or "report" → file.
-    up: the up axis of the mesh files, None for each format's own.
+    up: the up axis of the mesh files, None for each format's own. wish: what the shell is fitted to, None where it
+    is solved for from conditions.
     """
 
     path: Path
@@ -75,6 +82,7 @@ class Job:
     mesh: MeshData
     outputs: dict[str, Path]
     up: str | None = None
+    wish: Wish | None = None
 
 
 def load_job(path: str | os.PathLike[str]) -> Job:
@@ -94,18 +102,23 @@ def make_job(data: Mapping[str, object], file: Path) -> Job:
     triangles, owner = triangulate_polygons(mesh.positions, mesh.polygons)
     plan = Plan(mesh.positions, triangles, mesh.polygons, triangle_polygons=owner)
     domain = plan_domain(plan)
+    wish = read_fit(root, domain, file.parent, up)
     plan.groups = [_group(table, domain, mesh, sides) for table in root.tables("conditions")]
     output = root.table("output")
     settings = _settings(root, output.text("combinatorics", "primal", among=list(COMBINATORICS)))
     outputs = _outputs(output, file.parent)
     root.finish()
-    plan_conditions(plan, settings, domain)
-    return Job(file, plan, settings, mesh, outputs, up)
+    if wish is None:
+        plan_conditions(plan, settings, domain)
+    return Job(file, plan, settings, mesh, outputs, up, wish)
 
 
 def run_job(job: Job, progress: Callable[[int, float], bool | None] | None = None) -> Formed:
-    """Solve a job and write its files; raises `CmcError` where that is not possible."""
-    formed = form(job.plan, job.settings, progress=progress)
+    """Solve a job or fit its shell, and write its files; raises `CmcError` where that is not possible."""
+    if job.wish is None:
+        formed = form(job.plan, job.settings, progress=progress)
+    else:
+        formed = fit_plan(job.plan, job.wish, progress=progress)
     write_results(formed, job.plan, job.mesh, job.outputs, up=job.up, combinatorics=job.settings.combinatorics)
     return formed
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from .errors import JobError
 from .files import MeshData, corner_rows, write_bytes, write_mesh
+from .measure.report import plain
 from .pipeline import Formed, sheet_polygons
 from .plan import Plan
 from .polygon_sheets import PolygonSheet, polygon_sheet
@@ -85,8 +86,20 @@ def _check_placed(formed: Formed, sheet: str) -> None:
 
 
 def report_data(formed: Formed) -> dict[str, Any]:
-    """The report as plain data, with the message and the warnings."""
-    return {"message": formed.message, "warnings": formed.warnings, **formed.report.to_dict()}
+    """The report as plain data, with the message and the warnings, and for a fit how near it came."""
+    data = {"message": formed.message, "warnings": formed.warnings, **formed.report.to_dict()}
+    if formed.fit is None:
+        return data
+    found = formed.fit
+    return data | {
+        "fit": {
+            "met": found.met,
+            "status": found.status.value,
+            "message": found.message,
+            "distances": plain(found.distances),
+            "evaluations": len(found.history),
+        }
+    }
 
 
 def write_results(

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .design.fit import Fit
 from .domain.delaunay import speed_note
 from .errors import Status
 from .gauss.energies import ENERGIES
@@ -22,7 +23,7 @@ Array = NDArray[np.float64]
 Int = NDArray[np.int32]
 Progress = Callable[[int, float], bool | None]
 
-__all__ = ["Formed", "Group", "Plan", "Settings", "form", "sheet_polygons"]
+__all__ = ["Formed", "Group", "Plan", "Settings", "finish", "form", "sheet_polygons"]
 
 # Share of the shell's area that may overhang, and degrees by which it may, before it is worth a warning: next to a
 # vertical rim the faces of an ordinary mesh lean by a degree or two.
@@ -43,6 +44,7 @@ class Formed:
     mean_curvature (n,): of the sheet that is shown, measured, positive on a sphere; its target is in the
         report.
     message: the status in a sentence. warnings: what the user should know besides. solver: to hand in again.
+    fit: where the shell was fitted to something (`fitting.fit_plan`), how near it came.
     """
 
     surface: CmcSurface
@@ -56,11 +58,20 @@ class Formed:
     message: str
     warnings: list[str] = field(default_factory=list)
     solver: CmcSolver | None = None
+    fit: Fit | None = None
 
     @property
     def converged(self) -> bool:
-        """Whether the shell is what was asked for: harmonic to the tolerance, and without a gap."""
-        return self.surface.status is Status.CONVERGED
+        """Whether the shell is what was asked for: harmonic to the tolerance, without a gap, every wish met."""
+        return self.surface.status is Status.CONVERGED and (self.fit is None or self.fit.met)
+
+    def summary(self, unit: str = "") -> str:
+        """The report's summary, and how near the shell is to what it was fitted to."""
+        lines = [self.report.summary(unit)]
+        if self.fit is not None:
+            parts = ", ".join(f"{label} {distance:.3g}" for label, distance in self.fit.distances.items())
+            lines.append(f"Distances after {len(self.fit.history)} evaluations: {parts}.")
+        return "\n".join(lines)
 
 
 def form(
@@ -95,18 +106,39 @@ def form(
         degree=settings.degree,
         progress=progress,
     )
-    sheets = [name for name in SHEETS if not surface.is_degenerate(name)]
-    _check_shown(surface, settings.sheet, sheets)
+    _check_shown(surface, settings.sheet)
     plane, similarity = _place(plan, settings, surface)
+    return finish(
+        plan, settings, surface, plane, similarity, solver, outline=plan.positions, intersections=intersections
+    )
+
+
+def finish(
+    plan: Plan,
+    settings: Settings,
+    surface: CmcSurface,
+    plane: Plane,
+    similarity: Similarity,
+    solver: CmcSolver,
+    *,
+    outline: Array | list[Array],
+    fit: Fit | None = None,
+    intersections: bool = True,
+) -> Formed:
+    """Place a surface and measure it. `plane` has the vertical; `outline`: see `report`."""
+    sheets = _check_shown(surface, settings.sheet)
     placed, normals = _placed(surface, similarity, plane, sheets)
     measured = report(
         surface,
-        plan.positions,
+        outline,
         sheet=settings.sheet,
         positions={name: placed[name] for name in sheets},
         intersections=intersections,
         up=plane.normal,
     )
+    notes = plan_warnings(plan, solver.domain) + _warnings(plan, surface, settings, similarity, measured)
+    if fit is not None and not fit.met:
+        notes.insert(0, fit.message)
     return Formed(
         surface=surface,
         similarity=similarity,
@@ -116,9 +148,10 @@ def form(
         faces=surface.faces,
         mean_curvature=row_curvature(surface, similarity, placed, settings.sheet),
         report=measured,
-        message=measured.sentence,
-        warnings=plan_warnings(plan, solver.domain) + _warnings(plan, surface, settings, similarity, measured),
+        message=measured.sentence if fit is None else fit.message,
+        warnings=notes,
         solver=solver,
+        fit=fit,
     )
 
 
@@ -134,7 +167,9 @@ def _solver(plan: Plan, settings: Settings, given: CmcSolver | None) -> CmcSolve
     return CmcSolver(domain, sites=sites, energy=energy, delaunay=delaunay)
 
 
-def _check_shown(surface: CmcSurface, shown: str, sheets: Sequence[str]) -> None:
+def _check_shown(surface: CmcSurface, shown: str) -> list[str]:
+    """The sheets that are no points; raises `PlacementError` where the one to show is not among them."""
+    sheets = [name for name in SHEETS if not surface.is_degenerate(name)]
     if not sheets or surface.status is Status.COLLAPSED:
         raise PlacementError(Status.COLLAPSED.sentence)
     if shown not in sheets:
@@ -142,6 +177,7 @@ def _check_shown(surface: CmcSurface, shown: str, sheets: Sequence[str]) -> None
             f"{shown} degenerates to a point for these boundary conditions, so there is no shell to place; "
             f"show {sheets[0]}, or change a tilt."
         )
+    return sheets
 
 
 def _place(plan: Plan, settings: Settings, surface: CmcSurface) -> tuple[Plane, Similarity]:

@@ -14,6 +14,8 @@ import pytest
 from solver import job, plan
 from solver.domain.sites import SITES
 from solver.errors import Status
+from solver.fit_table import ANCHOR_KEYS
+from solver.fit_table import KEYS as FIT_KEYS
 from solver.gauss.conditions import KINDS
 from solver.gauss.energies import ENERGIES
 from solver.gauss.methods import METHODS
@@ -68,11 +70,12 @@ def job_keys() -> set[str]:
     placing = {"rotate", "flip", "ground", "sheet", "side"} | set(SIZES) - {"match_plan"} | set(GROUNDS)
     elsewhere = {"default_kind", "default_tilt", "size", "value"}
     solving = {field.name for field in fields(plan.Settings)} - elsewhere
-    tables = {"[shape]", "[[conditions]]", "[default]", "[size]", "[solver]", "[output]"}
+    tables = {"[shape]", "[[conditions]]", "[default]", "[size]", "[solver]", "[output]", "[fit]"}
     files = {*SHEET_KEYS, "report", "mesh", "up"} | tables
     names = {*SITES, *ENERGIES, *METHODS, *COMBINATORICS, *AVERAGINGS}
     words = {*WAYS, *KINDS, *job.SHAPES, "kind", "scale", *plan.SHEETS}
-    return words | parameters | shapes | placing | solving | files | names
+    fitting = {*FIT_KEYS, *ANCHOR_KEYS, "[[fit.anchors]]"} - {"anchors"}
+    return words | parameters | shapes | placing | solving | files | names | fitting
 
 
 def test_every_key_of_a_job_is_described():

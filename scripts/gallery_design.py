@@ -1,0 +1,149 @@
+"""Pictures of shells found for a target: an approximated disc, a cultural centre, a hall whose rim is its outline.
+
+`render_gallery.py` starts Blender and calls them.
+"""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import plans
+import studio
+import surfaces
+from cmc_formfinding.solver import Domain, mean_curvature_of, shapes
+from cmc_formfinding.solver.design.fit import Fit
+from cmc_formfinding.solver.design.gauss_map import fit_gauss_map, vertex_normals
+from cmc_formfinding.solver.design.outline import fit_outline
+from scipy.sparse import csr_array, hstack, vstack
+from scipy.sparse.linalg import splu
+
+WEIGHTS = (1e-4, 3e-3, 3e-2)
+RUST, WHITE, BLUE = (0.55, 0.13, 0.05), (0.80, 0.78, 0.74), (0.07, 0.20, 0.45)
+
+
+def approximation() -> None:
+    """Paper, Figure 10: a wavy disc and its approximations for three λ, with a conformal checker, and coloured by H."""
+    disc = shapes.disc(2500)
+    given = surfaces.wavy_disc(disc.positions, disc.domain.faces)
+    domain = Domain.from_positions(given.points, given.faces)
+    uv = 5.0 * conformal_coordinates(given.points, given.faces)
+    found = [fit_gauss_map(domain, given.points, weight) for weight in WEIGHTS]
+    columns = [("input", given.points, vertex_normals(domain, given.points))]
+    for weight, fit in zip(WEIGHTS, found, strict=True):
+        tell(f"λ = {weight:g}", fit)
+        columns.append((f"λ = {weight:g}", fit.points(), outward(fit)))
+    plaster, coloured = studio.checker("Plaster", "UVMap"), painted("Curvature")
+    for k, (title, points, normals) in enumerate(columns):
+        place = np.array([2.45 * k, 0.0, 0.0])
+        above = textured(title, points, given.faces, uv, plaster)
+        above.location, above.visible_shadow = place, False
+        ob = textured(f"H, {title}", points, given.faces, uv, coloured)
+        ob.location = place - [0.0, 0.0, 1.75]
+        colour_by_curvature(ob.data, points, given.faces, normals, 1.2)
+        studio.add_text(title, place + [0.0, 0.0, 1.15], 0.19)
+
+
+def centre(count: int = 2500) -> None:
+    """Paper, Figure 11: a cultural centre as it was drawn, and its approximation by a surface of constant H."""
+    disc = shapes.disc(count)
+    given = surfaces.cultural_centre(disc.positions, disc.domain.faces)
+    domain = Domain.from_positions(given.points, given.faces)
+    uv = 0.3 * conformal_coordinates(given.points, given.faces)
+    fit = fit_gauss_map(domain, given.points, 5e-4)
+    tell("centre", fit)
+    plaster = studio.checker("Plaster", "UVMap")
+    for k, points in enumerate((given.points, fit.points())):
+        ob = textured(f"centre {k}", points, given.faces, uv, plaster)
+        ob.location = (66.0 * k, 56.0 * k, -points[:, 2].min())
+        ob.modifiers.new("Thickness", "SOLIDIFY").thickness = 0.3
+    studio.add_ground(100.0)
+    studio.light(sun=(-0.5, -0.8, 0.7))
+
+
+def hall() -> None:
+    """The L-shaped hall with its rim on the outline it was drawn with."""
+    sketch = plans.hall()
+    hall = shapes.polygon(sketch.outline, max_edge=sketch.edge_length, corner_radius=sketch.corner_radius)
+    fit = fit_outline(hall.domain, hall.positions, rise=0.35)
+    tell("hall", fit)
+    points = fit.points()
+    shell = textured("Shell", points, fit.surface.faces, hall.positions, studio.checker("Plaster", "UVMap"))
+    studio.thicken(shell, 0.15)
+    rim = hall.domain.boundary_loops[0]
+    line = np.column_stack([hall.positions[rim], np.full(len(rim), 0.02)])
+    studio.add_line("Outline", line, width=0.16)
+    studio.add_ground(34.0)
+    studio.light()
+    eye = (34.0, -44.0, 24.0)
+    studio.aim(eye, (4.0, 0.0, 0.0), 47.0)
+    for place in ((13.0, -11.2, 0.0), (14.3, -11.7, 0.0)):
+        studio.add_person(place, eye)
+
+
+def tell(name: str, fit: Fit) -> None:
+    distances = ", ".join(f"{label} {value:.3g}" for label, value in fit.distances.items())
+    print(f"{name}: H {fit.surface.mean_curvature:.4g}, {distances}; {len(fit.history)} evaluations. {fit.message}")
+
+
+def outward(fit: Fit) -> np.ndarray:
+    """The unit normals of the sheet that was fitted, on the side from which it is drawn."""
+    return fit.surface.normals if fit.sheet == "f+" else -fit.surface.normals
+
+
+def textured(name: str, points, faces, uv, material) -> bpy.types.Object:
+    """A smooth object with UVs at its vertices."""
+    ob = studio.mesh_object(name, points, faces, material)
+    layer = ob.data.uv_layers.new(name="UVMap")
+    layer.uv.foreach_set("vector", np.asarray(uv[np.asarray(faces)], dtype=np.float32).ravel())
+    ob.data.shade_smooth()
+    return ob
+
+
+def painted(attribute: str) -> bpy.types.Material:
+    """A dull material that takes its colour from an attribute of the mesh."""
+    material = studio.matte(attribute, WHITE)
+    nodes = material.node_tree.nodes
+    colour = nodes.new("ShaderNodeAttribute")
+    colour.attribute_name = attribute
+    material.node_tree.links.new(colour.outputs["Color"], nodes["Principled BSDF"].inputs["Base Color"])
+    return material
+
+
+def colour_by_curvature(mesh: bpy.types.Mesh, points, faces, normals, most: float) -> None:
+    """Blue where H is -most, white at 0, rust at +most, from the measured H of faces."""
+    H = mean_curvature_of(points, faces, normals)
+    count = np.bincount(faces.ravel(), np.repeat(np.isfinite(H), 3), len(points))
+    sums = np.bincount(faces.ravel(), np.repeat(np.nan_to_num(H), 3), len(points))
+    part = np.clip(sums / np.maximum(count, 1) / most, -1.0, 1.0)[:, None]
+    ends = np.where(part > 0, RUST, BLUE)
+    colours = (1 - np.abs(part)) * np.array(WHITE) + np.abs(part) * ends
+    layer = mesh.attributes.new("Curvature", "FLOAT_COLOR", "POINT")
+    layer.data.foreach_set("color", np.column_stack([colours, np.ones(len(points))]).astype(np.float32).ravel())
+
+
+def conformal_coordinates(points, faces) -> np.ndarray:
+    """(V, 2) coordinates in which a surface is drawn without distortion of angles, in its own size, about (0, 0).
+
+    The least squares of the Cauchy-Riemann equations, with the two vertices farthest apart along x held.
+    """
+    a, b, c = (points[faces[:, k]] for k in range(3))
+    x = (b - a) / np.linalg.norm(b - a, axis=1, keepdims=True)
+    normal = np.cross(b - a, c - a)
+    y = np.cross(normal / np.linalg.norm(normal, axis=1, keepdims=True), x)
+    corners = [np.einsum("fi,fi->f", p - a, x) + 1j * np.einsum("fi,fi->f", p - a, y) for p in (a, b, c)]
+    roots = np.sqrt(np.linalg.norm(normal, axis=1))
+    values = np.stack([(corners[2] - corners[1]), (corners[0] - corners[2]), (corners[1] - corners[0])], axis=1)
+    values = (values / roots[:, None]).ravel()
+    rows = np.repeat(np.arange(len(faces)), 3)
+    L = csr_array((values, (rows, faces.ravel())), shape=(len(faces), len(points)))
+    held = [int(points[:, 0].argmin()), int(points[:, 0].argmax())]
+    free = np.setdiff1d(np.arange(len(points)), held)
+    known = np.array([0.0, np.linalg.norm(points[held[1]] - points[held[0]])])
+    L, K = L[:, free].tocsc(), L[:, held].tocsc()
+    real = vstack([hstack([L.real, -L.imag]), hstack([L.imag, L.real])]).tocsc()
+    right = np.concatenate([-(K.real @ known), -(K.imag @ known)])
+    solution = splu((real.T @ real).tocsc()).solve(real.T @ right)
+    uv = np.zeros((len(points), 2))
+    uv[free] = solution.reshape(2, -1).T
+    uv[held, 0] = known
+    return uv - uv.mean(axis=0)
