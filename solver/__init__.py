@@ -1,8 +1,10 @@
 """Constant mean curvature surfaces from discrete harmonic maps.
 
-The way through the package is the way through the mathematics: domain → gauss → surface → measure.
+The way through the package is the way through the mathematics: domain → gauss → surface → measure, with design (from
+what is wanted back to the boundary normals) on top.
 """
 
+from .design import Fit, fit, fit_gauss_map, fit_outline
 from .domain import shapes
 from .domain.domain import Domain
 from .errors import CmcError, ConditionError, JobError, MeshError, Status
@@ -23,6 +25,7 @@ __all__ = [
     "ConditionError",
     "Conditions",
     "Domain",
+    "Fit",
     "HarmonicMap",
     "HarmonicSolver",
     "JobError",
@@ -30,6 +33,9 @@ __all__ = [
     "Status",
     "conditions",
     "conformal_distortion",
+    "fit",
+    "fit_gauss_map",
+    "fit_outline",
     "mean_curvature_of",
     "periods",
     "report",
