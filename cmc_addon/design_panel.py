@@ -5,9 +5,12 @@ from functools import lru_cache
 
 import bpy
 
+from ..solver.design.targets import Anchors, Crown, RimOnCurve
 from .operators.design import draw_fit
 from .panels import TALL, Tab, length_text, plan_to_solve, properties_column
 from .results_panel import numbers, paragraph, per_length
+
+_LENGTHS = {target.label for target in (RimOnCurve, Crown, Anchors)}
 
 
 def last_design(context: bpy.types.Context) -> dict | None:
@@ -77,7 +80,11 @@ def design_rows(report: dict) -> list[tuple[str, str]]:
     if report.get("deviation"):
         mean, most = (length_text(report["deviation"][name], digits=2) for name in ("mean", "max"))
         rows.append(("Deviation", f"{mean}, at most {most}"))
-    return rows + [(label[:1].upper() + label[1:], f"{off:.2g}") for label, off in report["distances"].items()]
+    return rows + [_distance_row(label, off) for label, off in report["distances"].items()]
+
+
+def _distance_row(label: str, off: float) -> tuple[str, str]:
+    return label[:1].upper() + label[1:], length_text(off, digits=2) if label in _LENGTHS else f"{off:.2g}"
 
 
 CLASSES = (CMC_PT_design,)

@@ -18,12 +18,13 @@ from numpy.typing import NDArray
 from ..solver.design.fit import Fit, FitStatus
 from ..solver.design.gauss_map import fit_gauss_map
 from ..solver.design.outline import fit_outline
+from ..solver.design.targets import SmoothRim
 from ..solver.domain.domain import Domain
 from ..solver.errors import CmcError
 from ..solver.measure import report
 from ..solver.pipeline import placed_normals, row_curvature
-from ..solver.surface.placement import Similarity
 from . import session
+from .design_frame import Frame
 from .deviation import deviation_from, show_deviation
 from .forming import check_unchanged, plan_depsgraph
 from .mesh_bridge import PlanMesh
@@ -37,47 +38,8 @@ Progress = Callable[[int, float], bool | None]
 # Evaluations of a fit at most, and of its first slice, after which it is shown; each next one is twice as long.
 LIMIT = 300
 _FIRST_SLICE = 20
-
-
-@dataclass(frozen=True, eq=False)
-class Frame:
-    """Coordinates in which a fit stands upright: local = linear (x - origin), linear (3, 3) orthogonal."""
-
-    origin: Array
-    linear: Array
-
-    @classmethod
-    def over(cls, positions: Array, triangles: NDArray, hanging: bool) -> Frame:
-        """Heights along the vertical, downwards where the faces look down, or along the normal of a steep plan.
-
-        A hanging shell is a standing one in a mirror.
-        """
-        a, b, c = (positions[triangles[:, k]] for k in range(3))
-        vector = np.cross(b - a, c - a).sum(axis=0)
-        normal = vector / (np.linalg.norm(vector) or 1.0)
-        up = np.array([0.0, 0.0, -1.0 if normal[2] < 0 else 1.0])
-        if abs(normal[2]) < _STEEP and normal.any():
-            up = normal
-        start = np.eye(3)[0 if abs(up[0]) < 0.9 else 1]
-        first = start - (start @ up) * up
-        first /= np.linalg.norm(first)
-        linear = np.array([first, np.cross(up, first), -up if hanging else up])
-        return cls(positions.mean(axis=0), linear)
-
-    def inside(self, points: Array) -> Array:
-        return (points - self.origin) @ self.linear.T
-
-    def placing(self, found: Fit) -> Similarity:
-        """From the points of the surface of a fit in this frame to the world."""
-        return Similarity(1.0, found.sign * self.linear.T, self.origin + found.shift @ self.linear)
-
-    @property
-    def up(self) -> Array:
-        return np.array([0.0, 0.0, 1.0]) if abs(self.linear[2, 2]) > 0.5 else self.linear[2]
-
-
-# Cosine between the normal of a plan and the vertical below which it is a wall, not a floor.
-_STEEP = 0.1
+# Of an approximation, whose start is a guess already, a shape is shown after as many.
+_FIRST_LOOK = 5
 
 
 @dataclass(eq=False)
@@ -214,7 +176,14 @@ class DesignOutcome:
 
     @property
     def message(self) -> str:
-        return self.fit.message
+        """How near it came; where that is not near enough, what to change."""
+        if not self.converged:
+            return self.fit.message
+        if self.deviation is not None:
+            mean, most = self.deviation.mean(), self.deviation.max()
+            return f"The nearest surface is {most:.2g} off at most, {mean:.2g} on average."
+        near = [f"{label} to {number:.2g}" for label, number in self.fit.distances.items() if label != SmoothRim.label]
+        return f"Fitted: {', '.join(near)}."
 
 
 def in_slices(
@@ -256,14 +225,23 @@ class ApproximateOrder(DesignOrder):
         return Frame(self.mesh.positions.mean(axis=0), np.eye(3))
 
     def fit(self, frame: Frame, prepared: session.Prepared, progress: Progress, show: Callable[[Fit], None]) -> Fit:
-        return fit_gauss_map(
-            prepared.solver.domain,
-            frame.inside(self.mesh.positions),
-            self.settings.smoothness,
-            max_evaluations=LIMIT,
-            solver=prepared.solver,
-            progress=progress,
-        )
+        told = counted(progress)
+
+        def run(evaluations: int) -> Fit:
+            return fit_gauss_map(
+                prepared.solver.domain,
+                frame.inside(self.mesh.positions),
+                self.settings.smoothness,
+                max_evaluations=evaluations,
+                solver=prepared.solver,
+                progress=told,
+            )
+
+        first = run(_FIRST_LOOK)
+        if first.status is not FitStatus.EVALUATION_LIMIT:
+            return first
+        show(first)
+        return run(LIMIT)
 
     def deviation(self, prepared: session.Prepared, points: Array) -> Array:
         return deviation_from(self.mesh.positions, prepared.triangles, points)

@@ -415,13 +415,11 @@ def test_cancelled_changes_nothing(addon, monkeypatch, design):
     assert session.Running.stop is None
 
 
-@pytest.fixture
-def hand(addon):
+def hand_for(design, operator):
     """Stands for the operator that Blender makes, to turn its crank by hand."""
-    design = addon.cmc_addon.operators.design
 
     class Hand(design.Designing):
-        take = design.CMC_OT_fit_outline.take
+        take = operator.take
         properties = SimpleNamespace(is_property_set=lambda name: False)
 
         def __init__(self):
@@ -435,6 +433,24 @@ def hand(addon):
             return self.modal(bpy.context, SimpleNamespace(type=kind, value=value))
 
     return Hand()
+
+
+@pytest.fixture
+def hand(addon):
+    design = addon.cmc_addon.operators.design
+    return hand_for(design, design.CMC_OT_fit_outline)
+
+
+def test_an_approximation_is_shown_too(addon, monkeypatch):
+    surface = wavy()
+    design, shown = addon.cmc_addon.operators.design, []
+    monkeypatch.setattr(addon.cmc_addon.preview, "show", lambda *shape: shown.append(shape))
+    hand, result = hand_for(design, design.CMC_OT_approximate_surface), {"RUNNING_MODAL"}
+    while result == {"RUNNING_MODAL"}:
+        result = hand.tick()
+    assert result == FINISHED and len(shown) == 1
+    assert_allclose(shown[0][0], positions(surface.cmc.nearest), rtol=0, atol=1.0)
+    assert "on average" in hand.reports[-1][1]
 
 
 def test_shapes_are_shown_while_it_runs(addon, hand, monkeypatch):

@@ -1,0 +1,71 @@
+"""Fit to Outline by hand: the panel, the shape drawn while it runs, Esc, the shell, its numbers, undo; and the
+deviation of an approximated surface as colours."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+
+def until(condition, what: str, seconds: float = 120.0):
+    """Wait for something to become true."""
+    waited = 0.0
+    while not condition():
+        assert waited < seconds, f"waited in vain until {what}"
+        waited += 0.05
+        yield 0.05
+
+
+def running() -> bool:
+    return bpy.context.window_manager.cmc.running
+
+
+def preview():
+    import sys
+
+    return next(module for name, module in sys.modules.items() if name.endswith("cmc_addon.preview")).Preview
+
+
+def tell(hands):
+    bpy.ops.mesh.primitive_circle_add(vertices=48, radius=4, fill_type="NGON")
+    bpy.context.object.scale = (1.6, 1.0, 1.0)
+    bpy.ops.cmc.mesh_plan(edge_length=0.4)
+    plan = bpy.context.object
+    bpy.ops.ed.undo_push(message="Plan")
+    yield 0.5
+    shell = yield from hands.find("cmc.flip", (0.85,))
+    yield from hands.click(hands.sidebar.x + 60, shell[1] - 88)  # the header of Design, the last of three below
+    yield 0.5
+    yield from hands.picture("panel")
+    button = yield from hands.find("cmc.fit_outline")
+
+    yield from hands.click(*button)
+    yield from until(lambda: preview().shape is not None, "a shape is shown")
+    yield from hands.picture("running")
+    assert running(), "it ended before anyone could look; use a finer plan"
+    yield from hands.press("ESC")
+    yield from until(lambda: not running(), "Esc has stopped it")
+    assert plan.cmc.fit is None and preview().handle is None
+    yield 1.0  # the panel moves back to where it was
+
+    yield from hands.click(*button)
+    yield from until(lambda: plan.cmc.fit is not None, "the shell is there")
+    top = max(v.co.z for v in plan.cmc.fit.data.vertices)
+    assert abs(top - 2.0) < 0.02, top
+    yield from hands.picture("fitted")
+
+    yield from hands.press("Z", ctrl=True)
+    yield from until(lambda: not [ob for ob in bpy.data.objects if ob.cmc.role == "FIT"], "undo has taken it back")
+    yield from hands.press("Z", ctrl=True, shift=True)
+    yield from until(lambda: [ob for ob in bpy.data.objects if ob.cmc.role == "FIT"], "redo has brought it again")
+
+    plan = next(ob for ob in bpy.data.objects if ob.cmc.meshed)
+    for vertex in plan.data.vertices:
+        x, y = vertex.co.xy
+        vertex.co.z = 2 - 0.06 * (x * x + y * y) + 0.15 * np.sin(2 * x) * np.cos(2 * y)
+    bpy.context.view_layer.objects.active = plan
+    bpy.ops.cmc.approximate_surface()
+    for ob in bpy.data.objects:
+        ob.hide_set(ob.cmc.role != "NEAREST")
+    hands.area.spaces.active.shading.color_type = "VERTEX"
+    yield from hands.picture("deviation")
