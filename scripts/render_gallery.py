@@ -132,7 +132,7 @@ def approximation(samples: int) -> None:
 def centre(samples: int) -> None:
     """A cultural centre and its CMC approximation (paper, Figure 11)."""
     gallery_design.centre()
-    picture("centre", (150.0, -102.0, 62.0), (36.0, 26.0, 1.0), 38.0, 0.4, samples, sky=False)
+    picture("centre", (150.0, -102.0, 62.0), (42.0, 30.0, 2.0), 36.5, 0.36, samples, sky=False)
 
 
 def outline(samples: int) -> None:
