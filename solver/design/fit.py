@@ -215,5 +215,7 @@ def _finished(solver: CmcSolver, search: _Search, status: FitStatus, sheet: str)
         # the conjugate that was fitted; at the rim it differs from the solver's own at second order
         g, N = best.scale * best.state.g, best.scale * surface.normals
         surface = replace(surface, g=g, f_plus=g + N, f_minus=g - N)
-    distances = {target.label: target.distance(best.shape) for target in search.targets}
+    distances: dict[str, float] = {}
+    for target in search.targets:  # of several with one label, as anchors of different weights, the farthest
+        distances[target.label] = max(target.distance(best.shape), distances.get(target.label, 0.0))
     return Fit(surface, best.shift, found, distances, best.value, status, search.history, sheet)

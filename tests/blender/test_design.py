@@ -188,6 +188,18 @@ def test_a_collection_of_anchors_with_weights():
     points = fitted(plan, anchors="Supports")
     assert (plan.cmc.fit_to, plan.cmc.fit_anchors) == ("ANCHORS", supports)
     assert max(nearest(points, place) for place in FEET) < 0.01 * 8.0
+    assert report(plan)["distances"]["anchors"] < 0.01 * 8.0, "one without weight does not count"
+
+
+def test_a_weak_anchor_that_is_missed_is_told_of():
+    supports = bpy.data.collections.new("Supports")
+    bpy.context.scene.collection.children.link(supports)
+    weak = empties([(4.0, 0.0, 6.0), *FEET[1:]], supports)[0]
+    weak.cmc.anchor_weight = 1e-4
+    plan = small_disc()
+    points = fitted(plan, anchors="Supports")
+    off = nearest(points, (4.0, 0.0, 6.0))
+    assert off > 1.0 and report(plan)["distances"]["anchors"] > off - 1e-3 and not report(plan)["met"]
 
 
 def test_anchors_that_contradict_say_so():
