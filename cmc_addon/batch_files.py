@@ -41,6 +41,8 @@ def open_input(path: Path, conditions: Sequence[Mapping[str, object]] = (), up: 
         _call(bpy.ops.wm.open_mainfile, f"{path} cannot be opened", filepath=str(path), load_ui=False)
         return
     job = load_job(path) if suffix == ".toml" else _mesh_job(path, conditions, up)
+    if job.wish is not None:
+        raise JobError("The job has a [fit], which is not run in Blender without a window; use python -m solver.")
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True, load_ui=False)
     plan = import_plan(bpy.context, path.stem, job.mesh, _all_groups(job))
     for name, value in _object_settings(job.settings).items():

@@ -120,6 +120,14 @@ def test_choices_of_a_job_are_those_of_the_plan(tmp_path):
     assert len(shell.uv_layers) == 1 and [m.name for m in shell.materials] == ["steel", "glass"]
 
 
+def test_a_job_that_fits_is_refused(tmp_path, capsys):
+    """It would be solved as if nothing had been wished for."""
+    path = tmp_path / "fit.toml"
+    path.write_text('[shape]\nkind = "disc"\nn = 100\n\n[fit]\nrise = 0.3\n')
+    assert cli.run([str(path), "--output", str(tmp_path / "out")]) == 1
+    assert "has a [fit]" in capsys.readouterr().err
+
+
 def test_the_input_is_not_written(hall, tmp_path):
     before = hall.read_bytes()
     assert cli.run([str(hall), "--output", str(tmp_path)]) == 0

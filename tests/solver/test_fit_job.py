@@ -104,6 +104,27 @@ def test_anchors_draw_the_rim(folder):
     assert_allclose(wish.anchors[1], 1.1 * points[feet])
 
 
+def test_wishes_arrive(folder, monkeypatch):
+    """What the table says reaches the fit, and what it does not say stays the fit's own."""
+    calls = []
+
+    def stop(domain, positions, **wishes):
+        calls.append(wishes)
+        raise JobError("far enough")
+
+    monkeypatch.setattr("solver.fitting.fit_outline", stop)
+    text = "[fit]\noutline = true\nvolume = 9\nfree_heights = true\nsmooth = 1e-5\nsheet = 'f-'\nmax_evaluations = 7\n"
+    text += "[[fit.anchors]]\nvertex = 3\nplace = [1, 2, 3]\nweight = 0.5\n"
+    for wished in (text, "[fit]\n"):
+        with pytest.raises(JobError, match="far enough"):
+            run_job(load(folder, DISC + wished))
+    vertices, places, weights = calls[0].pop("anchors")
+    assert (vertices.tolist(), places.tolist(), weights.tolist()) == ([3], [[1, 2, 3]], [0.5])
+    assert calls[0].items() >= {"volume": 9.0, "free_heights": True, "smooth": 1e-5, "sheet": "f-"}.items()
+    assert calls[0]["max_evaluations"] == 7 and calls[0]["on_curve"] is True and calls[0]["curve"] is None
+    assert "max_evaluations" not in calls[1] and "rise" not in calls[1] and calls[1]["anchors"] is None
+
+
 @pytest.fixture
 def cap(folder) -> Path:
     """A sphere's cap of radius 3, 0.8 rad wide, as a mesh file."""
