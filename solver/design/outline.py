@@ -31,10 +31,9 @@ _KNOB_MET = 1e-3
 _RISE = 0.5
 # The relative error of the knob, squared, against the rim's distance as a part of the size, squared.
 _KNOB_WEIGHT = 0.01
-# A fit begins with boundary normals this much smoother, for a part of its evaluations: rough ones early on lead to
-# local minima with folded rims.
-_SMOOTHER = 100.0
-_EARLY = 0.35
+# A fit goes in phases: the part of its evaluations, how much smoother the boundary normals are than in the end (rough
+# ones early on lead to folded rims), and how much more the knob counts (too much early on holds up all the rest).
+_PHASES = ((0.3, 100.0, 1.0), (0.5, 1.0, 1.0), (0.2, 1.0, 100.0))
 _STEEPEST = 0.95
 
 
@@ -102,12 +101,11 @@ def fit_outline(
     loop = domain.boundary_loops[0].astype(np.int64)
     wanted = _Wanted.of(points, loop, curve, rise, height, volume, mean_curvature, on_curve)
     supports = _supports(domain, anchors)
-    supports = _supports(domain, anchors)
     if supports is None and not on_curve:
         raise ConditionError("There is nothing to fit to: give anchors, or let the rim lie on the curve.")
 
-    def run(start: Start, smoother: float, evaluations: int) -> Fit:
-        targets = wanted.targets(loop, free_heights, on_curve, smoother)
+    def run(start: Start, smoother: float, strictness: float, evaluations: int) -> Fit:
+        targets = wanted.targets(loop, free_heights, on_curve, smoother * smooth, strictness)
         targets += _anchored(supports, wanted.base) if supports is not None else []
         return fit(
             domain,
@@ -122,13 +120,17 @@ def fit_outline(
         )
 
     solver = solver or CmcSolver(domain)
-    if initial is None:
-        early = max(1, int(_EARLY * max_evaluations))
-        found = run(_start(solver, points, loop, wanted), _SMOOTHER * smooth, early)
-        if found.status is not FitStatus.CANCELLED:
-            found = run(_continued(found, 0.0), smooth, max_evaluations - early)
-    else:
-        found = run(_continued(initial, wanted.base), smooth, max_evaluations)
+    phases = _PHASES if initial is None else _PHASES[1:]
+    total = sum(share for share, _, _ in phases)
+    start = _start(solver, points, loop, wanted) if initial is None else _continued(initial, wanted.base)
+    history: list[float] = []
+    for share, smoother, strictness in phases:
+        found = run(start, smoother, strictness, max(1, round(share * max_evaluations / total)))
+        history += found.history
+        if found.status is FitStatus.CANCELLED:
+            break
+        start = _continued(found, 0.0)
+    found = replace(found, history=history)
     found = replace(found, shift=found.shift + [0.0, 0.0, wanted.base])
     return replace(found, complaints=_complaints(found, wanted))
 
@@ -173,14 +175,16 @@ class _Wanted:
         area = abs(_area(line))
         return cls(curve, base, float(np.linalg.norm(extent)), np.sqrt(area / np.pi), knob, float(number))
 
-    def targets(self, loop: Int, free_heights: bool, on_curve: bool, smooth: float) -> list[Target]:
+    def targets(
+        self, loop: Int, free_heights: bool, on_curve: bool, smooth: float, strictness: float
+    ) -> list[Target]:
         targets: list[Target] = [SmoothRim(weight=smooth)]
         if on_curve:
             targets.append(RimOnCurve(self.curve, loop, free_heights))
         if self.knob in ("rise", "height"):
-            targets.append(Crown(self.number, weight=_KNOB_WEIGHT))
+            targets.append(Crown(self.number, weight=strictness * _KNOB_WEIGHT))
         elif self.knob == "volume":
-            targets.append(Volume(self.number, weight=_KNOB_WEIGHT))
+            targets.append(Volume(self.number, weight=strictness * _KNOB_WEIGHT))
         return targets
 
     def height_of(self, film: Array, areas: Array) -> float:
