@@ -70,10 +70,16 @@ def text() -> str:
 def test_scripts_in_the_documentation_run():
     (example,) = re.findall(r"^```py\n(.*?)^```", text(), flags=re.DOTALL | re.MULTILINE)
     corners = [(0, 0, 0), (18, 0, 0), (18, 12, 0), (0, 12, 0)]
+    around = np.linspace(0, 2 * np.pi, 24, endpoint=False)
+    rings = [(r * np.cos(a), r * np.sin(a), 1 - r**2 / 2) for r in (0.4, 0.7, 1.0) for a in around]
+    inner = [24 * k + i for k in (0, 1) for i in range(24)]
+    quads = [(a, a + 24, after + 24, after) for a in inner for after in [a - a % 24 + (a + 1) % 24]]
+    mesh_object("Dome", rings, [tuple(range(24)), *quads])
     mesh_object("Hall", corners, [(0, 1, 2, 3)])
     names: dict[str, object] = {}
     exec(compile(example, "docs/blender.md", "exec"), names)
     assert names["shell"].name == "Hall Plan f+"
+    assert names["plan"].cmc.fit["cmc_met"] and bpy.data.objects["Dome"].cmc.fit is None
     assert np.isclose(json.loads(names["plan"].cmc.report)["sheets"]["f+"]["span"], 18.0)
 
 
