@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
@@ -21,7 +22,7 @@ from .frames import blend, of_boundary
 from .initial import harmonic_start, wound_start
 from .methods import METHODS
 from .minimise import Iterate, Progress
-from .problem import EnergyProblem
+from .problem import EnergyProblem, equal_laplacian
 
 Array = NDArray[np.float64]
 
@@ -74,6 +75,10 @@ class HarmonicSolver:
         star = self.energy.star(np.ones(len(self.graph.links)), self.graph)
         return star if self.graph.at_vertices else np.abs(star)
 
+    @cached_property
+    def _laplacian(self) -> sp.csr_array:
+        return equal_laplacian(self.graph, self.energy)
+
     def dirichlet(self, fixed: NDArray[np.integer]) -> Dirichlet:
         """The factored Laplacian with values given at the `fixed` sites."""
         key = np.asarray(fixed, dtype=np.int64).tobytes()
@@ -112,7 +117,7 @@ class HarmonicSolver:
         dirichlet = self.dirichlet(fixed)
         start = self._start(dirichlet, data, conditions.up, initial, side, degree)
         limit = {} if max_iterations is None else {"max_iterations": max_iterations}
-        problem = EnergyProblem(self.graph, self.energy, dirichlet)
+        problem = EnergyProblem(self.graph, self.energy, dirichlet, self._laplacian)
         found = METHODS[method].of(problem, start, tolerance=tolerance, progress=progress, **limit)
         normals = found.N.copy()
         normals[fixed] = data  # steps of length zero leave rounding

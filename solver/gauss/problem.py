@@ -48,20 +48,26 @@ class Point:
     residual: float
 
 
+def equal_laplacian(graph: SiteGraph, energy: EdgeEnergy) -> sp.csr_array:
+    """L where all normals are equal; everywhere, where the energy is quadratic."""
+    return graph.laplacian(energy.star(np.ones(len(graph.links)), graph))
+
+
 @dataclass(frozen=True, eq=False)
 class EnergyProblem:
     """An energy on a graph, with the normals at some sites fixed.
 
-    dirichlet: knows those sites, and the factor that preconditions.
+    dirichlet: knows those sites, and the factor that preconditions. laplacian: `equal_laplacian`, where it is at hand.
     """
 
     graph: SiteGraph
     energy: EdgeEnergy
     dirichlet: Dirichlet
+    laplacian: sp.csr_array | None = None
 
     @cached_property
     def _constant_laplacian(self) -> sp.csr_array:
-        return self.graph.laplacian(self.energy.star(np.ones(len(self.graph.links)), self.graph))
+        return equal_laplacian(self.graph, self.energy) if self.laplacian is None else self.laplacian
 
     def at(self, N: Array) -> Point:
         """The energy at N (S, 3). Where two normals are opposite it may be infinite, and is then not differentiated."""
