@@ -86,8 +86,8 @@ def form(
     """Solve for the shell over a plan, size and place it, and measure it.
 
     solver: one that an earlier call returned in `Formed.solver`; it is used if it belongs to this plan and to the
-    sites, energy and triangulation that the settings ask for, which saves factoring. initial (V, 3), or (F, 3) with
-    normals on faces: a map to start from, `surface.harmonic.normals` of an earlier one.
+    sites, energy and triangulation that the settings ask for, which saves factoring. initial (S, 3), one normal
+    a site: a map to start from, `surface.harmonic.normals` of an earlier one.
     progress(iteration, residual) is called every step; False cancels. intersections=False leaves out the
     slowest measure. Raises `CmcError` (`MeshError`, `ConditionError`, `PlacementError`) on input that
     cannot be used; a solve that does not converge is told by `Formed.converged` and `message`.

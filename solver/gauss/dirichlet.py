@@ -18,17 +18,17 @@ class Dirichlet:
 
     L is the Laplacian of the graph with the `weights` (K,) of its links, positive semidefinite; unknown boundary
     sites get the natural condition. Where no site is fixed L is singular and L + M takes its place, with the areas of
-    the sites, as parts of the whole, for M (the H¹ product).
+    the sites, as parts of the whole, for M (the H¹ product). laplacian: the one with these weights, if it is at hand.
     """
 
-    def __init__(self, graph: SiteGraph, weights: Array, fixed: Int) -> None:
+    def __init__(self, graph: SiteGraph, weights: Array, fixed: Int, laplacian: sp.csr_array | None = None) -> None:
         self.graph = graph
         self.weights = weights
         unknown = np.ones(graph.count, dtype=bool)
         unknown[fixed] = False
         self.fixed = fixed
         self.unknown = np.flatnonzero(unknown)
-        L = graph.laplacian(weights)
+        L = graph.laplacian(weights) if laplacian is None else laplacian
         if len(fixed) == 0:
             L = sp.csr_array(L + sp.diags_array(graph.areas / graph.areas.sum()))
         rows = L[self.unknown]

@@ -76,14 +76,16 @@ class HarmonicSolver:
         return star if self.graph.at_vertices else np.abs(star)
 
     @cached_property
-    def _laplacian(self) -> sp.csr_array:
-        return equal_laplacian(self.graph, self.energy)
+    def _laplacian(self) -> sp.csr_array | None:
+        """That of a quadratic energy, which serves all solves; others change theirs from map to map."""
+        return equal_laplacian(self.graph, self.energy) if self.energy.quadratic else None
 
     def dirichlet(self, fixed: NDArray[np.integer]) -> Dirichlet:
         """The factored Laplacian with values given at the `fixed` sites."""
         key = np.asarray(fixed, dtype=np.int64).tobytes()
         if key not in self._factors:
-            self._factors[key] = Dirichlet(self.graph, self._weights, fixed)
+            laplacian = self._laplacian if self.graph.at_vertices else None
+            self._factors[key] = Dirichlet(self.graph, self._weights, fixed, laplacian)
             if len(self._factors) > _KEPT_FACTORS:
                 self._factors.popitem(last=False)
         self._factors.move_to_end(key)
