@@ -1,8 +1,10 @@
 """Boundary conditions: what the tangent planes do along the boundary.
 
-A condition fixes the normals N at some sites. Conditions are combined with `+`; where two of them fix the same
-site, it gets the normalised sum of their normals. Sites of which nothing is said are free: there the natural
-condition ∂N/∂ν = 0 holds by itself (paper, Sec. 5.1).
+A condition fixes the normals N at some sites, or holds them to a plane with normal ν (a mirror, N · ν = 0; paper, Sec.
+5.1.1). Conditions are combined with `+`. Where kinds meet at a site, fixed goes before mirror before free: two normals
+that fix it blend to their normalised sum; a normal that fixes it is kept even where it is not in the mirror's plane;
+two mirrors leave N = ±ν₁ × ν₂. Sites of which nothing is said are free: there the natural condition ∂N/∂ν = 0 holds by
+itself (paper, Sec. 5.1).
 
 Conditions along boundary edges serve every kind of site. With normals at vertices they hold at the vertices of the
 edges. With normals at faces an edge fixes the normal of the face behind it, to what holds in the middle of the edge:
@@ -14,112 +16,32 @@ middle of the edge itself, half-way between the face and its mirror image, and t
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
-from ..errors import ConditionError, plural
+from ..errors import ConditionError
 from ..linalg import as_numbers, sum_rows
 from .frames import (
     EdgeFrames,
     Frames,
     area_vectors,
     at_ends,
-    blend,
     boundary_edges,
     check_range,
     edge_frames,
     in_space,
     loop_angles,
-    of_boundary,
     unit,
     unit_rows,
     vertex_frames,
 )
+from .prescribed import Conditions
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
-
-
-def _none() -> Int:
-    return np.zeros(0, dtype=np.int64)
-
-
-def _no_normals() -> Array:
-    return np.zeros((0, 3))
-
-
-@dataclass(frozen=True, eq=False)
-class Conditions:
-    """Prescribed unit normals, not yet combined: owners (n,) may repeat.
-
-    vertices, vertex_normals: at vertices. edges, edge_normals: the same conditions in the middle of boundary edges.
-    faces, face_normals: at faces, prescribed one by one. only_vertices: those of `vertices` that were prescribed one
-    by one and so say nothing about faces.
-    up: (3,) the oriented area vector of the positions the conditions were made from, zero if there were none: the
-    side to which data that lie in one plane bulge (see `initial`).
-    """
-
-    vertices: Int = field(default_factory=_none)
-    vertex_normals: Array = field(default_factory=_no_normals)
-    edges: Int = field(default_factory=_none)
-    edge_normals: Array = field(default_factory=_no_normals)
-    faces: Int = field(default_factory=_none)
-    face_normals: Array = field(default_factory=_no_normals)
-    only_vertices: Int = field(default_factory=_none)
-    up: Array = field(default_factory=lambda: np.zeros(3))
-
-    def __add__(self, other: Conditions) -> Conditions:
-        names = [item.name for item in fields(self) if item.name != "up"]
-        joined = {name: np.concatenate([getattr(self, name), getattr(other, name)]) for name in names}
-        # conditions on one surface all say the same; a sum would only change the length
-        return Conditions(**joined, up=self.up if self.up.any() else other.up)
-
-    @property
-    def is_empty(self) -> bool:
-        """Whether every site is free."""
-        return not (self.vertices.size or self.edges.size or self.faces.size)
-
-    def resolve(self, sites: str = "vertices", owners: Int | None = None) -> tuple[Int, Array]:
-        """Sorted fixed sites (n,) and the one unit normal (n, 3) of each, with normals at vertices or at faces.
-
-        owners: (E,) the site that each boundary edge fixes, needed where they are not at vertices. Raises
-        `ConditionError` naming the sites whose normals cancel, or normals prescribed one by one at the other kind of
-        site.
-        """
-        if sites == "vertices":
-            self._refuse(self.faces, "face", "faces", "vertices")
-            return blend(self.vertices, self.vertex_normals, np.ones(len(self.vertices)), "conditions")
-        self._refuse(self.only_vertices, "vertex", "vertices", sites)
-        if owners is None:
-            raise ConditionError("Where normals live on faces, the sites that boundary edges fix are needed.")
-        edges, edge_normals = blend(self.edges, self.edge_normals, np.ones(len(self.edges)), "conditions", "edge")
-        fixed = np.concatenate([of_boundary(edges, owners), self.faces])
-        normals = np.concatenate([edge_normals, self.face_normals])
-        return blend(fixed, normals, np.ones(len(fixed)), "conditions", "face")
-
-    def carried(self, edges: Int) -> Conditions:
-        """The same on another triangulation of the domain, `edges` (E,) being the boundary edges there.
-
-        Raises `ConditionError` for normals prescribed at faces one by one, since those faces are gone.
-        """
-        if self.faces.size:
-            raise ConditionError(
-                f"Normals are prescribed at {plural('face', np.unique(self.faces))}, which the Delaunay triangulation "
-                "does not have; prescribe them along boundary edges, or solve with delaunay=False.",
-                faces=self.faces,
-            )
-        return replace(self, edges=of_boundary(self.edges, edges))
-
-    def _refuse(self, single: Int, noun: str, given: str, wanted: str) -> None:
-        if single.size:
-            raise ConditionError(
-                f"Normals are prescribed at {plural(noun, np.unique(single))}, but live on {wanted} here; solve with "
-                f"sites={given!r}, or prescribe them along boundary edges.",
-                **{given: single},
-            )
 
 
 @dataclass(frozen=True)
@@ -243,10 +165,50 @@ def gauss_map(domain: Domain, positions: ArrayLike, edges: ArrayLike) -> Conditi
     return Conditions(sites, normals, chosen, behind, up=area_vectors(points, faces).sum(axis=0))
 
 
+def mirror(domain: Domain, edges: ArrayLike, plane_normal: ArrayLike, winding: float = 0) -> Conditions:
+    """Along boundary edges the surface meets a plane with this normal ν (3,) at right angles: N · ν = 0 (paper,
+    Sec. 5.1.1), while N is free to turn within the plane.
+
+    The surface goes on as its own reflection (Schwarz). Where two mirrors meet, N = ±ν₁ × ν₂. The sign is that of an
+    `initial` map where there is one. If not, it is the one that belongs to plane normals which point out of f+ (out of
+    f- and the other one for `side=-1`): around a corner of less than 180°, the product of ν of the edges that arrive
+    and of those that leave, the domain being on their left. `corner` overrides it. Where a mirror meets a condition
+    that fixes the normal, that one wins.
+
+    winding: of the start. Along a side N turns about ν from the normal at its first end to that at its last by the
+    smaller angle (half a turn, where they are opposite, as on a convex side if ν points outwards), and by so many full
+    turns more; around a whole loop, by so many.
+    With normals at faces the constraint is on the face behind the edge, or on the edge's own site.
+    """
+    chosen = boundary_edges(domain, edges)
+    normals = unit(_vector(plane_normal), chosen, "edge")
+    if not isinstance(winding, (int, float, np.number)) or not float(winding).is_integer():
+        raise ConditionError(f"The winding must be a whole number of turns, not {winding!r}.")
+    turns = np.full(len(chosen), int(winding), dtype=np.int64)
+    return Conditions(mirrors=chosen, mirror_normals=normals, windings=turns)
+
+
+def corner(domain: Domain, vertices: ArrayLike, normals: ArrayLike) -> Conditions:
+    """Which of ±ν₁ × ν₂ is the normal at vertices (n,) between two mirrors: the one nearer to `normals` (n, 3), or
+    (3,)."""
+    sites = _indices(vertices, domain.vertex_count, "vertex", "Vertices")
+    return Conditions(corners=sites, corner_normals=unit(normals, sites, "vertex"))
+
+
 def free(domain: Domain, edges: ArrayLike) -> Conditions:
-    """Nothing is prescribed along boundary edges: the natural condition ∂N/∂ν = 0. (Edges are checked all the same.)"""
+    """Nothing is prescribed along boundary edges: the natural condition ∂N/∂ν = 0, as where nothing is said.
+
+    Ends of the edges that another condition holds stay held. (Edges are checked all the same.)
+    """
     boundary_edges(domain, edges)
     return Conditions()
+
+
+def _vector(value: ArrayLike) -> Array:
+    given = as_numbers(value, "The normal of a mirror", ConditionError)
+    if given.shape != (3,):
+        raise ConditionError(f"The normal of a mirror must be one vector (3,), not {given.shape}.")
+    return given
 
 
 KINDS: dict[str, Kind] = {
@@ -273,6 +235,15 @@ KINDS: dict[str, Kind] = {
         "The surface keeps the tangent planes of the drawn mesh along these edges",
         (),
         lambda domain, positions, edges: gauss_map(domain, positions, edges),
+    ),
+    "mirror": Kind(
+        "Mirror",
+        "The surface meets a plane at right angles, and goes on as its own reflection",
+        (
+            Parameter("normal", "Normal", "Normal of the plane, pointing out of the surface", (0.0, 0.0, 1.0)),
+            Parameter("winding", "Extra Turns", "Full turns that the tangent plane makes along the mirror", 0.0),
+        ),
+        lambda domain, positions, edges, normal=(0.0, 0.0, 1.0), winding=0: mirror(domain, edges, normal, winding),
     ),
     "free": Kind(
         "Free",

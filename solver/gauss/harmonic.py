@@ -12,16 +12,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
 from ..domain.sites import SiteGraph
-from ..errors import ConditionError, Status, chosen, plural
+from ..errors import ConditionError, Status, chosen
 from ..linalg import as_numbers
 from . import sphere
-from .conditions import Conditions
+from .admissible import Admissible, resolved
 from .dirichlet import Dirichlet
 from .energies import energy_on
-from .frames import blend, of_boundary
-from .initial import harmonic_start, wound_start
+from .great_circles import side_normals
+from .initial import harmonic_start, leaning, wound_start
 from .methods import METHODS
 from .minimise import Iterate, Progress
+from .prescribed import Conditions
 from .problem import EnergyProblem, equal_laplacian
 
 Array = NDArray[np.float64]
@@ -42,6 +43,7 @@ class HarmonicMap:
     residual: `sqrt(A Σ |P_i (LN)_i|² / A_i)` at these normals, with the weights star in L.
     degree: signed area covered, as a part of the sphere. iterations: steps of the method taken.
     history: energy, residual, back-solves and step length, one line for each map reached.
+    admissible: what the conditions left free; its `corner_normals` are those chosen where two mirrors meet.
     """
 
     normals: Array
@@ -51,6 +53,7 @@ class HarmonicMap:
     status: Status
     iterations: int
     history: list[Iterate]
+    admissible: Admissible
 
 
 class HarmonicSolver:
@@ -115,14 +118,28 @@ class HarmonicSolver:
         _check_number(tolerance, "tolerance")
         if max_iterations is not None:
             _check_number(max_iterations, "largest number of iterations")
-        fixed, data = self._fixed(conditions, initial is not None)
-        dirichlet = self.dirichlet(fixed)
-        start = self._start(dirichlet, data, conditions.up, initial, side, degree)
+        if side not in (1, -1):
+            raise ConditionError(f"The side must be +1 or -1, not {side}.")
+        admissible = resolved(conditions, self.graph, side)
+        if len(admissible.fixed) == self.graph.count:
+            raise ConditionError(
+                f"All normals are fixed, at {self.graph.count} {_AT[self.graph.name]}, and none is left to solve for; "
+                f"subdivide the mesh, so that it has {_AT[self.graph.name]} inside."
+            )
+        if initial is None:
+            held, start = self._start(admissible, conditions, side)
+        else:
+            given = _as_unit(initial, self.graph)
+            admissible = admissible.facing(given)
+            held, start = np.union1d(admissible.fixed, admissible.mirrors.sites), admissible.pin(given)
+        if degree is not None:
+            _check_number(degree, "degree", -np.inf)
+            start = admissible.pin(wound_start(self.dirichlet(held), start, degree))
         limit = {} if max_iterations is None else {"max_iterations": max_iterations}
-        problem = EnergyProblem(self.graph, self.energy, dirichlet, self._laplacian)
+        dirichlet = self.dirichlet(admissible.fixed)
+        problem = EnergyProblem(self.graph, self.energy, dirichlet, self._laplacian, admissible.mirrors)
         found = METHODS[method].of(problem, start, tolerance=tolerance, progress=progress, **limit)
-        normals = found.N.copy()
-        normals[fixed] = data  # steps of length zero leave rounding
+        normals = admissible.pin(found.N)  # steps of length zero leave rounding
         return HarmonicMap(
             normals,
             found.history[-1].energy,
@@ -131,45 +148,37 @@ class HarmonicSolver:
             self._status(normals, dirichlet, found.status),
             len(found.history) - 1,
             found.history,
+            admissible,
         )
 
-    def _fixed(self, conditions: Conditions, has_start: bool) -> tuple[NDArray[np.integer], Array]:
-        domain, graph = self.domain, self.graph
-        fixed, data = resolved(conditions, graph)
-        if len(fixed) == 0 and not has_start:
-            raise ConditionError(
-                "Nothing fixes the normals: every boundary edge is free, and the only minimiser is constant; "
-                "prescribe normals along some edges, or give an initial map."
-                if len(domain.boundary_edges)
-                else "The mesh is closed: it has no boundary along which normals could be prescribed; "
-                "give an initial map."
-            )
-        if len(fixed) == graph.count:
-            raise ConditionError(
-                f"All normals are fixed, at {graph.count} {_AT[graph.name]}, and none is left to solve for; subdivide "
-                f"the mesh, so that it has {_AT[graph.name]} inside."
-            )
-        return fixed, data
+    def _start(self, admissible: Admissible, conditions: Conditions, side: int) -> tuple[NDArray[np.integer], Array]:
+        """A blend of the fixed normals and of those along mirrors: the sites of all these, and a map (S, 3)."""
+        up = conditions.up
+        over = leaning(admissible.data, up, side)
+        sites, normals = side_normals(admissible, conditions, self.graph, side, over)
+        held = np.concatenate([admissible.fixed, sites])
+        if not len(held):
+            raise ConditionError(self._nothing(admissible))
+        order = np.argsort(held)
+        data = np.concatenate([admissible.data, normals])[order]
+        start = harmonic_start(self.dirichlet(held[order]), data, up, side)
+        return held[order], admissible.pin(start)
 
-    def _start(
-        self,
-        dirichlet: Dirichlet,
-        data: Array,
-        up: Array,
-        initial: ArrayLike | None,
-        side: int,
-        degree: float | None,
-    ) -> Array:
-        if side not in (1, -1):
-            raise ConditionError(f"The side must be +1 or -1, not {side}.")
-        if degree is not None:
-            _check_number(degree, "degree", -np.inf)
-        if initial is None:
-            start = harmonic_start(dirichlet, data, up, side)
-        else:
-            start = _as_unit(initial, self.graph)
-            start[dirichlet.fixed] = data
-        return start if degree is None else wound_start(dirichlet, start, degree)
+    def _nothing(self, admissible: Admissible) -> str:
+        """Why there is no start."""
+        if len(admissible.mirrors.sites):
+            return (
+                "The mirrors fix no normal, since no two of different planes meet, so there is nothing to start from; "
+                "prescribe normals along some edges, or give an initial map or a winding."
+            )
+        if not len(self.domain.boundary_edges):
+            return (
+                "The mesh is closed: it has no boundary along which normals could be prescribed; give an initial map."
+            )
+        return (
+            "Nothing fixes the normals: every boundary edge is free, and the only minimiser is constant; "
+            "prescribe normals along some edges, or give an initial map."
+        )
 
     def _status(self, normals: Array, dirichlet: Dirichlet, status: Status) -> Status:
         """What the solver said, unless the map itself says worse."""
@@ -183,29 +192,6 @@ class HarmonicSolver:
             return Status.COLLAPSED
         torn = c[~(is_fixed[i] & is_fixed[j])].min(initial=1.0) < 0.0
         return Status.UNDER_RESOLVED if torn else status
-
-
-def resolved(conditions: Conditions, graph: SiteGraph) -> tuple[NDArray[np.integer], Array]:
-    """Sorted fixed sites (n,) of a graph and their normals (n, 3).
-
-    Faces that turn as one (halves of a rectangle) get one normal: the normalised sum of what is prescribed on them.
-    """
-    if graph.at_vertices:
-        fixed, data = conditions.resolve(graph.name)
-        _check_sites(fixed, graph.count, "vertex")
-        of_boundary(conditions.edges, np.where(graph.domain.edge_faces[:, 1] < 0, 0, -1))
-        return fixed, data
-    _check_sites(conditions.faces, len(graph.domain.faces), "face")
-    fixed, data = conditions.resolve(graph.name, graph.owners)
-    _, first, body = np.unique(graph.bodies[fixed], return_index=True, return_inverse=True)
-    _, normals = blend(fixed[first][body], data, np.ones(len(fixed)), "conditions", "face")
-    return fixed, normals[np.argsort(np.argsort(fixed[first]))[body]]
-
-
-def _check_sites(sites: NDArray[np.integer], count: int, noun: str) -> None:
-    bad = sites[sites >= count]
-    if bad.size:
-        raise ConditionError(f"The conditions fix {plural(noun, bad)}, which this domain does not have.")
 
 
 def _check_number(value: object, what: str, least: float = 0.0) -> None:

@@ -48,9 +48,9 @@ def harmonic_start(dirichlet: Dirichlet, data: Array, up: Array, side: int) -> A
     axes = _axes(data, up if up.any() else _winding(dirichlet, data))
     room = np.sqrt(np.maximum(0.0, 1.0 - dot(extension, extension)))
     candidates = [] if _is_coplanar(data) else [extension]
-    if up.any() and side * float((data @ up).mean()) < -_LEANING * np.linalg.norm(up):
-        depth = _depth(dirichlet)[:, None]
-        candidates.insert(0, extension + 2.0 * side * depth * up / np.linalg.norm(up))
+    over = leaning(data, up, side)
+    if over is not None:
+        candidates.insert(0, extension + 2.0 * _depth(dirichlet)[:, None] * over)
     candidates += [extension + sign * side * room * axis for axis in axes for sign in (1, -1)]
     shortest = np.array([np.sqrt(dot(c, c).min()) for c in candidates])
     good = np.flatnonzero(shortest >= _SHORTEST)
@@ -60,6 +60,14 @@ def harmonic_start(dirichlet: Dirichlet, data: Array, up: Array, side: int) -> A
     start = normalize(candidates[best])
     start[dirichlet.fixed] = data
     return start
+
+
+def leaning(data: Array, up: Array, side: int) -> Array | None:
+    """The direction (3,) of the pole on that side, if the data (n, 3) on average lean away from it; else None."""
+    length = float(np.linalg.norm(up))
+    if not (length and len(data)) or side * float((data @ up).mean()) >= -_LEANING * length:
+        return None
+    return side * up / length
 
 
 def wound_start(dirichlet: Dirichlet, start: Array, degree: float) -> Array:

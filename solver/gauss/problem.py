@@ -6,13 +6,14 @@ star_ij = -dε/dc, G = LN is the gradient in R³ (paper, Eq. 14: critical means 
 
     d ↦ P ((L - λ) d - Σ dstar u <u, d_i - d_j>),
 
-P being the projection on the tangent planes of the sites that are not fixed.
+P being the projection on the tangent planes of the sites that are not fixed; on a mirror, on the tangent of its great
+circle, which is a geodesic and so adds nothing to the Hessian.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -22,6 +23,7 @@ from numpy.typing import NDArray
 from ..domain.sites import SiteGraph
 from .dirichlet import Dirichlet
 from .energies import EdgeEnergy
+from .mirrors import Mirrors
 from .sphere import dot, inner, project
 
 Array = NDArray[np.float64]
@@ -55,15 +57,17 @@ def equal_laplacian(graph: SiteGraph, energy: EdgeEnergy) -> sp.csr_array:
 
 @dataclass(frozen=True, eq=False)
 class EnergyProblem:
-    """An energy on a graph, with the normals at some sites fixed.
+    """An energy on a graph, with the normals at some sites fixed and at others held to the planes of mirrors.
 
-    dirichlet: knows those sites, and the factor that preconditions. laplacian: `equal_laplacian`, where it is at hand.
+    dirichlet: knows the fixed sites, and the factor that preconditions. laplacian: `equal_laplacian`, where it is at
+    hand.
     """
 
     graph: SiteGraph
     energy: EdgeEnergy
     dirichlet: Dirichlet
     laplacian: sp.csr_array | None = None
+    mirrors: Mirrors = field(default_factory=Mirrors.none)
 
     @cached_property
     def _constant_laplacian(self) -> sp.csr_array:
@@ -90,10 +94,11 @@ class EnergyProblem:
         return Point(N, L, gradient, tangent, c, star, energy, self._residual(tangent))
 
     def project(self, N: Array, X: Array) -> Array:
-        """The admissible part of X (S, 3) at N: tangent to the sphere, zero at fixed sites."""
+        """The admissible part of X (S, 3) at N: tangent to the sphere and to the mirrors' planes, zero at fixed
+        sites."""
         admissible = project(N, X)
         admissible[self.dirichlet.fixed] = 0.0
-        return admissible
+        return self.mirrors.flatten(admissible)
 
     def _residual(self, tangent: Array) -> float:
         """sqrt(A Σ |P_i G_i|² / A_i): the L² norm of N × (d*dN) on the domain scaled to unit area."""

@@ -13,9 +13,10 @@ from ..domain.domain import Domain
 from ..domain.sites import SiteGraph
 from ..domain.topology import CutSurface
 from ..errors import ConditionError, chosen
-from ..gauss.conditions import Conditions
-from ..gauss.harmonic import HarmonicMap, HarmonicSolver, resolved
+from ..gauss.admissible import resolved
+from ..gauss.harmonic import HarmonicMap, HarmonicSolver
 from ..gauss.minimise import Progress
+from ..gauss.prescribed import Conditions
 from .cmc import CmcSurface
 from .conjugate import Conjugate, Conjugation
 from .offsets import AVERAGINGS, Averaging
@@ -81,7 +82,7 @@ class CmcSolver:
     def _fixed(self, conditions: Conditions) -> Int:
         """The fixed sites, which must lie on the boundary: elsewhere the conjugate would not close around them."""
         graph = self.harmonic.graph
-        fixed, _ = resolved(conditions, graph)
+        fixed = resolved(conditions, graph).fixed
         inside = np.setdiff1d(fixed, graph.rim)
         if inside.size:
             where, offenders = graph.named(inside)

@@ -7,6 +7,8 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from solver import ConditionError, Domain, conditions, shapes
+from solver.domain.sites import SiteGraph
+from solver.gauss.admissible import resolved
 from solver.gauss.conditions import KINDS, build
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
@@ -182,8 +184,10 @@ def test_bad_arguments_are_condition_errors(strip, make):
 def test_every_kind_can_be_built_with_its_defaults(kind, disc):
     parameters = {p.name: p.default for p in KINDS[kind].parameters}
     condition = build(kind, disc.domain, disc.positions, disc.domain.boundary_edges, **parameters)
+    held = resolved(condition, SiteGraph.of(disc.domain, "vertices"))
     expected = 0 if kind == "free" else len(disc.domain.boundary_vertices)
-    assert len(condition.resolve()[0]) == expected
+    assert len(held.fixed) + len(held.mirrors.sites) == expected
+    assert condition.is_empty == (kind == "free")
 
 
 def test_no_edges_are_no_condition(strip):

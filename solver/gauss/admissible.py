@@ -1,0 +1,178 @@
+"""What boundary conditions leave free: at each site the normal moves over the sphere, along a great circle, or not.
+
+The degrees of freedom are 2 at a free site, 1 on a mirror and 0 where the normal is fixed, by a condition or by two
+mirrors that meet. Great circles are geodesics of the sphere, so on a mirror all that changes is the projection.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..domain.sites import SiteGraph
+from ..errors import ConditionError, plural
+from .frames import blend, of_boundary
+from .mirrors import Mirrors, MirrorSides, parallel
+from .prescribed import Conditions
+from .sphere import dot, normalize
+
+Array = NDArray[np.float64]
+Int = NDArray[np.integer]
+
+# A normal that is so nearly that of its mirror's plane does not say where on the mirror it belongs.
+_SHORTEST = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Admissible:
+    """The maps that boundary conditions allow on a graph.
+
+    fixed: (n,) sorted sites, data: (n, 3) their normals. mirrors: sites held to a plane. corners: (k,) those of
+    the fixed sites that two mirrors fix, up to sign, and decided (k,) where the caller has chosen the sign.
+    sides: the mirrors along the boundary, whatever the sites.
+    """
+
+    fixed: Int
+    data: Array
+    mirrors: Mirrors
+    corners: Int
+    decided: NDArray[np.bool_]
+    sides: MirrorSides
+
+    @property
+    def corner_normals(self) -> Array:
+        """(k, 3) the normals at `corners`."""
+        return self.data[np.searchsorted(self.fixed, self.corners)]
+
+    def facing(self, N: Array) -> Admissible:
+        """With the normal at each undecided corner on the side on which the map N (S, 3) has it."""
+        normals = self.corner_normals
+        cosine = dot(normals, N[self.corners])[:, 0]
+        data = self.data.copy()
+        data[np.searchsorted(self.fixed, self.corners)] *= np.where((cosine < 0.0) & ~self.decided, -1.0, 1.0)[:, None]
+        return replace(self, data=data)
+
+    def pin(self, N: Array) -> Array:
+        """The admissible map nearest to N (S, 3), whose rows are units."""
+        pinned = self.mirrors.flatten(N)
+        at, axes = self.mirrors.sites, self.mirrors.normals
+        if len(at):
+            lost = dot(pinned[at], pinned[at])[:, 0] < _SHORTEST**2
+            pinned[at[lost]] = np.cross(axes[lost], np.eye(3)[np.argmin(np.abs(axes[lost]), axis=1)])
+            pinned[at] = normalize(pinned[at])
+        else:
+            pinned = pinned.copy()
+        pinned[self.fixed] = self.data
+        return pinned
+
+
+def resolved(conditions: Conditions, graph: SiteGraph, side: int = +1) -> Admissible:
+    """What the conditions leave free on a graph; `side` -1 turns corner normals that nothing decides.
+
+    Faces that turn as one (halves of a rectangle) get one normal: the normalised sum of what is prescribed on them;
+    mirrors on any of them hold all that are on a mirror. Raises `ConditionError` naming sites with three mirrors.
+    """
+    fixed, data = _fixed(conditions, graph)
+    sides = MirrorSides.of(graph.domain, conditions, side)
+    held = _Held.of(graph, sides, fixed)
+    at, normals, decided = held.corners(sides, side)
+    order = np.argsort(np.concatenate([fixed, at]))
+    return Admissible(
+        np.concatenate([fixed, at])[order],
+        np.concatenate([data, normals])[order],
+        held.mirrors(),
+        at,
+        decided,
+        sides,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Held:
+    """Mirrors by sites: sites (m,), sorted and unique, the body (m,) that each turns with, and the one or two planes
+    (m, 3) of that body, the second zero where there is one. edges, owners (n,): the mirror edges at sites."""
+
+    graph: SiteGraph
+    sites: Int
+    first: Array
+    second: Array
+    edges: Int
+    edge_bodies: Int
+    bodies: Int
+
+    @classmethod
+    def of(cls, graph: SiteGraph, sides: MirrorSides, fixed: Int) -> _Held:
+        edges = sides.edges
+        if graph.at_vertices:
+            sites, edges = graph.domain.edges[edges].ravel().astype(np.int64), np.repeat(edges, 2)
+        else:
+            sites = graph.owners[edges].astype(np.int64)
+        kept = ~np.isin(sites, fixed)
+        sites, edges = sites[kept], edges[kept]
+        body_of = np.arange(graph.count) if graph.at_vertices else graph.bodies
+        first, second = _two_planes(graph, sites, body_of[sites], sides.planes[edges])
+        unique, at = np.unique(sites, return_index=True)
+        return cls(graph, unique, first[at], second[at], edges, body_of[sites], body_of[unique])
+
+    def mirrors(self) -> Mirrors:
+        one = ~self.second.any(axis=1)
+        return Mirrors(self.sites[one], self.first[one])
+
+    def corners(self, sides: MirrorSides, side: int) -> tuple[Int, Array, NDArray[np.bool_]]:
+        """Sites (k,) with two planes, their normals (k, 3) and whether the caller chose them (k,).
+
+        The normal is that of the corner at a vertex of their edges; at faces there may be none that fits.
+        """
+        two = np.flatnonzero(self.second.any(axis=1))
+        normals = side * normalize(np.cross(self.first[two], self.second[two]))
+        decided = np.zeros(len(two), dtype=bool)
+        for k, row in enumerate(two):
+            edges = self.edges[self.edge_bodies == self.bodies[row]]
+            corners = np.flatnonzero(np.isin(sides.corners, self.graph.domain.edges[edges]))
+            fitting = corners[parallel(sides.corner_normals[corners], normals[k])]
+            if self.graph.at_vertices:
+                fitting = np.flatnonzero(sides.corners == self.sites[row])
+            if fitting.size:
+                normals[k], decided[k] = sides.corner_normals[fitting[0]], sides.decided[fitting[0]]
+        return self.sites[two], normals, decided
+
+
+def _two_planes(graph: SiteGraph, sites: Int, bodies: Int, planes: Array) -> tuple[Array, Array]:
+    """For each entry the first plane of its body, and the first that differs from it or zero."""
+    _, at, body = np.unique(bodies, return_index=True, return_inverse=True)
+    first = planes[at][body]
+    other = np.flatnonzero(~parallel(planes, first))
+    found, at = np.unique(body[other], return_index=True)
+    seconds = np.zeros((int(body.max(initial=-1)) + 1, 3))
+    seconds[found] = planes[other[at]]
+    second = seconds[body]
+    third = other[~parallel(planes[other], second[other])]
+    if third.size:
+        where, offenders = graph.named(np.unique(sites[third]))
+        raise ConditionError(
+            f"Three mirrors meet at {where} and leave no normal; refine the corner, or free one of its sides.",
+            **offenders,
+        )
+    return first, second
+
+
+def _fixed(conditions: Conditions, graph: SiteGraph) -> tuple[Int, Array]:
+    """Sorted fixed sites (n,) of a graph and their normals (n, 3), mirrors aside."""
+    if graph.at_vertices:
+        fixed, data = conditions.resolve(graph.name)
+        _check_sites(fixed, graph.count, "vertex")
+        of_boundary(conditions.edges, np.where(graph.domain.edge_faces[:, 1] < 0, 0, -1))
+        return fixed, data
+    _check_sites(conditions.faces, len(graph.domain.faces), "face")
+    fixed, data = conditions.resolve(graph.name, graph.owners)
+    _, first, body = np.unique(graph.bodies[fixed], return_index=True, return_inverse=True)
+    _, normals = blend(fixed[first][body], data, np.ones(len(fixed)), "conditions", "face")
+    return fixed, normals[np.argsort(np.argsort(fixed[first]))[body]]
+
+
+def _check_sites(sites: Int, count: int, noun: str) -> None:
+    bad = sites[sites >= count]
+    if bad.size:
+        raise ConditionError(f"The conditions fix {plural(noun, bad)}, which this domain does not have.")

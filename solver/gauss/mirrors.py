@@ -1,0 +1,131 @@
+"""Mirrors: boundary edges along which the surface meets a plane at right angles, N · ν = 0 (paper, Sec. 5.1.1).
+
+A boundary vertex between two mirrors has N = ±ν₁ × ν₂. Which of the two is not a matter of the constraint but of the
+start; plane normals that point out of the surface settle it: on f+, whose outward conormal along a mirror is then ν,
+the tangent along the boundary is N × ν, so that N is ν₁ × ν₂ where f+ turns left from the first mirror to the second.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..domain.domain import Domain
+from ..errors import ConditionError, plural
+from ..linalg import sum_rows
+from .frames import of_boundary
+from .prescribed import Conditions
+from .sphere import dot, normalize
+
+Array = NDArray[np.float64]
+Int = NDArray[np.integer]
+
+# Planes that are turned against each other by less, in radians, are one.
+_PARALLEL = 1e-6
+# Corners up to this much more than straight count as such: they turn left.
+_STRAIGHT = 1e-6
+# A vector whose cosine with a corner normal is smaller does not say which way that is to point.
+_UNDECIDED = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Mirrors:
+    """Sites (m,), sorted, that are held to a plane, and the unit normals ν (m, 3) of their planes."""
+
+    sites: Int
+    normals: Array
+
+    @classmethod
+    def none(cls) -> Mirrors:
+        return cls(np.zeros(0, dtype=np.int64), np.zeros((0, 3)))
+
+    def flatten(self, X: Array) -> Array:
+        """X (S, 3) without its parts along ν; X itself where there are no mirrors."""
+        if not len(self.sites):
+            return X
+        flat = X.copy()
+        flat[self.sites] -= dot(flat[self.sites], self.normals) * self.normals
+        return flat
+
+
+@dataclass(frozen=True, eq=False)
+class MirrorSides:
+    """The mirrors along the boundary of a domain.
+
+    planes: (E, 3) unit normals, zero on edges that are on no mirror. windings: (E,). corners (k,): vertices between two
+    mirrors, their normals (k, 3), and whether they were decided by the caller (k,).
+    """
+
+    domain: Domain
+    planes: Array
+    windings: Int
+    corners: Int
+    corner_normals: Array
+    decided: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, domain: Domain, conditions: Conditions, side: int = +1) -> MirrorSides:
+        """Those of the conditions; `side` -1 turns the corner normals of which `conditions` says nothing.
+
+        Raises `ConditionError` on an edge with two mirrors, and on a vertex whose normal is chosen though it is not
+        between two of them.
+        """
+        planes, windings = _on_edges(domain, conditions)
+        corners, normals = _corners(domain, planes, conditions.vertices)
+        decided = np.zeros(len(corners), dtype=bool)
+        normals = side * normals
+        for vertex, wanted in zip(conditions.corners, conditions.corner_normals, strict=True):
+            at = np.flatnonzero(corners == vertex)
+            cosine = float(normals[at[0]] @ wanted) if at.size else 0.0
+            if abs(cosine) < _UNDECIDED:
+                raise ConditionError(
+                    f"A normal is chosen at vertex {vertex}, where "
+                    + ("it is none of the two that the mirrors leave." if at.size else "no two mirrors meet.")
+                    + " Choose one at corners between two mirrors, along their intersection.",
+                    vertices=[int(vertex)],
+                )
+            normals[at[0]] *= np.sign(cosine)
+            decided[at[0]] = True
+        return cls(domain, planes, windings, corners, normals, decided)
+
+    @cached_property
+    def edges(self) -> Int:
+        """Sorted edges on mirrors."""
+        return np.flatnonzero(self.planes.any(axis=1))
+
+
+def parallel(first: Array, second: Array) -> NDArray[np.bool_]:
+    """Which of the unit vectors (n, 3) agree up to sign."""
+    return np.linalg.norm(np.cross(first, second), axis=-1) < _PARALLEL
+
+
+def _on_edges(domain: Domain, conditions: Conditions) -> tuple[Array, Int]:
+    edges, normals, windings = conditions.mirrors, conditions.mirror_normals, conditions.windings
+    of_boundary(edges, np.where(domain.edge_faces[:, 1] < 0, 0, -1))  # refuses edges of another domain
+    planes, turns = np.zeros((len(domain.edge_lengths), 3)), np.zeros(len(domain.edge_lengths), dtype=np.int64)
+    planes[edges[::-1]] = normals[::-1]  # where an edge is given twice, the first one stays
+    turns[edges[::-1]] = windings[::-1]
+    bad = np.unique(edges[~parallel(planes[edges], normals)])
+    if bad.size:
+        raise ConditionError(
+            f"Two mirrors with different planes hold {plural('edge', bad)}; take the edges out of one of them.",
+            edges=bad,
+        )
+    return planes, turns
+
+
+def _corners(domain: Domain, planes: Array, taken: Int) -> tuple[Int, Array]:
+    """Sorted vertices between two mirrors of different planes, without those `taken`; ν₁ × ν₂ as on f+."""
+    arriving, leaving = np.zeros((2, domain.vertex_count, 3))
+    rim = domain.boundary_edges
+    tail, head = domain.edges[rim].T
+    arriving[head], leaving[tail] = planes[rim], planes[rim]
+    is_corner = arriving.any(axis=1) & leaving.any(axis=1) & ~parallel(arriving, leaving)
+    is_corner[taken] = False
+    corners = np.flatnonzero(is_corner)
+    angles = sum_rows(domain.faces.ravel(), domain.corner_angles.ravel(), domain.vertex_count)[corners]
+    turn = np.where(angles <= np.pi + _STRAIGHT, 1.0, -1.0)[:, None]
+    return corners, turn * normalize(np.cross(arriving[corners], leaving[corners]))

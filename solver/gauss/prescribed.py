@@ -1,0 +1,101 @@
+"""Boundary conditions as data: what is said where, added up, and resolved into one normal a site."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import ConditionError, plural
+from .frames import blend, of_boundary
+
+Array = NDArray[np.float64]
+Int = NDArray[np.integer]
+
+
+def _none() -> Int:
+    return np.zeros(0, dtype=np.int64)
+
+
+def _no_normals() -> Array:
+    return np.zeros((0, 3))
+
+
+@dataclass(frozen=True, eq=False)
+class Conditions:
+    """Prescribed unit normals and mirrors, not yet combined: owners (n,) may repeat.
+
+    vertices, vertex_normals: at vertices. edges, edge_normals: the same conditions in the middle of boundary edges.
+    faces, face_normals: at faces, prescribed one by one. only_vertices: those of `vertices` that were prescribed one
+    by one and so say nothing about faces.
+    mirrors, mirror_normals, windings: boundary edges with the unit normal of the plane that mirrors them, and how many
+    full turns more than it must the normal makes along their side. corners, corner_normals: vertices between two
+    mirrors, and the side that the normal there is on.
+    up: (3,) the oriented area vector of the positions the conditions were made from, zero if there were none: the
+    side to which data that lie in one plane bulge (see `initial`).
+    """
+
+    vertices: Int = field(default_factory=_none)
+    vertex_normals: Array = field(default_factory=_no_normals)
+    edges: Int = field(default_factory=_none)
+    edge_normals: Array = field(default_factory=_no_normals)
+    faces: Int = field(default_factory=_none)
+    face_normals: Array = field(default_factory=_no_normals)
+    only_vertices: Int = field(default_factory=_none)
+    mirrors: Int = field(default_factory=_none)
+    mirror_normals: Array = field(default_factory=_no_normals)
+    windings: Int = field(default_factory=_none)
+    corners: Int = field(default_factory=_none)
+    corner_normals: Array = field(default_factory=_no_normals)
+    up: Array = field(default_factory=lambda: np.zeros(3))
+
+    def __add__(self, other: Conditions) -> Conditions:
+        names = [item.name for item in fields(self) if item.name != "up"]
+        joined = {name: np.concatenate([getattr(self, name), getattr(other, name)]) for name in names}
+        # conditions on one surface all say the same; a sum would only change the length
+        return Conditions(**joined, up=self.up if self.up.any() else other.up)
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether every site is free."""
+        return not (self.vertices.size or self.edges.size or self.faces.size or self.mirrors.size)
+
+    def resolve(self, sites: str = "vertices", owners: Int | None = None) -> tuple[Int, Array]:
+        """Sorted fixed sites (n,) and the one unit normal (n, 3) of each, with normals at vertices or at faces.
+
+        Sites that only mirrors hold are not among them (see `admissible.resolved`). owners: (E,) the site that each
+        boundary edge fixes, needed where they are not at vertices. Raises `ConditionError` naming the sites whose
+        normals cancel, or normals prescribed one by one at the other kind of site.
+        """
+        if sites == "vertices":
+            self._refuse(self.faces, "face", "faces", "vertices")
+            return blend(self.vertices, self.vertex_normals, np.ones(len(self.vertices)), "conditions")
+        self._refuse(self.only_vertices, "vertex", "vertices", sites)
+        if owners is None:
+            raise ConditionError("Where normals live on faces, the sites that boundary edges fix are needed.")
+        edges, edge_normals = blend(self.edges, self.edge_normals, np.ones(len(self.edges)), "conditions", "edge")
+        fixed = np.concatenate([of_boundary(edges, owners), self.faces])
+        normals = np.concatenate([edge_normals, self.face_normals])
+        return blend(fixed, normals, np.ones(len(fixed)), "conditions", "face")
+
+    def carried(self, edges: Int) -> Conditions:
+        """The same on another triangulation of the domain, `edges` (E,) being the boundary edges there.
+
+        Raises `ConditionError` for normals prescribed at faces one by one, since those faces are gone.
+        """
+        if self.faces.size:
+            raise ConditionError(
+                f"Normals are prescribed at {plural('face', np.unique(self.faces))}, which the Delaunay triangulation "
+                "does not have; prescribe them along boundary edges, or solve with delaunay=False.",
+                faces=self.faces,
+            )
+        return replace(self, edges=of_boundary(self.edges, edges), mirrors=of_boundary(self.mirrors, edges))
+
+    def _refuse(self, single: Int, noun: str, given: str, wanted: str) -> None:
+        if single.size:
+            raise ConditionError(
+                f"Normals are prescribed at {plural(noun, np.unique(single))}, but live on {wanted} here; solve with "
+                f"sites={given!r}, or prescribe them along boundary edges.",
+                **{given: single},
+            )
