@@ -14,7 +14,9 @@ from .gauss.harmonic import HarmonicMap, HarmonicSolver
 from .measure import conformal_distortion, mean_curvature_of, report
 from .surface.cmc import CmcSurface
 from .surface.periods import periods
+from .surface.sides import Side, side_plane
 from .surface.solve import CmcSolver, solve_cmc
+from .surface.symmetry import complete
 
 __version__ = "0.1.0"
 
@@ -30,7 +32,9 @@ __all__ = [
     "HarmonicSolver",
     "JobError",
     "MeshError",
+    "Side",
     "Status",
+    "complete",
     "conditions",
     "conformal_distortion",
     "fit",
@@ -40,5 +44,6 @@ __all__ = [
     "periods",
     "report",
     "shapes",
+    "side_plane",
     "solve_cmc",
 ]
