@@ -33,12 +33,14 @@ def gauss_seidel(
     max_iterations: int = 20_000,
     progress: Progress | None = None,
 ) -> Minimum:
-    """Sweeps of N_i ← n / |n|, n = Σ_j star_ij N_j, which need no linear algebra.
+    """Sweeps of N_i ← n / |n|, n = Σ_j star_ij N_j, in the plane of its mirror where there is one; no linear algebra.
 
     Each is a descent where star is positive and does not fall with c (cotan on Delaunay edges, Möbius). Convergence
     is linear, and slower the finer the mesh.
     """
-    palette = _palette(problem.graph, problem.dirichlet.unknown) + _bodies(problem.graph, problem.dirichlet.unknown)
+    graph, unknown = problem.graph, problem.dirichlet.unknown
+    planes = problem.mirrors.planes(graph.count)
+    palette = _palette(graph, unknown, planes) + _bodies(graph, unknown, planes)
 
     def take_step(point: Point) -> Step | int:
         N = point.N.copy()
@@ -51,9 +53,11 @@ def gauss_seidel(
 
 @dataclass(frozen=True, eq=False)
 class _Colour:
-    """Sites (n,) of one colour and their links: the place (m,) of one end among them, the site (m,) at the other."""
+    """Sites (n,) of one colour and their links: the place (m,) of one end among them, the site (m,) at the other.
+    planes (n, 3): the normals of their mirrors, or zero."""
 
     sites: Int
+    planes: Array
     places: Int
     neighbours: Int
     links: LinkSubset
@@ -65,12 +69,13 @@ class _Colour:
         star = problem.energy.star(c, self.links)
         star[~np.isfinite(star)] = 0.0  # a neighbour exactly opposite pulls nowhere
         mean = sum_rows(self.places, star[:, None] * others, len(self.sites))
+        mean -= dot(mean, self.planes) * self.planes
         length = np.sqrt(dot(mean, mean))
         weight = sum_rows(self.places, np.abs(star), len(self.sites))[:, None]
         N[self.sites] = np.where(length > _SHORTEST * weight, mean / np.maximum(length, 1e-300), N[self.sites])
 
 
-def _palette(graph: SiteGraph, unknown: Int) -> list[_Colour]:
+def _palette(graph: SiteGraph, unknown: Int, planes: Array) -> list[_Colour]:
     i, j = graph.links.T
     proper = np.flatnonzero(i != j)
     ends = np.concatenate([i[proper], j[proper]])
@@ -87,28 +92,34 @@ def _palette(graph: SiteGraph, unknown: Int) -> list[_Colour]:
         chosen = np.flatnonzero(place[ends] >= 0)
         if len(sites):
             subset = graph.subset(links[chosen])
-            palette.append(_Colour(sites, place[ends[chosen]], neighbours[chosen], subset))
+            palette.append(_Colour(sites, planes[sites], place[ends[chosen]], neighbours[chosen], subset))
     return palette
 
 
 @dataclass(frozen=True, eq=False)
 class _Bodies:
-    """Bodies of one colour: their sites (n,) and the body (n,) of each; of the links (m,) that leave them the site
-    inside, the one outside and the body."""
+    """Bodies of one colour: their sites (n,), the body (n,) of each; planes (k, 3): the normals of the bodies'
+    mirrors, or zero; of the links (m,) that leave them the site inside, the one outside and the body."""
 
     sites: Int
     body: Int
+    planes: Array
     inside: Int
     outside: Int
     owner: Int
     links: LinkSubset
 
     def update(self, problem: EnergyProblem, N: Array) -> None:
-        """Turn each body by the angle that its normals, were they one, would turn to their average."""
+        """Turn each body by the angle that its normals, were they one, would turn to their average.
+
+        A body on a mirror turns about ν, as if its normals had no other part.
+        """
+        count = int(self.body.max()) + 1
         a, b = N[self.inside], N[self.outside]
         star = problem.energy.star(dot(a, b)[:, 0], self.links)[:, None]
         star[~np.isfinite(star)] = 0.0
-        count = int(self.body.max()) + 1
+        plane = self.planes[self.owner]
+        a, b = a - dot(a, plane) * plane, b - dot(b, plane) * plane
         torque = sum_rows(self.owner, star * np.cross(a, b), count)
         length = np.sqrt(dot(torque, torque))
         angle = np.arctan2(length, sum_rows(self.owner, star * dot(a, b), count))[self.body]
@@ -118,13 +129,16 @@ class _Bodies:
         N[self.sites] = normalize(along + np.cos(angle) * (v - along) + np.sin(angle) * np.cross(axis, v))
 
 
-def _bodies(graph: SiteGraph, unknown: Int) -> list[_Bodies]:
+def _bodies(graph: SiteGraph, unknown: Int, planes: Array) -> list[_Bodies]:
     """Bodies of several sites, all unknown, by colours."""
     if graph.at_vertices:
         return []
     bodies, free = graph.bodies, np.bincount(graph.bodies[unknown], minlength=graph.count)
     size = np.bincount(bodies, minlength=graph.count)
     moves = (size > 1) & (free == size)
+    plane_of = np.zeros((graph.count, 3))
+    held = np.flatnonzero(planes.any(axis=1))
+    plane_of[bodies[held]] = planes[held]
     i, j = graph.links.T
     leaving = np.flatnonzero(bodies[i] != bodies[j])
     inside, outside = np.concatenate([i[leaving], j[leaving]]), np.concatenate([j[leaving], i[leaving]])
@@ -138,7 +152,17 @@ def _bodies(graph: SiteGraph, unknown: Int) -> list[_Bodies]:
         if len(sites):
             owner = number[bodies[inside[out]]]
             subset = graph.subset(links[out])
-            found.append(_Bodies(sites, number[bodies[sites]], inside[out], outside[out], owner, subset))
+            found.append(
+                _Bodies(
+                    sites,
+                    number[bodies[sites]],
+                    plane_of[np.flatnonzero(chosen)],
+                    inside[out],
+                    outside[out],
+                    owner,
+                    subset,
+                )
+            )
     return found
 
 

@@ -2,7 +2,9 @@
 
 Unknown are the normals, free to leave the sphere, and a multiplier each:
 
-    grad E(N)_i + Λ_i N_i = 0,    ½ (1 - |N_i|²) = 0.
+    grad E(N)_i + Λ_i N_i = 0,    ½ (1 - |N_i|²) = 0,
+
+and at a site on a mirror one more, μ_i, with + μ_i ν_i in the first equation and <ν_i, N_i> = 0.
 
 The energy is continued off the sphere as a function of c = 1 - ½ |N_i - N_j|², so that its gradient is
 Σ star (N_i - N_j) and, for the cotangent energy, its Hessian the Laplacian. Every step factors a new saddle matrix:
@@ -54,9 +56,10 @@ def lagrange(
 def _direction(problem: EnergyProblem, point: Point) -> Array | None:
     """δN (S, 3) of one Newton step of the whole system, zero at fixed sites; None where the system is singular.
 
-    On the sphere the best multiplier is Λ_i = -<N_i, G_i>, and with it the second equation holds already.
+    On the sphere the best multipliers are Λ_i = -<N_i, G_i> and μ_i = -<ν_i, G_i>, and with them the other equations
+    hold already.
     """
-    unknown = problem.dirichlet.unknown
+    unknown, mirrors = problem.dirichlet.unknown, problem.mirrors
     count = len(unknown)
     multiplier = -dot(point.N, point.gradient)
     rows = (3 * unknown[:, None] + np.arange(3)).ravel()
@@ -66,14 +69,22 @@ def _direction(problem: EnergyProblem, point: Point) -> Array | None:
         rows_u, dstar = bending
         hessian = sp.csr_array(hessian - rows_u.T @ sp.diags_array(dstar) @ rows_u)
     hessian = hessian[rows][:, rows]
-    starts = np.arange(0, 3 * count + 1, 3)
-    X = sp.csr_array((-point.N[unknown].ravel(), np.arange(3 * count), starts), shape=(count, 3 * count))
-    saddle = sp.block_array([[hessian, -X.T], [X, None]], format="csc")
-    first = (point.gradient + multiplier * point.N)[unknown].ravel()
+    X = _rows(point.N[unknown], np.arange(count), count)
+    Y = _rows(mirrors.normals, np.searchsorted(unknown, mirrors.sites), count)
+    constraints = sp.vstack([-X, Y])
+    saddle = sp.block_array([[hessian, constraints.T], [constraints, None]], format="csc")
+    first = mirrors.flatten(point.gradient + multiplier * point.N)[unknown].ravel()
     try:
-        solution = splu(saddle).solve(np.concatenate([-first, np.zeros(count)]))
+        solution = splu(saddle).solve(np.concatenate([-first, np.zeros(constraints.shape[0])]))
     except RuntimeError:  # SuperLU: "Factor is exactly singular"
         return None
     direction = np.zeros_like(point.N)
     direction[unknown] = solution[: 3 * count].reshape(-1, 3)
     return direction
+
+
+def _rows(vectors: Array, places: NDArray[np.integer], count: int) -> sp.csr_array:
+    """(m, 3 count) a vector (m, 3) a row, at the place (m,) of its site."""
+    columns = 3 * places[:, None] + np.arange(3)
+    starts = np.arange(0, 3 * len(places) + 1, 3)
+    return sp.csr_array((vectors.ravel(), columns.ravel(), starts), shape=(len(places), 3 * count))

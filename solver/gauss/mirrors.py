@@ -42,6 +42,12 @@ class Mirrors:
     def none(cls) -> Mirrors:
         return cls(np.zeros(0, dtype=np.int64), np.zeros((0, 3)))
 
+    def planes(self, count: int) -> Array:
+        """(count, 3) the normals ν by sites, zero at those that are on no mirror."""
+        planes = np.zeros((count, 3))
+        planes[self.sites] = self.normals
+        return planes
+
     def flatten(self, X: Array) -> Array:
         """X (S, 3) without its parts along ν; X itself where there are no mirrors."""
         if not len(self.sites):
