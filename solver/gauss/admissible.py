@@ -76,6 +76,9 @@ def resolved(conditions: Conditions, graph: SiteGraph, side: int = +1) -> Admiss
     """
     fixed, data = _fixed(conditions, graph)
     sides = MirrorSides.of(graph.domain, conditions, side)
+    if graph.at_vertices:
+        along = ~np.isin(fixed, conditions.only_vertices)
+        data[along] = sides.blended(fixed[along], data[along])
     held = _Held.of(graph, sides, fixed)
     at, normals, decided = held.corners(sides, side)
     order = np.argsort(np.concatenate([fixed, at]))

@@ -2,9 +2,8 @@
 
 A condition fixes the normals N at some sites, or holds them to a plane with normal ν (a mirror, N · ν = 0; paper, Sec.
 5.1.1). Conditions are combined with `+`. Where kinds meet at a site, fixed goes before mirror before free: two normals
-that fix it blend to their normalised sum; a normal that fixes it is kept even where it is not in the mirror's plane;
-two mirrors leave N = ±ν₁ × ν₂. Sites of which nothing is said are free: there the natural condition ∂N/∂ν = 0 holds by
-itself (paper, Sec. 5.1).
+that fix it blend to their normalised sum, as a normal does with its reflection; two mirrors leave N = ±ν₁ × ν₂. Sites
+of which nothing is said are free: there the natural condition ∂N/∂ν = 0 holds by itself (paper, Sec. 5.1).
 
 Conditions along boundary edges serve every kind of site. With normals at vertices they hold at the vertices of the
 edges. With normals at faces an edge fixes the normal of the face behind it, to what holds in the middle of the edge:
@@ -173,7 +172,8 @@ def mirror(domain: Domain, edges: ArrayLike, plane_normal: ArrayLike, winding: f
     `initial` map where there is one. If not, it is the one that belongs to plane normals which point out of f+ (out of
     f- and the other one for `side=-1`): around a corner of less than 180°, the product of ν of the edges that arrive
     and of those that leave, the domain being on their left. `corner` overrides it. Where a mirror meets a condition
-    that fixes the normal, that one wins.
+    that fixes the normals along edges, that one wins; at their common vertex it blends with its reflection, unless it
+    is nearer to ν than to the plane.
 
     winding: of the start. Along a side N turns about ν from the normal at its first end to that at its last by the
     smaller angle (half a turn, where they are opposite, as on a convex side if ν points outwards), and by so many full

@@ -71,11 +71,11 @@ def _direction(problem: EnergyProblem, point: Point) -> Array | None:
     hessian = hessian[rows][:, rows]
     X = _rows(point.N[unknown], np.arange(count), count)
     Y = _rows(mirrors.normals, np.searchsorted(unknown, mirrors.sites), count)
-    constraints = sp.vstack([-X, Y])
+    constraints = sp.csr_array(sp.vstack([-X, Y]))
     saddle = sp.block_array([[hessian, constraints.T], [constraints, None]], format="csc")
     first = mirrors.flatten(point.gradient + multiplier * point.N)[unknown].ravel()
     try:
-        solution = splu(saddle).solve(np.concatenate([-first, np.zeros(constraints.shape[0])]))
+        solution = splu(saddle).solve(np.concatenate([-first, np.zeros(count + len(mirrors.sites))]))
     except RuntimeError:  # SuperLU: "Factor is exactly singular"
         return None
     direction = np.zeros_like(point.N)

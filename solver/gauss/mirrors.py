@@ -27,6 +27,8 @@ Int = NDArray[np.integer]
 _PARALLEL = 1e-6
 # Corners up to this much more than straight count as such: they turn left.
 _STRAIGHT = 1e-6
+# Square of the cosine between a prescribed normal and ν below which its reflection is meant.
+_REFLECTED = 0.5
 # A vector whose cosine with a corner normal is smaller does not say which way that is to point.
 _UNDECIDED = 1e-3
 
@@ -74,7 +76,8 @@ class MirrorSides:
 
     @classmethod
     def of(cls, domain: Domain, conditions: Conditions, side: int = +1) -> MirrorSides:
-        """Those of the conditions; `side` -1 turns the corner normals of which `conditions` says nothing.
+        """Those of the conditions; `side` -1 turns the corner normals of which `conditions` says nothing. Edges along
+        which a condition fixes the normals are on no mirror.
 
         Raises `ConditionError` on an edge with two mirrors, and on a vertex whose normal is chosen though it is not
         between two of them.
@@ -102,6 +105,23 @@ class MirrorSides:
         """Sorted edges on mirrors."""
         return np.flatnonzero(self.planes.any(axis=1))
 
+    def blended(self, vertices: Int, normals: Array) -> Array:
+        """Normals (n, 3) that conditions prescribe at vertices, blended with their reflections where a mirror begins.
+
+        Conditions know only the edges on this side of it; the sum with the reflection lies in its plane. A normal that
+        is nearer to ν than to the plane is not meant to be reflected, and is kept.
+        """
+        place = np.full(self.domain.vertex_count, -1)
+        place[vertices] = np.arange(len(vertices))
+        ends = place[self.domain.edges[self.edges].ravel()]
+        planes = np.repeat(self.planes[self.edges], 2, axis=0)[ends >= 0]
+        blended, at = normals.copy(), ends[ends >= 0]
+        across = dot(blended[at], planes)
+        meant = across[:, 0] ** 2 < _REFLECTED
+        at = at[meant]
+        blended[at] = normalize(blended[at] - across[meant] * planes[meant])
+        return blended
+
 
 def parallel(first: Array, second: Array) -> NDArray[np.bool_]:
     """Which of the unit vectors (n, 3) agree up to sign."""
@@ -120,6 +140,7 @@ def _on_edges(domain: Domain, conditions: Conditions) -> tuple[Array, Int]:
             f"Two mirrors with different planes hold {plural('edge', bad)}; take the edges out of one of them.",
             edges=bad,
         )
+    planes[conditions.edges] = 0.0
     return planes, turns
 
 

@@ -54,13 +54,15 @@ class Conjugation:
     def homology(self) -> Homology:
         return Homology.of(self.domain)
 
-    def conjugate(self, N: Array, energy: EdgeEnergy) -> Conjugate:
-        """Integrate tau of the unit normals N (S, 3)."""
+    def conjugate(self, N: Array, energy: EdgeEnergy, planes: Array | None = None) -> Conjugate:
+        """Integrate tau of the unit normals N (S, 3). planes: (E, 3) normals of the mirrors along boundary edges, zero
+        on others."""
         tau = conjugate_form(self.graph, N, energy)
         error = _closure_error(self.graph, tau)
         if self.graph.at_vertices:
             return self._on_faces(tau, error)
-        return self._on_vertices(self.graph.completed(tau), N, error)
+        planes = np.zeros((len(self.domain.edge_lengths), 3)) if planes is None else planes
+        return self._on_vertices(self.graph.completed(tau), N, error, planes)
 
     def _on_faces(self, tau: Array, error: float) -> Conjugate:
         g = self.homology.integrate(tau)
@@ -68,12 +70,12 @@ class Conjugation:
         points = g[self.domain.edge_faces[rim, 0]] - tau[rim]
         return Conjugate(tau, g, points, error, self.homology.periods(tau, g))
 
-    def _on_vertices(self, tau: Array, N: Array, error: float) -> Conjugate:
+    def _on_vertices(self, tau: Array, N: Array, error: float, planes: Array) -> Conjugate:
         domain, homology = self.domain, self.homology
         rows = domain.faces if homology.is_trivial else homology.sheets.faces
         g = self._row_tree.integrate(self._along_sides(tau))
         if self.graph.name == "faces":
-            g, tau = unfold_ears(domain, rows, g, tau, N)
+            g, tau = unfold_ears(domain, rows, g, tau, N, planes)
         periods = np.zeros((0, 3))
         if not homology.is_trivial:
             sheets = homology.sheets

@@ -11,17 +11,18 @@ from numpy.typing import NDArray
 
 from ..domain.connectivity import after, before
 from ..domain.domain import Domain
+from .planes import VertexPlanes
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
 
-def unfold_ears(domain: Domain, rows: Int, g: Array, tau: Array, N: Array) -> tuple[Array, Array]:
+def unfold_ears(domain: Domain, rows: Int, g: Array, tau: Array, N: Array, planes: Array) -> tuple[Array, Array]:
     """g (n, 3) and tau (E, 3) with the tips where the affine map of the neighbouring face puts them.
 
     The ear and its neighbour are laid out in the plane; the map of the neighbour's triangle on g is continued to the
-    tip, which is then moved into the plane through its two neighbours that is orthogonal to N (F, 3). rows: (F, 3),
-    the row of g at each corner.
+    tip, which is then moved into the plane through its two neighbours that is orthogonal to N (F, 3), and into those of
+    the mirrors beside it: planes (E, 3), their normals or zero. rows: (F, 3), the row of g at each corner.
     """
     base = _bases(domain)
     if not len(base):
@@ -32,9 +33,15 @@ def unfold_ears(domain: Domain, rows: Int, g: Array, tau: Array, N: Array) -> tu
     a, b, far = (g[rows.ravel()[corner]] for corner in (before(across), after(across), across))
     along, away = _coordinates(domain, base, across)
     point = along[:, None] * (b - a) + away[:, None] * (far - a)
-    normal = N[base // 3]
+    # the tip as seen from `start`; the sides beside it end at the two ends of the base
+    to_start, to_other = (domain.face_edges.ravel()[side] for side in (before(base), after(base)))
+    other = rows.ravel()[before(base)]
+    normals = np.concatenate([N[base // 3], planes[to_start], planes[to_other]])
+    zero = np.zeros(len(tip))
+    offsets = np.concatenate([zero, zero, np.einsum("ij,ij->i", g[other] - g[start], planes[to_other])])
+    at = VertexPlanes(tip, np.tile(np.arange(len(tip)), 3), normals, np.zeros(0, dtype=np.int64))
     g, tau = g.copy(), tau.copy()
-    g[tip] = g[start] + point - np.einsum("ij,ij->i", point, normal)[:, None] * normal
+    g[tip] = g[start] + at.nearest(point, offsets)
     for side in (after(base), before(base)):
         tau[domain.face_edges.ravel()[side]] = g[rows.ravel()[before(side)]] - g[rows.ravel()[after(side)]]
     return g, tau

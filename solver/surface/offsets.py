@@ -11,7 +11,8 @@ With normals at faces it is N that comes to the vertices, by the linear fit (gal
 there) or by the mean of Eq. 11. What is known at vertices comes to the faces with the barycentric weights of their
 circumcentres, or by Eq. 12.
 
-On a domain with holes all of them are taken on the cover: values across a cut are shifted by its period.
+On a domain with holes all of them are taken on the cover: values across a cut are shifted by its period. Along mirrors
+all are moved into the plane that the boundary points of the conjugate lie in, exactly (see `planes`).
 """
 
 from __future__ import annotations
@@ -27,11 +28,13 @@ from ..domain.connectivity import after, before
 from ..domain.domain import Domain
 from ..domain.sites import SiteGraph
 from ..domain.topology import Homology
+from ..gauss.admissible import Admissible
 from ..gauss.dirichlet import Dirichlet
 from ..gauss.sphere import dot, normalize
 from ..linalg import sum_rows
 from .conjugate import Conjugate, cross
 from .fit import face_fit_weights, fit_weights
+from .planes import VertexPlanes
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -42,43 +45,56 @@ _SHORTEST = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Averaging:
-    """What an average may use: the conjugate, the normals and where they are fixed, the cuts, and kept factors.
+    """What an average may use: the conjugate, the normals and what held them, the cuts, and kept factors.
 
-    dirichlet(sites) is the factored Laplacian with values given at `sites`; for the `fixed` ones it is at hand, since
-    the normals were solved with it.
+    dirichlet(sites) is the factored Laplacian with values given at `sites`; for those at which normals were held it is
+    at hand, since they were solved for, or the start was made, with it.
     """
 
     domain: Domain
     homology: Homology
     conjugate: Conjugate
     N: Array
-    fixed: Int
+    admissible: Admissible
     dirichlet: Callable[[Int], Dirichlet]
 
 
 def galerkin(a: Averaging) -> Array:
     """g (V, 3) on the first rows of the cut surface, from `L g = Σ_f ∫ <∇φ_i, τ_f - ∇(offsets)>`.
 
-    On a simply connected domain the factor of the normals serves again: g is fitted linearly at the fixed
-    vertices and solved for at the others. With holes, one vertex is fitted and the whole Laplacian factored.
+    On a simply connected domain the factor of the normals serves again: g is fitted linearly at the vertices where
+    they were held, and solved for at the others. With holes, one vertex is fitted and the whole Laplacian factored; so
+    it is where no boundary edge was held. A single vertex held among free ones is solved for like them: a value given
+    at a point would be a spike.
     """
     load = _galerkin_load(a.domain, a.N)
-    if a.homology.is_trivial:
-        return a.dirichlet(a.fixed).solve(load, _mean(a, *fit_weights(a.domain, a.fixed)))
     if a.conjugate.periods.any():
         load = load - _offset_load(a.domain, a.homology, a.conjugate.periods)
-    anchor = np.zeros(1, dtype=np.int64)
-    return a.dirichlet(anchor).solve(load, _mean(a, *fit_weights(a.domain, anchor)))
+    held = _held(a)
+    return a.dirichlet(held).solve(load, _fitted(a, held))
+
+
+def _held(a: Averaging) -> Int:
+    """Vertices (n,) at which g is given: the ends of edges along which the normals are held, or the first vertex."""
+    has_mirrors = len(a.admissible.sides.edges) > 0
+    if a.homology.is_trivial or has_mirrors:
+        is_held = np.zeros(a.domain.vertex_count, dtype=bool)
+        is_held[a.admissible.fixed] = is_held[a.admissible.mirrors.sites] = True
+        ends = a.domain.edges[a.domain.boundary_edges]
+        ends = ends[is_held[ends].all(axis=1)]
+        if len(ends):
+            return np.unique(ends).astype(np.int64)
+    return np.zeros(1, dtype=np.int64)
 
 
 def linear(a: Averaging) -> Array:
     """g (V, 3) by a linear fit to the conjugate at circumcentres and boundary points around each vertex."""
-    return _mean(a, *fit_weights(a.domain, np.arange(a.domain.vertex_count)))
+    return _fitted(a, np.arange(a.domain.vertex_count))
 
 
 def area(a: Averaging) -> Array:
     """g (V, 3) as the area-weighted mean of the conjugate on the faces around each vertex (paper, Eq. 11)."""
-    return _mean(a, _area_weights(a.domain))
+    return _in_planes(a, np.arange(a.domain.vertex_count), _mean(a, _area_weights(a.domain)))
 
 
 def _area_weights(domain: Domain) -> sp.csr_array:
@@ -208,19 +224,50 @@ def _offset_load(domain: Domain, homology: Homology, periods: Array) -> Array:
     return load
 
 
+def _fitted(a: Averaging, vertices: Int) -> Array:
+    """g (n, 3) at sorted vertices by the linear fit, on mirrors moved into their planes."""
+    return _in_planes(a, vertices, _mean(a, *fit_weights(a.domain, vertices)))
+
+
+def _in_planes(a: Averaging, vertices: Int, g: Array) -> Array:
+    """Values (n, 3) at sorted vertices, those on mirrors in the planes of the boundary points beside them."""
+    planes = a.admissible.sides.planes.copy()
+    chosen = np.zeros(a.domain.vertex_count, dtype=bool)
+    chosen[vertices] = True
+    planes[~chosen[a.domain.edges].all(axis=1)] = 0.0
+    at = VertexPlanes.of(a.domain, planes)
+    if not len(at.vertices):
+        return g
+    rim = np.searchsorted(a.domain.boundary_edges, at.edges)
+    is_head = a.domain.edges[at.edges, 1] == at.vertices[at.places]
+    ends = a.conjugate.boundary_points[rim] - _shift(a)[_rim_corners(a.domain)[2 * rim + is_head]]
+    rows = np.searchsorted(vertices, at.vertices)
+    g[rows] = at.nearest(g[rows], dot(ends, at.normals)[:, 0])
+    return g
+
+
 def _mean(a: Averaging, corners: sp.csr_array, ends: sp.csr_array | None = None) -> Array:
     """Weighted mean (n, 3) of the conjugate at the corners (n, 3 F) and at the ends of boundary edges (n, 2 B).
 
     Every face is brought to the sheet of the first row of the vertex at the corner; boundary points go with the
     face behind them.
     """
-    shift = np.zeros((a.domain.faces.size, 3))
-    if a.conjugate.periods.any():
-        sheets = a.homology.sheets
-        shift = (sheets.offsets @ a.conjugate.periods)[sheets.faces.ravel()]
+    shift = _shift(a)
     mean: Array = corners @ (np.repeat(a.conjugate.g, 3, axis=0) - shift)
     if ends is None:
         return mean
-    behind = a.domain.half_edges[a.domain.boundary_edges, 0]
-    corner = np.stack([after(behind), before(behind)], axis=1).ravel()
-    return mean + ends @ (np.repeat(a.conjugate.boundary_points, 2, axis=0) - shift[corner])
+    return mean + ends @ (np.repeat(a.conjugate.boundary_points, 2, axis=0) - shift[_rim_corners(a.domain)])
+
+
+def _shift(a: Averaging) -> Array:
+    """(3 F, 3) from the sheet of the first row of the vertex at each corner to that of its face."""
+    if not a.conjugate.periods.any():
+        return np.zeros((a.domain.faces.size, 3))
+    sheets = a.homology.sheets
+    return (sheets.offsets @ a.conjugate.periods)[sheets.faces.ravel()]
+
+
+def _rim_corners(domain: Domain) -> Int:
+    """(2 B,) the corners at the start and the end of each boundary edge, in the face behind it."""
+    behind = domain.half_edges[domain.boundary_edges, 0]
+    return np.stack([after(behind), before(behind)], axis=1).ravel()

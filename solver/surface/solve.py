@@ -20,9 +20,9 @@ from ..gauss.prescribed import Conditions
 from .cmc import CmcSurface
 from .conjugate import Conjugate, Conjugation
 from .offsets import AVERAGINGS, Averaging
+from .planes import VertexPlanes
 
 Array = NDArray[np.float64]
-Int = NDArray[np.integer]
 
 # Periods below this part of the diameter are rounding.
 _CLOSED = 1e-9
@@ -65,7 +65,7 @@ class CmcSolver:
         _check_period_tolerance(period_tolerance)
         if self._carried:
             conditions = conditions.carried(self._carried.edges)
-        fixed = self._fixed(conditions)
+        self._check_on_rim(conditions)
         harmonic = self.harmonic.solve(
             conditions,
             initial,
@@ -76,14 +76,14 @@ class CmcSolver:
             max_iterations=max_iterations,
             progress=progress,
         )
-        conjugate = self.conjugation.conjugate(harmonic.normals, self.harmonic.energy)
-        return self._surface(fixed, harmonic, conjugate, averaging, scale, period_tolerance)
+        planes = harmonic.admissible.sides.planes
+        conjugate = self.conjugation.conjugate(harmonic.normals, self.harmonic.energy, planes)
+        return self._surface(harmonic, conjugate, averaging, scale, period_tolerance)
 
-    def _fixed(self, conditions: Conditions) -> Int:
-        """The fixed sites, which must lie on the boundary: elsewhere the conjugate would not close around them."""
+    def _check_on_rim(self, conditions: Conditions) -> None:
+        """Fixed sites must lie on the boundary: elsewhere the conjugate would not close around them."""
         graph = self.harmonic.graph
-        fixed = resolved(conditions, graph).fixed
-        inside = np.setdiff1d(fixed, graph.rim)
+        inside = np.setdiff1d(resolved(conditions, graph).fixed, graph.rim)
         if inside.size:
             where, offenders = graph.named(inside)
             raise ConditionError(
@@ -91,11 +91,9 @@ class CmcSolver:
                 "conjugate does not close around others.",
                 **offenders,
             )
-        return fixed
 
     def _surface(
         self,
-        fixed: Int,
         harmonic: HarmonicMap,
         conjugate: Conjugate,
         averaging: str,
@@ -109,7 +107,7 @@ class CmcSolver:
         whole = replace(conjugate, periods=np.zeros_like(conjugate.periods) if not is_open else conjugate.periods)
         if not is_open and gap > _CLOSED * diameter:
             whole = self.conjugation.closed(whole)
-        g, N = self._at_vertices(fixed, harmonic.normals, whole, averaging)
+        g, N = self._at_vertices(harmonic, whole, averaging)
         centre = g[graph.domain.boundary_vertices].mean(axis=0) if len(graph.rim) else g.mean(axis=0)
         g = g - centre
         source = np.arange(self.domain.vertex_count, dtype=np.int32)
@@ -143,13 +141,19 @@ class CmcSolver:
         homology = self.conjugation.homology
         return carried_cut(self.domain, self._carried, homology) if self._carried else homology.sheets
 
-    def _at_vertices(self, fixed: Int, N: Array, conjugate: Conjugate, averaging: str) -> tuple[Array, Array]:
+    def _at_vertices(self, harmonic: HarmonicMap, conjugate: Conjugate, averaging: str) -> tuple[Array, Array]:
         """g and N (V, 3); where the surface is cut open, on the first row of each vertex."""
         graph, average = self.harmonic.graph, AVERAGINGS[averaging]
-        if not graph.at_vertices:
-            return conjugate.g[: graph.domain.vertex_count], average.normals(graph, N)
-        given = Averaging(graph.domain, self.conjugation.homology, conjugate, N, fixed, self.harmonic.dirichlet)
-        return average.conjugate(given), N
+        N, admissible = harmonic.normals, harmonic.admissible
+        if graph.at_vertices:
+            given = Averaging(
+                graph.domain, self.conjugation.homology, conjugate, N, admissible, self.harmonic.dirichlet
+            )
+            return average.conjugate(given), N
+        N = average.normals(graph, N)
+        mirrored = VertexPlanes.of(graph.domain, admissible.sides.planes)
+        N[mirrored.vertices] = mirrored.along(N[mirrored.vertices])
+        return conjugate.g[: graph.domain.vertex_count], N
 
 
 def solve_cmc(

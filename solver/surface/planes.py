@@ -1,0 +1,55 @@
+"""Points and normals brought exactly to the planes of mirrors, in which they lie up to discretisation.
+
+What an average or a fit makes of one side of a mirror knows nothing of the other side, of which only the parts along
+the plane are the same. Moved into the plane, g is second order there as it is inside, and copies of the surface meet.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..domain.domain import Domain
+from ..gauss.sphere import dot, normalize
+from ..linalg import sum_rows
+
+Array = NDArray[np.float64]
+Int = NDArray[np.integer]
+
+# Of the normals (n, 3) of planes that meet in a point, what counts as independent: sines of half a degree.
+_RANK = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class VertexPlanes:
+    """The planes at some vertices (n,): pairs (m,) of the place of a vertex among them and a unit normal (m, 3)."""
+
+    vertices: Int
+    places: Int
+    normals: Array
+    edges: Int
+
+    @classmethod
+    def of(cls, domain: Domain, planes: Array) -> VertexPlanes:
+        """Of the ends of boundary edges with `planes` (E, 3), zero on others; edges (m,) says which of them it is."""
+        edges = np.flatnonzero(planes.any(axis=1))
+        vertices, places = np.unique(domain.edges[edges].ravel().astype(np.int64), return_inverse=True)
+        return cls(vertices, places, np.repeat(planes[edges], 2, axis=0), np.repeat(edges, 2))
+
+    def nearest(self, points: Array, offsets: Array) -> Array:
+        """The points (n, 3), one a vertex, moved least so that <p, normal> is the offset (m,) of each plane."""
+        missing = offsets - dot(points[self.places], self.normals)[:, 0]
+        pull = sum_rows(self.places, missing[:, None] * self.normals, len(points))
+        return points + np.einsum("nij,nj->ni", self._inverse, pull)
+
+    def along(self, normals: Array) -> Array:
+        """Unit normals (n, 3), one a vertex, without their parts across the planes."""
+        return normalize(self.nearest(normals, np.zeros(len(self.places))))
+
+    @property
+    def _inverse(self) -> Array:
+        outer = np.einsum("mi,mj->mij", self.normals, self.normals).reshape(-1, 9)
+        moments = sum_rows(self.places, outer, len(self.vertices)).reshape(-1, 3, 3)
+        return np.asarray(np.linalg.pinv(moments, rcond=_RANK, hermitian=True))
