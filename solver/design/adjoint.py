@@ -7,6 +7,8 @@ Hessian H of the energy at N (`gauss.problem`), I the sites that are not fixed a
 
 A function F(N, g) then has the gradient P (F_N + load'ᵀ y)_B - H_BI μ on the boundary, with L y = F_g and
 P H P μ = P (F_N + load'ᵀ y)_I: two linear solves for any number of boundary normals. Both use factors that are kept.
+Around the holes of a domain g is taken without its periods Σ_e η_e tau_e (see `surface.periods`), which are linear in
+the same products N_i × N_j.
 """
 
 from __future__ import annotations
@@ -21,6 +23,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.linalg import LinearOperator, minres
 
+from ..domain.topology import Homology
 from ..errors import ConditionError
 from ..gauss.conditions import Conditions
 from ..gauss.dirichlet import Dirichlet
@@ -30,6 +33,7 @@ from ..gauss.sphere import inner, project
 from ..linalg import sum_rows
 from ..surface.conjugate import cross
 from ..surface.offsets import load_matrix
+from ..surface.periods import harmonic_forms
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -41,11 +45,15 @@ _CG_LIMIT = 400
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """A harmonic map and its surface at scale 1: N and g (V, 3), g centred at the mean of its boundary."""
+    """A harmonic map and its surface at scale 1: N and g (V, 3), g centred at the mean of its boundary.
+
+    periods: (k, 3) of the conjugate, which g has not.
+    """
 
     harmonic: HarmonicMap
     point: Point
     g: Array
+    periods: Array
 
     @property
     def N(self) -> Array:
@@ -55,8 +63,7 @@ class State:
 class Extension:
     """The surfaces of one domain as a function of the normals at its fixed boundary vertices.
 
-    `solver` has normals at vertices; `fixed` (n,) are sorted boundary vertices, the others are free. Domains with
-    holes give the surface without its periods.
+    `solver` has normals at vertices; `fixed` (n,) are sorted boundary vertices, the others are free.
     """
 
     def __init__(self, solver: HarmonicSolver, fixed: Int, up: Array) -> None:
@@ -75,8 +82,16 @@ class Extension:
         return self.solver.dirichlet(np.zeros(1, dtype=np.int64))
 
     @cached_property
-    def _load(self) -> sp.csr_array:
+    def load(self) -> sp.csr_array:
         return load_matrix(self.domain)
+
+    @cached_property
+    def _forms(self) -> Array:
+        """(E, k) η w, whose sums with the products N_i × N_j are the periods."""
+        homology = Homology.of(self.domain)
+        if homology.is_trivial:
+            return np.zeros((len(self.domain.edges), 0))
+        return harmonic_forms(homology, self.solver.dirichlet) * self.domain.cotan_weights[:, None]
 
     def __call__(self, rim: Array, start: Array | None = None, tolerance: float = 1e-8) -> State:
         """The surface of the boundary normals `rim` (n, 3), from `start` (V, 3), or a start of the solver's own."""
@@ -87,8 +102,8 @@ class Extension:
         """The surface of a harmonic map that is known."""
         i, j = self.domain.edges.T
         products = cross(harmonic.normals[i], harmonic.normals[j])
-        g = self._integral(self._load @ products)
-        return State(harmonic, self.problem.at(harmonic.normals), g)
+        g = self._integral(self.load @ products)
+        return State(harmonic, self.problem.at(harmonic.normals), g, self._forms.T @ products)
 
     def _integral(self, load: Array) -> Array:
         """u (V, k) with L u = load, centred at the mean of its boundary."""
@@ -103,27 +118,39 @@ class Extension:
         moved = moved - self._solve_hessian(state, self.problem.project(state.N, operator(moved)))
         i, j = self.domain.edges.T
         products = cross(moved[i], state.N[j]) + cross(state.N[i], moved[j])
-        return moved, self._integral(self._load @ products)
+        return moved, self._integral(self.load @ products)
 
-    def pull_back(self, state: State, by_normals: Array, by_conjugate: Array) -> Array:
-        """The gradient (n, 3), tangent at the boundary normals, of F(N, g) from its partial derivatives by N and by g
-        (V, 3)."""
-        total = by_normals + self._pulled_load(state, by_conjugate)
-        mu = self._solve_hessian(state, self.problem.project(state.N, total))
+    def pull_back(
+        self,
+        state: State,
+        by_normals: Array,
+        by_conjugate: Array,
+        by_periods: Array | None = None,
+        accuracy: float = _ACCURACY,
+    ) -> Array:
+        """The gradient (n, 3), tangent at the boundary normals, of F(N, g, periods) from its partial derivatives by N
+        and by g (V, 3), and by the periods (k, 3), to a relative `accuracy`."""
+        q = self.load.T @ self.pulled_integral(by_conjugate)
+        if by_periods is not None and by_periods.size:
+            q = q + self._forms @ by_periods
+        total = by_normals + self._pulled_products(state.N, q)
+        mu = self._solve_hessian(state, self.problem.project(state.N, total), accuracy)
         back = total - self.problem.operator(state.point)(mu)
         return project(state.N[self.fixed], back[self.fixed])
 
-    def _pulled_load(self, state: State, by_conjugate: Array) -> Array:
-        """The transpose of N ↦ g: <q, N_i × N_j> has the derivatives N_j × q and q × N_i."""
+    def pulled_integral(self, by_conjugate: Array) -> Array:
+        """The transpose of load ↦ g."""
         balanced = by_conjugate.copy()
         balanced[self._rim] -= by_conjugate.sum(axis=0) / len(self._rim)
-        y = self._poisson.solve(balanced, np.zeros((1, 3)))
-        i, j = self.domain.edges.T
-        q = self._load.T @ y
-        count = self.domain.vertex_count
-        return sum_rows(i, cross(state.N[j], q), count) + sum_rows(j, cross(q, state.N[i]), count)
+        return self._poisson.solve(balanced, np.zeros((1, by_conjugate.shape[1])))
 
-    def _solve_hessian(self, state: State, right: Array) -> Array:
+    def _pulled_products(self, N: Array, q: Array) -> Array:
+        """The transpose of N ↦ N_i × N_j: <q, N_i × N_j> has the derivatives N_j × q and q × N_i."""
+        i, j = self.domain.edges.T
+        count = self.domain.vertex_count
+        return sum_rows(i, cross(N[j], q), count) + sum_rows(j, cross(q, N[i]), count)
+
+    def _solve_hessian(self, state: State, right: Array, accuracy: float = _ACCURACY) -> Array:
         """(P H P)⁻¹ right (V, 3), by conjugate gradients; by MINRES where the map is a saddle."""
         apply = self.problem.hessian(state.point)
 
@@ -133,14 +160,14 @@ class Extension:
         x = np.zeros_like(right)
         rest, z = right, precondition(right)
         p, size = z, inner(right, z)
-        goal = _ACCURACY**2 * size
+        goal = accuracy**2 * size
         for _ in range(_CG_LIMIT):
             if size <= goal:
                 return x
             curved = apply(p)
             curvature = inner(p, curved)
             if curvature <= 0.0:
-                return self._minres(state, apply, right)
+                return self._minres(state, apply, right, accuracy)
             alpha = size / curvature
             x, rest = x + alpha * p, rest - alpha * curved
             z = precondition(rest)
@@ -148,7 +175,7 @@ class Extension:
             p = z + (size / last) * p
         return x
 
-    def _minres(self, state: State, apply: Linear, right: Array) -> Array:
+    def _minres(self, state: State, apply: Linear, right: Array, accuracy: float) -> Array:
         """The preconditioner has to be definite there: directions that are not admissible pass through it."""
         N, problem = state.N, self.problem
 
@@ -160,5 +187,5 @@ class Extension:
             operator: Any = LinearOperator
             return operator((right.size, right.size), matvec=lambda v: f(v.reshape(-1, 3)).ravel(), dtype=np.float64)
 
-        solution, _ = minres(flat(apply), right.ravel(), M=flat(precondition), rtol=_ACCURACY, maxiter=_CG_LIMIT)
+        solution, _ = minres(flat(apply), right.ravel(), M=flat(precondition), rtol=accuracy, maxiter=_CG_LIMIT)
         return solution.reshape(-1, 3)

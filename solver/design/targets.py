@@ -1,76 +1,30 @@
 """What a surface shall be like, as functions to be minimised, each with its partial derivatives.
 
-A target is a value ½ |residual|², without units, of a `Shape`: the sheet in the world, its normals, its scale. Targets
-are added up with weights by `fit`. One that is met exactly has the value zero, so that a few of them can all be met.
+Targets are added up with weights by `fit`. One that is met exactly has the value zero, so that a few of them can all
+be met.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from ..domain.domain import Domain
-from ..gauss.sphere import dot
+from ..gauss.sphere import dot, inner
+from ..linalg import graph_laplacian
 from .curves import Curve
+from .target import Curvature, Partials, Shape, Target
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
-
-@dataclass(frozen=True, eq=False)
-class Shape:
-    """A sheet in the world: points and unit normals N (V, 3) of the harmonic map; `size`, a length to divide by.
-
-    rim: sorted boundary vertices whose normals may change; domain: of the plan.
-    """
-
-    domain: Domain
-    rim: Int
-    points: Array
-    normals: Array
-    size: float
-
-
-@dataclass(frozen=True, eq=False)
-class Partials:
-    """A value, and its derivatives by the points and by the normals of a shape, (V, 3) each."""
-
-    value: float
-    by_points: Array
-    by_normals: Array
-
-    @classmethod
-    def none(cls, shape: Shape) -> Partials:
-        return cls(0.0, np.zeros_like(shape.points), np.zeros_like(shape.normals))
-
-    def __add__(self, other: Partials) -> Partials:
-        return Partials(
-            self.value + other.value, self.by_points + other.by_points, self.by_normals + other.by_normals
-        )
-
-    def times(self, factor: float) -> Partials:
-        return Partials(factor * self.value, factor * self.by_points, factor * self.by_normals)
-
-
-@dataclass(frozen=True, eq=False)
-class Target:
-    """weight: a factor in the sum. `partials(shape)`: value and derivatives; `distance(shape)`: how far, in words'
-    units: a length where it is one, else a pure number.
-    """
-
-    weight: float = field(default=1.0, kw_only=True)
-
-    label = "target"
-
-    def partials(self, shape: Shape) -> Partials:
-        raise NotImplementedError
-
-    def distance(self, shape: Shape) -> float:
-        raise NotImplementedError
+# Vertices at which the model of a whole surface looks.
+_SAMPLES = 200
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +38,10 @@ class GaussMap(Target):
         shares = shape.domain.vertex_areas / shape.domain.area
         miss = shape.normals - self.normals
         value = 0.5 * float(np.sum(shares * dot(miss, miss)[:, 0]))
-        return Partials(value, np.zeros_like(miss), shares[:, None] * miss)
+        return Partials.of(shape, value, by_normals=shares[:, None] * miss)
+
+    def curvature(self, shape: Shape) -> Curvature:
+        return Curvature(stiffness=_diagonal(shape.domain.vertex_areas / shape.domain.area))
 
     def distance(self, shape: Shape) -> float:
         """Root mean square of |N - N_φ|."""
@@ -98,16 +55,15 @@ class SmoothRim(Target):
     label = "smooth rim"
 
     def partials(self, shape: Shape) -> Partials:
-        domain = shape.domain
-        edges = domain.boundary_edges
-        i, j = domain.edges[edges].T
-        factor = domain.edge_lengths[edges].sum() / domain.edge_lengths[edges]
-        jump = shape.normals[i] - shape.normals[j]
-        by_normals = np.zeros_like(shape.normals)
-        np.add.at(by_normals, i, factor[:, None] * jump)
-        np.subtract.at(by_normals, j, factor[:, None] * jump)
-        value = 0.5 * float(np.sum(factor * dot(jump, jump)[:, 0]))
-        return Partials(value, np.zeros_like(jump, shape=shape.points.shape), by_normals)
+        by_normals = self._laplacian(shape.domain) @ shape.normals
+        return Partials.of(shape, 0.5 * inner(shape.normals, by_normals), by_normals=by_normals)
+
+    def curvature(self, shape: Shape) -> Curvature:
+        return Curvature(stiffness=self._laplacian(shape.domain))
+
+    def _laplacian(self, domain: Domain) -> sp.csr_array:
+        lengths = domain.edge_lengths[domain.boundary_edges]
+        return graph_laplacian(domain.edges[domain.boundary_edges], lengths.sum() / lengths, domain.vertex_count)
 
     def distance(self, shape: Shape) -> float:
         return float(np.sqrt(2.0 * self.partials(shape).value))
@@ -124,7 +80,12 @@ class MinimalChange(Target):
         miss = shape.normals[shape.rim] - self.normals
         by_normals = np.zeros_like(shape.normals)
         by_normals[shape.rim] = miss / len(miss)
-        return Partials(0.5 * float(np.mean(dot(miss, miss))), np.zeros_like(shape.points), by_normals)
+        return Partials.of(shape, 0.5 * float(np.mean(dot(miss, miss))), by_normals=by_normals)
+
+    def curvature(self, shape: Shape) -> Curvature:
+        at_rim = np.zeros(len(shape.normals))
+        at_rim[shape.rim] = 1.0 / len(shape.rim)
+        return Curvature(stiffness=_diagonal(at_rim))
 
     def distance(self, shape: Shape) -> float:
         return float(np.sqrt(2.0 * self.partials(shape).value))
@@ -159,7 +120,16 @@ class RimOnCurve(Target):
         np.subtract.at(by_points, self.vertices[back.start], (1.0 - back.along)[:, None] * pull)
         np.subtract.at(by_points, self.vertices[back.end], back.along[:, None] * pull)
         scale = 1.0 / shape.size**2
-        return Partials(0.5 * scale * value, scale * by_points, np.zeros_like(shape.normals))
+        return Partials.of(shape, 0.5 * scale * value, scale * by_points)
+
+    def curvature(self, shape: Shape) -> Curvature:
+        """Along the curve a point moves freely; the way back counts as much as the way there."""
+        closest = self._curve.closest(self._seen(shape.points[self.vertices]))
+        along = self._curve.points[closest.end] - self._curve.points[closest.start]
+        along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-300)
+        across = self._flat(np.eye(3)) - along[:, :, None] * along[:, None, :]
+        shares = 2.0 * boundary_shares(shape.domain)[self.vertices] / shape.size**2
+        return Curvature(self.vertices, shares[:, None, None] * across)
 
     @cached_property
     def _curve(self) -> Curve:
@@ -193,7 +163,11 @@ class Anchors(Target):
         by_points = np.zeros_like(shape.points)
         np.add.at(by_points, self.vertices, miss / shape.size**2)
         value = 0.5 * float(np.sum(dot(miss, miss))) / shape.size**2
-        return Partials(value, by_points, np.zeros_like(shape.normals))
+        return Partials.of(shape, value, by_points)
+
+    def curvature(self, shape: Shape) -> Curvature:
+        metric = np.diag(np.square(self.axes)) / shape.size**2
+        return Curvature(self.vertices, np.broadcast_to(metric, (len(self.vertices), 3, 3)))
 
     def distance(self, shape: Shape) -> float:
         miss = (shape.points[self.vertices] - self.places) * self.axes
@@ -213,7 +187,10 @@ class _Quantity(Target):
     def partials(self, shape: Shape) -> Partials:
         q, derivative = self.quantity(shape)
         miss = q / self.wanted - 1.0
-        return Partials(0.5 * miss**2, (miss / self.wanted) * derivative, np.zeros_like(shape.normals))
+        return Partials.of(shape, 0.5 * miss**2, (miss / self.wanted) * derivative)
+
+    def curvature(self, shape: Shape) -> Curvature:
+        return Curvature(rows=(Partials.of(shape, by_points=self.quantity(shape)[1] / self.wanted),))
 
     def distance(self, shape: Shape) -> float:
         return abs(self.quantity(shape)[0] - self.wanted)
@@ -283,11 +260,76 @@ class NearSurface(Target):
         shares = shape.domain.vertex_areas / shape.domain.area
         miss = shape.points - self.closest(shape.points)
         value = 0.5 * float(np.sum(shares * dot(miss, miss)[:, 0])) / shape.size**2
-        return Partials(value, shares[:, None] * miss / shape.size**2, np.zeros_like(shape.normals))
+        return Partials.of(shape, value, shares[:, None] * miss / shape.size**2)
+
+    def curvature(self, shape: Shape) -> Curvature:
+        """At some of the vertices, across the surface: along it they slide."""
+        domain = shape.domain
+        some = np.arange(0, domain.vertex_count, max(1, domain.vertex_count // _SAMPLES))
+        shares = domain.vertex_areas[some] / domain.vertex_areas[some].sum() / shape.size**2
+        N = shape.normals[some]
+        return Curvature(some, shares[:, None, None] * N[:, :, None] * N[:, None, :])
 
     def distance(self, shape: Shape) -> float:
         miss = shape.points - self.closest(shape.points)
         return float(np.sqrt(dot(miss, miss).max()))
+
+
+@dataclass(frozen=True, eq=False)
+class Closed(Target):
+    """½ Σ |period|² / size²: around the holes of the domain the surface shall close."""
+
+    label = "period"
+
+    def partials(self, shape: Shape) -> Partials:
+        value = 0.5 * float(np.sum(np.square(shape.periods))) / shape.size**2
+        return Partials.of(shape, value, by_periods=shape.periods / shape.size**2)
+
+    def curvature(self, shape: Shape) -> Curvature:
+        units = np.eye(shape.periods.size).reshape(-1, *shape.periods.shape) / shape.size
+        return Curvature(rows=tuple(Partials.of(shape, by_periods=unit) for unit in units))
+
+    def distance(self, shape: Shape) -> float:
+        """The longest period."""
+        return float(np.sqrt(dot(shape.periods, shape.periods).max(initial=0.0)))
+
+
+@dataclass(frozen=True, eq=False)
+class TiltBounds(Target):
+    """½ ∮ (how far <N₀, up> lies outside of [sin least, sin most])² along the boundary of length one.
+
+    least, most: radians, of the tilt of the tangent planes along the rim: 0 a vertical wall, ½ π flat (the angle of
+    `conditions.binormal` on a level plan). up: (3,).
+    """
+
+    least: float
+    most: float
+    up: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    label = "tilt bounds"
+
+    def partials(self, shape: Shape) -> Partials:
+        shares = boundary_shares(shape.domain)[shape.rim]
+        excess = self._excess(shape)
+        by_normals = np.zeros_like(shape.normals)
+        by_normals[shape.rim] = (shares * excess)[:, None] * np.array(self.up)
+        return Partials.of(shape, 0.5 * float(np.sum(shares * excess**2)), by_normals=by_normals)
+
+    def curvature(self, shape: Shape) -> Curvature:
+        shares = np.zeros(len(shape.normals))
+        shares[shape.rim] = boundary_shares(shape.domain)[shape.rim] * (self._excess(shape) != 0.0)
+        return Curvature(stiffness=_diagonal(shares))
+
+    def distance(self, shape: Shape) -> float:
+        """The largest angle by which a tilt lies outside, radians."""
+        tilt = np.arcsin(np.clip(self._rise(shape), -1.0, 1.0))
+        return float(np.abs(tilt - np.clip(tilt, self.least, self.most)).max())
+
+    def _rise(self, shape: Shape) -> Array:
+        return shape.normals[shape.rim] @ np.array(self.up)
+
+    def _excess(self, shape: Shape) -> Array:
+        rise = self._rise(shape)
+        return rise - np.clip(rise, np.sin(self.least), np.sin(self.most))
 
 
 def boundary_shares(domain: Domain) -> Array:
@@ -295,6 +337,10 @@ def boundary_shares(domain: Domain) -> Array:
     lengths = np.repeat(domain.edge_lengths[domain.boundary_edges], 2)
     shares = np.bincount(domain.edges[domain.boundary_edges].ravel(), lengths, domain.vertex_count)
     return shares / shares.sum()
+
+
+def _diagonal(values: Array) -> sp.csr_array:
+    return sp.csr_array(sp.diags_array(values))
 
 
 def _turn(u: Array, v: Array) -> Array:

@@ -74,6 +74,18 @@ class Homology:
         return form[self.generators] - (values[left] - values[right])
 
     @cached_property
+    def loops(self) -> Int:
+        """(E, k) how often each loop goes over an edge, from its right side to its left: `periods = loopsᵀ form`."""
+        inside = self.domain.interior_edges
+        loops = np.zeros((len(self.domain.edges), len(self.generators)), dtype=np.int64)
+        for k, generator in enumerate(self.generators):
+            loops[generator, k] = 1
+            for face, side in zip(self.domain.edge_faces[generator].tolist(), (-1, 1), strict=True):
+                pairs, signs = self.tree.climb(face)
+                loops[inside[pairs], k] += side * signs.astype(np.int64)
+        return loops
+
+    @cached_property
     def sheets(self) -> CutSurface:
         return CutSurface.of(self)
 

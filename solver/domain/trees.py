@@ -62,3 +62,11 @@ class Tree:
         """
         steps = self.sign[:, None] * np.vstack([form, np.zeros((1, form.shape[1]))])[self.pair]
         return accumulate(self.parent, steps)
+
+    def climb(self, node: int) -> tuple[Int, Array]:
+        """The pairs on the way from the root to a node, and their signs: `value(node) = Σ sign form[pair]`."""
+        way = []
+        while self.pair[node] >= 0:
+            way.append(node)
+            node = int(self.parent[node])
+        return self.pair[way], self.sign[way]
