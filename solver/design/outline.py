@@ -43,6 +43,9 @@ _PERIOD_WEIGHT = 10.0
 # A fit goes in phases: the part of its evaluations, how much smoother the boundary normals are than in the end (rough
 # ones early on lead to folded rims), how much more the knob counts, and the gain of a step that is worth another.
 _PHASES = ((0.4, 3.0, 100.0, 1e-2), (0.6, 1.0, 1e4, 5e-4))
+# One that goes on from another is smooth already; it first goes along with the knob, a quarter of the evaluations that
+# it would take with a knob that counts most at once.
+_ON = ((0.7, 1.0, 10.0, 5e-3), (0.3, 1.0, 1e4, 1e-3))
 _STEEPEST = 0.95
 
 
@@ -130,7 +133,7 @@ def fit_outline(
         )
 
     solver = solver or CmcSolver(domain)
-    phases = _PHASES if initial is None else _PHASES[1:]
+    phases = _PHASES if initial is None else _ON
     total = sum(share for share, *_ in phases)
     start = _start(solver, points, wanted) if initial is None else _continued(initial, wanted.base)
     history: list[float] = []
