@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 
 from .design.outline import KNOBS
 from .domain.domain import Domain
-from .errors import JobError, MeshError
-from .files import oriented
+from .errors import ConditionError
+from .fit_curves import check_count, read_curves
 from .fitting import Anchors, Wish
-from .obj import read_obj
 from .plan import SHEETS
 from .tables import Table
 
@@ -20,9 +19,11 @@ Array = NDArray[np.float64]
 
 ANCHOR_KEYS = ("vertex", "vertices", "place", "places", "weight")
 KEYS = (
-    *("outline", "anchors", *KNOBS, "free_heights", "smooth", "sheet"),
-    *("approximate", "regularisation", "max_evaluations"),
+    *("outline", "anchors", *KNOBS, "free_heights", "tilt", "smooth", "sheet"),
+    *("approximate", "regularisation", "near", "max_evaluations"),
 )
+# Keys that go with "approximate", and what takes their place elsewhere.
+_APPROXIMATE = {"regularisation": 'the rim of an outline has "smooth"', "near": "an outline says where the shell is"}
 # What a fit finds by itself.
 _FOUND = ("conditions", "default", "size", "solver")
 
@@ -38,17 +39,27 @@ def read_fit(root: Table, domain: Domain, folder: Path, up: str | None) -> Wish 
     limit = _positive_integer(table, "max_evaluations") if "max_evaluations" in table else None
     table.known.extend(KEYS)
     if table.flag("approximate"):
-        others = [key for key in table.data if key in KEYS and key not in ("approximate", "regularisation")]
-        others = [key for key in others if key != "max_evaluations"]
-        if others:
-            raise table.fail(f'a mesh that is approximated leaves no choice of "{others[0]}"; take it out.')
-        wish = Wish(approximate=True, regularisation=_weight(table, "regularisation", 1e-3), max_evaluations=limit)
-    elif "regularisation" in table:
-        raise table.fail('"regularisation" goes with "approximate"; the rim of an outline has "smooth".')
+        wish = _approximation(table, limit)
     else:
+        for key, instead in _APPROXIMATE.items():
+            if key in table:
+                raise table.fail(f'"{key}" goes with "approximate"; {instead}.')
         wish = _outline(table, domain, folder, up, limit)
     table.finish()
     return wish
+
+
+def _approximation(table: Table, limit: int | None) -> Wish:
+    kept = ("approximate", *_APPROXIMATE, "max_evaluations")
+    others = [key for key in table.data if key in KEYS and key not in kept]
+    if others:
+        raise table.fail(f'a mesh that is approximated leaves no choice of "{others[0]}"; take it out.')
+    return Wish(
+        approximate=True,
+        regularisation=_weight(table, "regularisation", 1e-3),
+        near=_weight(table, "near", 0.0),
+        max_evaluations=limit,
+    )
 
 
 def _outline(table: Table, domain: Domain, folder: Path, up: str | None, limit: int | None) -> Wish:
@@ -57,24 +68,37 @@ def _outline(table: Table, domain: Domain, folder: Path, up: str | None, limit: 
     if len(knobs) > 1:
         raise table.fail(f"give one of {', '.join(KNOBS)}, not {' and '.join(knobs)}.")
     drawn = table.data.get("outline", anchors is None)
-    curve = None
+    curves = None
     if not isinstance(drawn, bool):
         if not isinstance(drawn, str):
             raise table.fail('"outline" must be true, false or an OBJ file.')
-        curve = read_curve(folder / drawn, up)
+        curves = read_curves(folder / drawn, up)
+        try:
+            check_count(domain, curves)
+        except ConditionError as error:
+            raise table.fail(f"{drawn}: {error}") from error
     elif not drawn and anchors is None:
         raise table.fail('there is nothing to fit to: give "outline", "approximate" or [[fit.anchors]].')
     return Wish(
         on_curve=bool(drawn),
-        curve=curve,
+        curves=curves,
         knob=knobs[0] if knobs else None,
         value=_positive(table, knobs[0]) if knobs else 0.0,
         free_heights=table.flag("free_heights"),
         anchors=anchors,
+        tilt=_tilt(table) if "tilt" in table else None,
         smooth=_weight(table, "smooth", 1e-7),
         sheet=table.text("sheet", "f+", among=SHEETS),
         max_evaluations=limit,
     )
+
+
+def _tilt(table: Table) -> tuple[float, float]:
+    """The least and the greatest tilt of the rim, in radians."""
+    least, most = table.vector("tilt", (0.0, 0.0))
+    if not -180.0 <= least < most <= 180.0:
+        raise table.fail(f'"tilt" must be two angles, the smaller one first, not [{least:g}, {most:g}].')
+    return float(np.radians(least)), float(np.radians(most))
 
 
 def _anchors(table: Table, domain: Domain) -> Anchors | None:
@@ -133,51 +157,3 @@ def _weight(table: Table, key: str, default: float) -> float:
     if value < 0.0:
         raise table.fail(f'"{key}" must be zero or more, not {value:g}.')
     return value
-
-
-def read_curve(file: Path, up: str | None = None) -> Array:
-    """The points (m, 3) of the one closed polyline (`l`) of an OBJ, in order, without a repeated last one.
-
-    Raises `JobError` where the file cannot be read, or its polylines are not one closed curve.
-    """
-    if file.suffix.lower() != ".obj":
-        raise JobError(f"{file} is no OBJ file, from which a curve is read.")
-    try:
-        mesh = read_obj(file)
-    except OSError as error:
-        raise JobError(f"{file} cannot be read: {error.strerror or error}.") from error
-    except MeshError as error:
-        raise JobError(f"{file} has no curve that can be read: {error}") from error
-    pairs = np.concatenate([np.empty((0, 2), dtype=np.int64), *mesh.edge_groups.values()])
-    loop = _walk(_merged(mesh.positions, pairs), file)
-    return oriented(mesh.positions[loop], up or "z")
-
-
-def _merged(positions: Array, pairs: NDArray[np.integer]) -> NDArray[np.integer]:
-    """Vertex pairs with vertices at one place made one, as of a polyline whose last point repeats the first."""
-    if not len(pairs):
-        return pairs
-    _, first, index = np.unique(positions, axis=0, return_index=True, return_inverse=True)
-    pairs = first[index.ravel()][pairs]
-    return np.unique(np.sort(pairs[pairs[:, 0] != pairs[:, 1]], axis=1), axis=0)
-
-
-def _walk(pairs: NDArray[np.integer], file: Path) -> list[int]:
-    """The vertices of one closed polyline in order, from its first one on."""
-    ends: dict[int, list[int]] = {}
-    for a, b in pairs.tolist():
-        ends.setdefault(a, []).append(b)
-        ends.setdefault(b, []).append(a)
-    odd = [vertex for vertex, others in ends.items() if len(others) != 2]
-    if len(ends) < 3 or odd:
-        where = f" Its vertex {odd[0]} has {len(ends[odd[0]])} segments." if odd else ""
-        raise JobError(f"{file} has no closed polyline (l 1 2 3 1); one is needed.{where}")
-    start = min(ends)
-    loop, before, at = [start], start, ends[start][0]
-    while at != start:
-        loop.append(at)
-        one, other = ends[at]
-        before, at = at, other if one == before else one
-    if len(loop) != len(ends):
-        raise JobError(f"{file} has more than one closed polyline; leave one of them.")
-    return loop

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -12,6 +13,7 @@ from .design.fit import Fit, Progress
 from .design.gauss_map import fit_gauss_map
 from .design.outline import KNOBS, fit_outline
 from .errors import JobError
+from .fit_curves import curves_of_loops
 from .pipeline import Formed, finish
 from .plan import SHEETS, Plan, Settings, plan_domain
 from .surface.placement import Plane, Similarity
@@ -25,21 +27,24 @@ Anchors = tuple[NDArray[np.integer], Array, Array]
 class Wish:
     """What a shell shall come near to: an outline, anchors, or with `approximate` the mesh of the plan itself.
 
-    on_curve: whether the rim shall lie on `curve` (m, 3), a closed polyline; None is the plan's own outline.
-    knob: of `KNOBS`, with its `value`; None leaves it to `fit_outline`, where free_heights, anchors, smooth and sheet
-    are explained, too.
-    regularisation: see `fit_gauss_map`, which chooses the sheet itself. max_evaluations: None is either's own.
+    on_curve: whether the rim shall lie on `curves`, closed polylines (m, 3) given to the loops of the plan as
+    `curves_of_loops` says; None is the plan's own outline.
+    knob: of `KNOBS`, with its `value`; None leaves it to `fit_outline`, where free_heights, anchors, tilt (radians),
+    smooth and sheet are explained, too.
+    regularisation, near: see `fit_gauss_map`, which chooses the sheet itself. max_evaluations: None is either's own.
     Raises `JobError` on a knob or a sheet that is none.
     """
 
     approximate: bool = False
     regularisation: float = 1e-3
+    near: float = 0.0
     on_curve: bool = True
-    curve: Array | None = None
+    curves: Sequence[Array] | None = None
     knob: str | None = None
     value: float = 0.0
     free_heights: bool = False
     anchors: Anchors | None = None
+    tilt: tuple[float, float] | None = None
     smooth: float = 1e-7
     sheet: str = "f+"
     max_evaluations: int | None = None
@@ -67,11 +72,12 @@ def fit_plan(
     """
     positions = np.asarray(plan.positions, dtype=np.float64)
     solver = solver or CmcSolver(plan_domain(plan))
-    found = _fit(solver, positions, wish, progress)
+    lines = None if wish.curves is None else curves_of_loops(solver.domain, positions, wish.curves)
+    found = _fit(solver, positions, lines, wish, progress)
     similarity = Similarity(1.0, found.sign * np.eye(3), found.shift)
     points = found.points()
     rim = np.isin(found.surface.source, solver.domain.boundary_vertices)
-    outline = [wish.curve] if wish.curve is not None and wish.on_curve else positions
+    outline = lines if lines is not None and wish.on_curve else positions
     return finish(
         plan,
         Settings(sheet=found.sheet),
@@ -85,18 +91,23 @@ def fit_plan(
     )
 
 
-def _fit(solver: CmcSolver, positions: Array, wish: Wish, progress: Progress | None) -> Fit:
+def _fit(solver: CmcSolver, positions: Array, lines: list[Array] | None, wish: Wish, progress: Progress | None) -> Fit:
+    """What is not wished for is left to the fit."""
     call = partial(fit_gauss_map if wish.approximate else fit_outline, solver=solver, progress=progress)
     if wish.max_evaluations is not None:
         call = partial(call, max_evaluations=wish.max_evaluations)
     if wish.approximate:
+        if wish.near:
+            call = partial(call, near=wish.near)
         return call(solver.domain, positions, regularisation=wish.regularisation)
     if wish.knob is not None:
         call = partial(call, **{wish.knob: wish.value})
+    if wish.tilt is not None:
+        call = partial(call, tilt=wish.tilt)
     return call(
         solver.domain,
         positions,
-        curve=wish.curve,
+        curve=lines[0] if lines is not None and len(lines) == 1 else lines,
         free_heights=wish.free_heights,
         anchors=wish.anchors,
         on_curve=wish.on_curve,

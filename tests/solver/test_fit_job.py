@@ -13,8 +13,8 @@ from solver import shapes
 from solver.__main__ import main
 from solver.errors import JobError
 from solver.files import MeshData, read_mesh, write_mesh
-from solver.fit_table import read_curve
 from solver.job import Job, load_job, run_job
+from solver.plan import plan_domain
 
 DISC = '[shape]\nkind = "disc"\nn = 150\nscale = 5.0\n'
 
@@ -26,6 +26,7 @@ def folder(tmp_path: Path) -> Path:
     lines = [f"v {x} {y} {z}" for x, y, z in circle]
     ring = " ".join(str(k + 1) for k in [*range(90), 0])
     (tmp_path / "curve.obj").write_text("\n".join([*lines, f"l {ring}\n"]))
+    (tmp_path / "two.obj").write_text("\n".join([*lines, "l 1 30 60 1", "l 2 31 61 2\n"]))
     return tmp_path
 
 
@@ -72,20 +73,6 @@ def test_a_curve_from_a_file(folder):
     assert formed.report.shown.outline.max < 0.05
 
 
-def test_a_curve_whose_up_is_y(folder):
-    points = read_curve(folder / "curve.obj")
-    turned = read_curve(folder / "curve.obj", up="y")
-    assert_allclose(turned, np.column_stack([points[:, 0], -points[:, 2], points[:, 1]]))
-    assert_allclose(points[:, 2], 1 + 0.02 * points[:, 0], atol=1e-12)
-    assert len(points) == 90
-    assert_allclose(np.linalg.norm(np.diff(points, axis=0), axis=1), 10 * np.sin(np.pi / 90), rtol=1e-3)
-
-
-def test_a_curve_whose_last_point_repeats_the_first(folder):
-    (folder / "closed.obj").write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 0 0\ng a\nl 1 2 3 4\n")
-    assert_allclose(read_curve(folder / "closed.obj"), [[0, 0, 0], [1, 0, 0], [1, 1, 0]])
-
-
 def test_anchors_draw_the_rim(folder):
     """Four supports at the corners of a square: the shell stands on them."""
     loaded = load(folder, DISC)
@@ -104,6 +91,47 @@ def test_anchors_draw_the_rim(folder):
     assert_allclose(wish.anchors[1], 1.1 * points[feet])
 
 
+@pytest.mark.parametrize(("least", "met"), [(40, True), (60, False)])
+def test_bounds_on_the_tilt(folder, least, met):
+    """Over a circle a cap of rise r leans by 90° - 2 atan r, of 0.4 by 46.4°."""
+    formed = run_job(load(folder, DISC + f"[fit]\nrise = 0.4\ntilt = [{least}, 90]\n"))
+    assert formed.fit is not None and formed.fit.met == met, formed.message
+    off = np.degrees(formed.fit.distances["tilt bounds"])
+    if met:
+        assert_allclose(formed.placed["f+"][:, 2].max(), 2.0, rtol=5e-3)
+    assert off < 0.6 if met else off > 0.6
+
+
+COURT = """[shape]
+kind = "polygon"
+outline = [[0, 0], [12, 0], [12, 10], [0, 10]]
+holes = [[[3, 3], [6, 3], [6, 6], [3, 6]]]
+max_edge = 0.8
+corner_radius = 1.4
+"""
+
+
+def test_a_courtyard_is_closed(folder):
+    formed = run_job(load(folder, COURT + "[fit]\nrise = 0.2\n"))
+    assert formed.fit is not None and not formed.surface.is_open
+    assert formed.fit.distances["period"] < 1e-3 * 15.6
+    assert formed.report.shown.outline.max < 0.06 * 15.6
+
+
+def test_curves_for_a_courtyard(folder):
+    """The court's line is raised by one; the outer one is the plan's own, but written into the file."""
+    plan = load(folder, COURT).plan
+    outer, court = (plan.positions[loop] for loop in plan_domain(plan).boundary_loops)
+    lines = [f"v {x} {y} {z}" for x, y, z in [*(court + [0, 0, 1.0]), *outer]]
+    first = len(court)
+    loops = [[*range(1, first + 1), 1], [*range(first + 1, first + len(outer) + 1), first + 1]]
+    (folder / "lines.obj").write_text("\n".join([*lines, *("l " + " ".join(map(str, loop)) for loop in loops)]) + "\n")
+    formed = run_job(load(folder, COURT + "[fit]\noutline = 'lines.obj'\nrise = 0.3\n"))
+    inner = formed.surface.domain.boundary_loops[1]
+    assert not formed.surface.is_open
+    assert_allclose(formed.placed["f+"][inner, 2].mean(), 1.0, atol=0.3)
+
+
 def test_wishes_arrive(folder, monkeypatch):
     """What the table says reaches the fit, and what it does not say stays the fit's own."""
     calls = []
@@ -114,7 +142,7 @@ def test_wishes_arrive(folder, monkeypatch):
 
     monkeypatch.setattr("solver.fitting.fit_outline", stop)
     text = "[fit]\noutline = true\nvolume = 9\nfree_heights = true\nsmooth = 1e-5\nsheet = 'f-'\nmax_evaluations = 7\n"
-    text += "[[fit.anchors]]\nvertex = 3\nplace = [1, 2, 3]\nweight = 0.5\n"
+    text += "tilt = [-10, 90]\n[[fit.anchors]]\nvertex = 3\nplace = [1, 2, 3]\nweight = 0.5\n"
     for wished in (text, "[fit]\n"):
         with pytest.raises(JobError, match="far enough"):
             run_job(load(folder, DISC + wished))
@@ -122,7 +150,23 @@ def test_wishes_arrive(folder, monkeypatch):
     assert (vertices.tolist(), places.tolist(), weights.tolist()) == ([3], [[1, 2, 3]], [0.5])
     assert calls[0].items() >= {"volume": 9.0, "free_heights": True, "smooth": 1e-5, "sheet": "f-"}.items()
     assert calls[0]["max_evaluations"] == 7 and calls[0]["on_curve"] is True and calls[0]["curve"] is None
-    assert "max_evaluations" not in calls[1] and "rise" not in calls[1] and calls[1]["anchors"] is None
+    assert_allclose(calls[0]["tilt"], [-np.pi / 18, np.pi / 2])
+    assert calls[1].keys().isdisjoint({"max_evaluations", "rise", "tilt"}) and calls[1]["anchors"] is None
+
+
+def test_wishes_of_an_approximation_arrive(cap, monkeypatch):
+    calls = []
+
+    def stop(domain, positions, **wishes):
+        calls.append(wishes)
+        raise JobError("far enough")
+
+    monkeypatch.setattr("solver.fitting.fit_gauss_map", stop)
+    for wished in ("regularisation = 0.01\nnear = 0.5\nmax_evaluations = 9\n", ""):
+        with pytest.raises(JobError, match="far enough"):
+            run_job(load(cap, f'mesh = "cap.obj"\n[fit]\napproximate = true\n{wished}'))
+    assert calls[0].items() >= {"regularisation": 0.01, "near": 0.5, "max_evaluations": 9}.items()
+    assert calls[1]["regularisation"] == 1e-3 and calls[1].keys().isdisjoint({"near", "max_evaluations"})
 
 
 @pytest.fixture
@@ -178,6 +222,12 @@ def test_what_is_printed(folder, capsys):
         ("[fit]\nsheet = 'g'", r'there is no sheet "g"'),
         ("[fit]\napproximate = true\nrise = 1", r'leaves no choice of "rise"; take it out'),
         ("[fit]\nregularisation = 1", r'"regularisation" goes with "approximate"'),
+        ("[fit]\nnear = 1", r'"near" goes with "approximate"'),
+        ("[fit]\napproximate = true\nnear = -1", r'"near" must be zero or more'),
+        ("[fit]\napproximate = true\ntilt = [0, 1]", r'leaves no choice of "tilt"'),
+        ("[fit]\ntilt = 3", r'"tilt" must be a list of 2 numbers'),
+        ("[fit]\ntilt = [50, 20]", r'"tilt" must be two angles, the smaller one first, not \[50, 20\]'),
+        ("[fit]\noutline = 'two.obj'", r"two\.obj: There are 2 curves, but the plan's boundary has one loop"),
         ("[fit]\napproximate = true\nregularisation = -1", r'"regularisation" must be zero or more'),
         ("[fit]\n[size]\nspan = 3", r"\[fit\]: a fit finds .* take size out"),
         ("[fit]\n[default]\n[[conditions]]\nloop = 0", r"take conditions and default out"),
@@ -193,18 +243,3 @@ def test_what_is_printed(folder, capsys):
 def test_what_is_wrong_with_a_fit_is_named(folder, text, message):
     with pytest.raises(JobError, match=message):
         load(folder, DISC + text)
-
-
-@pytest.mark.parametrize(
-    ("lines", "message"),
-    [
-        ("l 1 2 3", "no closed polyline .* Its vertex 0 has 1 segments"),
-        ("f 1 2 3", "no closed polyline"),
-        ("l 1 2 3 1\nl 4 5 6 4", "more than one closed polyline"),
-        ("l 1 2 9", r"line 7: there is no vertex 9"),
-    ],
-)
-def test_curves_that_are_none(folder, lines, message):
-    (folder / "bad.obj").write_text("".join(f"v {k} {k * k} 0\n" for k in range(6)) + lines + "\n")
-    with pytest.raises(JobError, match=message):
-        load(folder, DISC + '[fit]\noutline = "bad.obj"')
