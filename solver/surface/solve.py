@@ -103,7 +103,7 @@ class CmcSolver:
         graph = self.harmonic.graph
         diameter = _diameter(graph, harmonic.normals, conjugate.g)
         gap = _longest(conjugate.periods)
-        is_open = gap > period_tolerance * diameter
+        is_open = gap > period_tolerance * max(diameter, _CLOSED)  # a point has no periods
         whole = replace(conjugate, periods=np.zeros_like(conjugate.periods) if not is_open else conjugate.periods)
         if not is_open and gap > _CLOSED * diameter:
             whole = self.conjugation.closed(whole)
