@@ -35,6 +35,7 @@ from ..linalg import sum_rows
 from .conjugate import Conjugate, cross
 from .fit import face_fit_weights, fit_weights
 from .planes import VertexPlanes
+from .settling import Settling
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -71,7 +72,10 @@ def galerkin(a: Averaging) -> Array:
     if a.conjugate.periods.any():
         load = load - _offset_load(a.domain, a.homology, a.conjugate.periods)
     held = _held(a)
-    return a.dirichlet(held).solve(load, _fitted(a, held))
+    g = a.dirichlet(held).solve(load, _fitted(a, held))
+    if len(a.admissible.sides.edges) == 0:
+        return g
+    return Settling(a.domain, a.admissible, a.dirichlet(a.admissible.fixed)).run(load, g)
 
 
 def _held(a: Averaging) -> Int:

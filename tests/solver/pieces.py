@@ -8,6 +8,7 @@ import numpy as np
 from scipy.special import ellipe, ellipj, ellipk
 
 from solver import CmcSurface, Domain, Side, conditions, solve_cmc
+from solver.domain import modules
 from solver.domain.mesher import mesh_plan
 from tests.solver import exact
 
@@ -85,3 +86,14 @@ def sphere_eighth(n: int) -> Piece:
     floor = np.setdiff1d(domain.boundary_edges, np.concatenate([left, front]))
     sides = [Side("left", left, normal=(1, 0, 0)), Side("front", front, normal=(0, 1, 0))]
     return Piece(surface, [*sides, Side("floor", floor, normal=(0, 0, 1))], points)
+
+
+def between_mirrors(module: modules.Module, kinds: dict[str, str] | None = None, **options) -> Piece:
+    """A module solved with a mirror on every side, but for those of other `kinds`."""
+    domain, sides = module.shape.domain, []
+    held = conditions.Conditions()
+    for name, edges in module.shape.sides.items():
+        kind, normal = (kinds or {}).get(name, "mirror"), module.normals[name]
+        held += (conditions.fixed if kind == "tangent" else conditions.mirror)(domain, edges, normal)
+        sides.append(Side(name, edges, kind, normal))
+    return Piece(solve_cmc(domain, held, **options), sides, module.shape.positions)
