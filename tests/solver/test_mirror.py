@@ -132,20 +132,51 @@ def test_every_method_finds_the_same(sites, method):
     assert_allclose(found.normals[at] @ E_Y, 0, rtol=0, atol=1e-14)
 
 
-def test_gauss_seidel_turns_the_halves_of_rectangles_within_their_mirrors():
-    i, j = (a.ravel() for a in np.meshgrid(np.arange(6), np.arange(6), indexing="ij"))
-    first = (6 * i + j)[(i < 5) & (j < 5)]
-    quads = np.column_stack([first, first + 6, first + 7, first + 1])
-    grid = Domain.from_positions(np.column_stack([i, j]) / 5.0, np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]]))
-    middle = np.column_stack([i, j])[grid.edges[grid.boundary_edges]].mean(axis=1)
-    plan = np.column_stack([i, j, 0 * i]) / 5.0
-    outer, left = grid.boundary_edges[middle[:, 0] > 0], grid.boundary_edges[middle[:, 0] == 0]
-    condition = conditions.binormal(grid, plan, outer, tilt=0.4) + conditions.mirror(grid, left, -E_X)
-    solver = HarmonicSolver(grid, sites="faces_and_rim", energy="mobius")
+def quad_grid(count, corners):
+    """The unit square in count² squares, each of two triangles: positions (V, 2) and domain."""
+    x, y = (a.ravel() for a in np.meshgrid(np.arange(count + 1), np.arange(count + 1), indexing="ij"))
+    first = ((count + 1) * x + y)[(x < count) & (y < count)]
+    quads = np.column_stack([first, first + count + 1, first + count + 2, first + 1])
+    points = np.column_stack([x, y]) / count
+    return points, Domain.from_positions(points, np.concatenate([quads[:, c] for c in corners]))
+
+
+def grid_dome(points, domain, tilt=0.4):
+    """Mirrors along x = 0 and y = 0, a leaning rim elsewhere."""
+    middle = points[domain.edges[domain.boundary_edges]].mean(axis=1)
+    left, bottom = (domain.boundary_edges[middle[:, k] == 0] for k in (0, 1))
+    plan = np.column_stack([points, np.zeros(len(points))])
+    outer = domain.boundary_edges[(middle > 0).all(axis=1)]
+    sides = conditions.mirror(domain, left, -E_X) + conditions.mirror(domain, bottom, -E_Y)
+    return conditions.binormal(domain, plan, outer, tilt=tilt) + sides
+
+
+@pytest.mark.parametrize("sites", ["faces", "faces_and_rim"])
+def test_gauss_seidel_turns_the_halves_of_rectangles_within_their_mirrors(sites):
+    points, domain = quad_grid(5, [[0, 1, 2], [0, 2, 3]])
+    solver = HarmonicSolver(domain, sites=sites, energy="mobius")
+    condition = grid_dome(points, domain)
     slow, fast = (solver.solve(condition, method=method, tolerance=1e-5) for method in ("gauss_seidel", "newton"))
     assert slow.status is Status.CONVERGED and slow.iterations < 300
     assert_allclose(slow.normals, fast.normals, rtol=0, atol=1e-4)
-    assert_allclose(slow.normals[slow.admissible.mirrors.sites] @ E_X, 0, rtol=0, atol=1e-14)
+    at, planes = slow.admissible.mirrors.sites, slow.admissible.mirrors.normals
+    assert_allclose(sphere.dot(slow.normals[at], planes), 0, rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("sites", ["faces", "faces_and_rim"])
+def test_ears_between_two_mirrors_lie_in_both(sites):
+    """A face whose tip is the corner; the halves of squares share a normal, so all of a square does there."""
+    points, domain = quad_grid(5, [[0, 1, 3], [1, 2, 3]])
+    surface = solve_cmc(domain, grid_dome(points, domain), sites=sites, energy="mobius", tolerance=1e-8)
+    assert surface.status is Status.CONVERGED
+    if sites == "faces":
+        ear = int(np.flatnonzero((domain.faces == 0).any(axis=1))[0])
+        assert_array_equal(surface.harmonic.admissible.corners, [ear])
+        assert_allclose(surface.harmonic.normals[ear], E_Z, rtol=0, atol=0)
+    for axis, normal in ((0, E_X), (1, E_Y)):
+        on = points[:, axis] == 0
+        assert_allclose(np.ptp(surface.f_plus[on] @ normal), 0, rtol=0, atol=1e-7)
+        assert_allclose(surface.normals[on] @ normal, 0, rtol=0, atol=1e-13)
 
 
 @pytest.mark.parametrize("sites", SITES)
@@ -253,6 +284,19 @@ def test_windings_choose_the_way_around(strip):
         assert_allclose(found.normals[along], expected, rtol=0, atol=1e-12)
 
 
+def test_a_winding_starts_at_the_one_end_that_is_known_or_anywhere(strip):
+    along = strip.domain.edges[strip.sides["bottom"]][:, 0][1:]
+    side = conditions.mirror(strip.domain, strip.sides["bottom"], E_Z, 1)
+    angles = np.pi * strip.positions[along, 0]
+    turning = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
+    for end in ("left", "right"):
+        held = side + conditions.fixed(strip.domain, strip.sides[end], E_X)
+        found = HarmonicSolver(strip.domain).solve(held, max_iterations=0)
+        assert_allclose(found.normals[along], turning, rtol=0, atol=1e-12)
+    alone = HarmonicSolver(strip.domain).solve(side, max_iterations=0).normals[along]
+    assert_allclose(alone @ alone.T, turning @ turning.T, rtol=0, atol=1e-12)
+
+
 def test_opposite_ends_are_joined_over_the_pole():
     domain, points, arc, flat = half_disc(100)
     plan = np.column_stack([points, np.zeros(len(points))])
@@ -280,6 +324,14 @@ def test_mirrors_are_carried_to_the_delaunay_triangulation():
     rows = np.unique(stretched.edges[shape.sides["bottom"]])
     assert found.status is Status.CONVERGED
     assert_allclose(np.ptp(found.f_plus[rows] @ E_Y), 0, rtol=0, atol=1e-9)
+
+
+def test_mirrors_go_with_their_edges_to_another_triangulation(strip):
+    edges = np.full(len(strip.domain.edges), -1)
+    edges[strip.domain.boundary_edges] = strip.domain.boundary_edges[::-1]
+    carried = mirrors(strip, left=E_X).carried(edges)
+    assert_array_equal(carried.mirrors, edges[strip.sides["left"]])
+    assert_allclose(carried.mirror_normals, np.tile(E_X, (4, 1)), rtol=0, atol=0)
 
 
 # --- errors -----------------------------------------------------------------------------------
