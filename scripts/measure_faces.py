@@ -9,10 +9,7 @@ Needs no Blender. The experiments are those of tests/solver, on larger meshes.
 
 from __future__ import annotations
 
-import argparse
-import re
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +17,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
+from scripts.measured_page import Tables, measure  # noqa: E402
 from solver import Domain, conditions, shapes, solve_cmc  # noqa: E402
 from tests.solver import figure20, meshes  # noqa: E402
 from tests.solver.exact import disc, hemisphere, rates  # noqa: E402
@@ -41,9 +39,6 @@ IRREGULAR = {
     "to the rim, Delaunay": (lambda n: disc(n, jitter=0.2), True),
     "inside, as it is": (jittered_but_at_the_rim, False),
 }
-
-
-# --- the tables ----------------------------------------------------------------------------
 
 
 def recovery() -> list[str]:
@@ -155,7 +150,7 @@ def needles() -> list[str]:
     return rows
 
 
-TABLES: dict[str, Callable[[], list[str]]] = {
+TABLES: Tables = {
     "recovery": recovery,
     "discs": discs,
     "irregular": irregular,
@@ -164,28 +159,5 @@ TABLES: dict[str, Callable[[], list[str]]] = {
 }
 
 
-# --- writing -------------------------------------------------------------------------------
-
-
-def written(text: str, name: str, rows: list[str]) -> str:
-    """The page with the rows between `<!-- table: NAME -->` and `<!-- end -->`."""
-    place = re.compile(rf"(<!-- table: {name} -->\n).*?(<!-- end -->)", flags=re.DOTALL)
-    if not place.search(text):
-        raise SystemExit(f"{PAGE.name} has no place for the table {name}.")
-    return place.sub(lambda found: found[1] + "\n".join(rows) + "\n" + found[2], text)
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(description="Measure the tables of docs/combinatorics.md.")
-    parser.add_argument("names", nargs="*", choices=[*TABLES, []], help="which of them (all)")
-    parser.add_argument("--write", action="store_true", help="into the page")
-    arguments = parser.parse_args()
-    for name in arguments.names or TABLES:
-        rows = TABLES[name]()
-        print(f"\n{name}", *rows, sep="\n", flush=True)
-        if arguments.write:
-            PAGE.write_text(written(PAGE.read_text(encoding="utf-8"), name, rows), encoding="utf-8")
-
-
 if __name__ == "__main__":
-    main()
+    measure(PAGE, TABLES)

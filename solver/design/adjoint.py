@@ -14,7 +14,7 @@ the same products N_i × N_j.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -25,6 +25,7 @@ from scipy.sparse.linalg import LinearOperator, minres
 
 from ..domain.topology import Homology
 from ..errors import ConditionError
+from ..gauss.admissible import resolved
 from ..gauss.conditions import Conditions
 from ..gauss.dirichlet import Dirichlet
 from ..gauss.harmonic import HarmonicMap, HarmonicSolver
@@ -63,18 +64,20 @@ class State:
 class Extension:
     """The surfaces of one domain as a function of the normals at its fixed boundary vertices.
 
-    `solver` has normals at vertices; `fixed` (n,) are sorted boundary vertices, the others are free.
+    `solver` has normals at vertices. conditions: `fixed` (n,), sorted, are the vertices whose normals they prescribe,
+    `prescribed` (n, 3); mirrors stay as they are.
     """
 
-    def __init__(self, solver: HarmonicSolver, fixed: Int, up: Array) -> None:
+    def __init__(self, solver: HarmonicSolver, conditions: Conditions) -> None:
         if not solver.graph.at_vertices:
             raise ConditionError("Fitting needs normals at the vertices; solve with sites='vertices'.")
         self.solver = solver
         self.domain = solver.domain
-        self.fixed = fixed
-        self.up = up
-        self.dirichlet = solver.dirichlet(fixed)
-        self.problem = EnergyProblem(solver.graph, solver.energy, self.dirichlet)
+        self.conditions = conditions
+        self.fixed, self.prescribed = conditions.resolve()
+        admissible = resolved(conditions, solver.graph)
+        self.dirichlet = solver.dirichlet(admissible.fixed)
+        self.problem = EnergyProblem(solver.graph, solver.energy, self.dirichlet, mirrors=admissible.mirrors)
         self._rim = self.domain.boundary_vertices
 
     @cached_property
@@ -95,8 +98,25 @@ class Extension:
 
     def __call__(self, rim: Array, start: Array | None = None, tolerance: float = 1e-8) -> State:
         """The surface of the boundary normals `rim` (n, 3), from `start` (V, 3), or a start of the solver's own."""
-        given = Conditions(self.fixed, rim, up=self.up)
-        return self.at(self.solver.solve(given, initial=start, tolerance=tolerance))
+        return self.at(self.solver.solve(self.given(rim), initial=start, tolerance=tolerance))
+
+    def given(self, rim: Array) -> Conditions:
+        """The conditions with `rim` (n, 3) for the prescribed normals."""
+        none = Conditions()
+        return replace(
+            self.conditions,
+            vertices=self.fixed,
+            vertex_normals=rim,
+            only_vertices=self.fixed,
+            edges=none.edges,
+            edge_normals=none.edge_normals,
+        )
+
+    def spread(self, values: Array) -> Array:
+        """The harmonic extension (V, k) of values (n, k) at the fixed vertices, zero at corners between mirrors."""
+        held = np.zeros((len(self.dirichlet.fixed), values.shape[1]))
+        held[np.searchsorted(self.dirichlet.fixed, self.fixed)] = values
+        return self.dirichlet.extend(held)
 
     def at(self, harmonic: HarmonicMap) -> State:
         """The surface of a harmonic map that is known."""

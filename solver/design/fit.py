@@ -13,7 +13,6 @@ from scipy.optimize import minimize
 
 from ..domain.domain import Domain
 from ..errors import CmcError, ConditionError
-from ..gauss import conditions as boundary
 from ..gauss.conditions import Conditions
 from ..surface.cmc import CmcSurface
 from ..surface.solve import CmcSolver
@@ -131,7 +130,7 @@ def fit(
     fixed, rim = start.conditions.resolve()
     response = start.response
     if response is None or not response.belongs(solver.harmonic, fixed):
-        response = Response(Extension(solver.harmonic, fixed, start.conditions.up))
+        response = Response(Extension(solver.harmonic, start.conditions))
     search = Search(response, targets, _SIDES[sheet], size, free_scale, free_shift, start.normals)
     status = _minimise(search, search.vector(rim, start.scale, start.shift), gain, max_evaluations, progress)
     return _finished(solver, search, status, sheet)
@@ -177,8 +176,7 @@ def _finished(solver: CmcSolver, search: Search, status: FitStatus, sheet: str) 
     best = search.best
     if best is None:
         raise CmcError("The fit was cancelled before it began.")
-    found = boundary.fixed_at(solver.domain, search.extension.fixed, best.rim)
-    found = replace(found, up=search.extension.up)
+    found = search.extension.given(best.rim)
     surface = solver.solve(found, initial=best.state.N, mean_curvature=0.5 / best.scale)
     if not surface.is_open:
         # the conjugate that was fitted; at the rim it differs from the solver's own at second order

@@ -46,7 +46,7 @@ class Response:
     @cached_property
     def spread(self) -> Array:
         """E (V, m): the harmonic extensions of the hat functions."""
-        return self.extension.dirichlet.extend(self.hats.toarray())
+        return self.extension.spread(self.hats.toarray())
 
     def green(self, points: Int) -> Array:
         """Gᵀ (V, k), the transpose of load ↦ g at some vertices (k,)."""

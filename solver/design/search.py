@@ -83,7 +83,7 @@ class Search:
         """Normals (V, 3) to start from: the best ones, and the change of the boundary spread over the domain."""
         if self.best is None:
             return self.first
-        return self.best.state.N + self.extension.dirichlet.extend(rim - self.best.rim)
+        return self.best.state.N + self.extension.spread(rim - self.best.rim)
 
     def gradient(self, x: Array, placed: Placed, total: Partials) -> Array:
         """The derivatives of a function by the vector x, from its partial derivatives."""

@@ -1,0 +1,45 @@
+"""How long a fit to an outline takes, as a multiple of one cold solve of the same plan in the same run.
+
+`make bench` prints the ratios; rounds are interleaved and the median is quoted, as in bench_solve.py.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from benchmarks.bench_solve import ratios
+from solver import CmcSolver, Domain, conditions, fit_outline, shapes
+
+VERTICES = 5_000
+# an outline, the radius of its corners, its area
+OUTLINES = {
+    "square": ([[0, 0], [2, 0], [2, 2], [0, 2]], 0.2, 4.0),
+    "rectangle 3 : 1": ([[0, 0], [3, 0], [3, 1], [0, 1]], 0.3, 3.0),
+    "L": ([[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]], 0.3, 3.0),
+}
+
+
+@pytest.mark.parametrize("name", OUTLINES)
+def test_fit_to_an_outline(name, capsys):
+    outline, radius, area = OUTLINES[name]
+    edge = np.sqrt(area / VERTICES * 2 / np.sqrt(3))
+    shape = shapes.polygon(outline, max_edge=edge, corner_radius=radius)
+    points, faces = shape.positions, shape.domain.faces
+
+    def cold() -> None:
+        domain = Domain.from_positions(points, faces)
+        CmcSolver(domain).solve(conditions.binormal(domain, points, domain.boundary_edges, 0.6))
+
+    def fitted(rise: float) -> None:
+        fit_outline(Domain.from_positions(points, faces), points, rise=rise)
+
+    solver = CmcSolver(shape.domain)
+    before = fit_outline(shape.domain, points, rise=0.25, solver=solver)
+    works = {f"rise {rise:g}, from positions": lambda rise=rise: fitted(rise) for rise in (0.05, 0.25, 0.45)}
+    works["rise 0.25 to 0.3, going on"] = lambda: fit_outline(shape.domain, points, rise=0.3, initial=before, solver=solver)
+    unit, found = ratios(works, cold)
+    with capsys.disabled():
+        print(f"\n{name}, {len(points)} vertices; one cold solve {unit:.3f} s")
+        for label, ratio in found.items():
+            print(f"  {label:<34s} {ratio:5.1f} x")
