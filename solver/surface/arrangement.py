@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
 # Planes nearer to each other than this part of the surface's size, and parallel, are taken for one.
-COPLANAR = 0.02
+COPLANAR = 0.005
 # A side farther than this part of the size from its plane has none.
 _PLANAR = 0.1
 # Directions that differ by less than this sine count as the same: half a degree.
@@ -72,6 +72,14 @@ class Arrangement:
     measured: list[SidePlane]
     offsets: list[Offset]
     corners: list[Corner]
+
+    @property
+    def narrowest(self) -> float:
+        """The least distance of two parallel planes that are not one; infinite where there are no such two."""
+        apart = [_distance(a, b) for j, b in enumerate(self.planes) for a in self.planes[:j]]
+        together = {offset.sides for offset in self.offsets}
+        names = [(a.name, b.name) for j, b in enumerate(self.planes) for a in self.planes[:j]]
+        return min((d for d, pair in zip(apart, names, strict=True) if pair not in together), default=np.inf)
 
 
 def arrange(surface: CmcSurface, sides: Sequence[Side], coplanar: Sequence[Sequence[str]] = ()) -> Arrangement:

@@ -99,7 +99,7 @@ class Completion:
     def _sign(self) -> int:
         return 1 if self.sheet == "f+" else -1
 
-    @property
+    @cached_property
     def _shown(self) -> list[tuple[Copy, str]]:
         return list(zip(self.copies, self.sheets, strict=True))
 

@@ -16,6 +16,9 @@ Int = NDArray[np.integer]
 
 # Directions nearer than this are the same (an entry of a rotation matrix).
 _SAME_TURN = 1e-2
+_AROUND = list(np.ndindex(2, 2, 2))
+# Translations shorter than so many tolerances are what is left of others without a common measure.
+_COARSE = 4.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,27 +83,27 @@ class Found:
     def __init__(self, tolerance: float) -> None:
         self.copies: list[Copy] = []
         self._tolerance = tolerance
-        self._turns: list[Array] = []
+        self._turns = np.zeros((0, 3, 3))
         self._cells: dict[tuple[int, ...], list[int]] = {}
 
     def turn(self, copy: Copy) -> int:
         """The number of its linear part; a new one where there is none like it."""
-        if self._turns:
-            differences = np.abs(np.array(self._turns) - copy.linear).max(axis=(1, 2))
+        if len(self._turns):
+            differences = np.abs(self._turns - copy.linear).max(axis=(1, 2))
             nearest = int(np.argmin(differences))
             if differences[nearest] < _SAME_TURN:
                 return nearest
-        self._turns.append(copy.linear)
+        self._turns = np.concatenate([self._turns, copy.linear[None]])
         return len(self._turns) - 1
 
     def index(self, copy: Copy) -> int:
         """Of the same copy, -1 if it is new."""
-        turn, at = self.turn(copy), copy.translation / (2.0 * self._tolerance)
-        low = np.floor(at - 0.5).astype(np.int64)
-        for corner in np.ndindex(2, 2, 2):
-            for k in self._cells.get((turn, copy.sheet, *(low + corner).tolist()), ()):
-                if np.linalg.norm(self.copies[k].translation - copy.translation) <= self._tolerance:
-                    return k
+        turn = self.turn(copy)
+        x, y, z = np.floor(copy.translation / (2.0 * self._tolerance) - 0.5).astype(np.int64).tolist()
+        for i, j, k in _AROUND:
+            for known in self._cells.get((turn, copy.sheet, x + i, y + j, z + k), ()):
+                if np.linalg.norm(self.copies[known].translation - copy.translation) <= self._tolerance:
+                    return known
         return -1
 
     def add(self, copy: Copy) -> int:
@@ -169,18 +172,21 @@ def lattice(vectors: Array, tolerance: float) -> Array:
     Raises `SymmetryError` where the vectors have no common measure.
     """
     pool = [v for v in vectors if np.linalg.norm(v) > tolerance]
+    basis = np.zeros((0, 3))
     for _ in range(100):
         pool = _reduced(pool, tolerance)
         basis = _independent(pool)
         rest = [v - np.round(np.linalg.lstsq(basis.T, v, rcond=None)[0]) @ basis for v in pool]
         rest = [v for v in rest if np.linalg.norm(v) > tolerance]
         if not rest:
-            return basis
+            break
         pool = [*basis, *rest]
-    raise SymmetryError(
-        "The distances of the parallel sides have no common measure, so the copies never repeat by translation; "
-        "say how many copies, or which box, to make."
-    )
+    if len(basis) and np.linalg.norm(basis[0]) < _COARSE * tolerance:
+        raise SymmetryError(
+            "The distances of the parallel sides have no common measure, so the copies never repeat by translation; "
+            "say how many copies, or which box, to make."
+        )
+    return basis
 
 
 def _reduced(pool: list[Array], tolerance: float) -> list[Array]:

@@ -105,7 +105,7 @@ class SidePlane:
     normal: (3,) unit ν or a, None for a free side. offset: d, the mean of g·normal; for a free side nan.
     point: (3,) a point of the plane, or the point c that g is along a free side.
     error: the largest distance of g from the plane, or from c. relative: as a part of the size of the surface.
-    missed: the root mean square of N·ν or |N - a|; 0 for a free side.
+    missed: the root mean square of N·ν or |N - a| between the ends, where other conditions hold; 0 for a free side.
     rows: (n,) of the surface along the side, weights (n,) their shares of its length in the domain, which add to one.
 
     Along a mirror f± lie in the same plane; along a tangent side in the planes offset ± scale; f± of a free side on
@@ -151,7 +151,7 @@ def side_plane(surface: CmcSurface, side: Side) -> SidePlane:
     rows, weights = side_rows(surface, edges)
     N, g = surface.normals[rows], surface.g[rows]
     normal = _normal(side, rule, N, weights)
-    missed = _missed(side, rule, N, weights, normal)
+    missed = _missed(side, rule, N, np.where(_is_end(surface, edges, rows), 0.0, weights), normal)
     centre = weights @ g
     size = surface_size(surface)
     if normal is None:
@@ -182,6 +182,12 @@ def edge_rows(surface: CmcSurface, edges: Int) -> Int:
     return np.stack([surface.faces[face, (corner + 1) % 3], surface.faces[face, (corner + 2) % 3]], axis=1)
 
 
+def _is_end(surface: CmcSurface, edges: Int, rows: Int) -> NDArray[np.bool_]:
+    """Which of the rows of a side (sorted) only one of its edges has."""
+    ends = edge_rows(surface, edges)
+    return np.bincount(ends.ravel())[rows] < 2
+
+
 def _normal(side: Side, rule: Rule, N: Array, weights: Array) -> Array | None:
     if side.kind == "free":
         return None
@@ -202,7 +208,7 @@ def _normal(side: Side, rule: Rule, N: Array, weights: Array) -> Array | None:
 def _missed(side: Side, rule: Rule, N: Array, weights: Array, normal: Array | None) -> float:
     if rule.missed is None or normal is None:
         return 0.0
-    missed = float(np.sqrt(weights @ rule.missed(N, normal) ** 2))
+    missed = float(np.sqrt(weights @ rule.missed(N, normal) ** 2 / max(weights.sum(), 1e-300)))
     if missed > _MISSED:
         what = {"mirror": "orthogonal to its plane", "tangent": "tangent to its plane"}[side.kind]
         raise SymmetryError(

@@ -15,6 +15,7 @@ from .arrangement import arrange
 from .cmc import CmcSurface
 from .completion import Completion
 from .copies import Copy, Found, cell, generate, translation
+from .placement import Similarity
 from .seams import Seam, cut_seams, side_seams
 from .sides import Side, SymmetryError, surface_size
 
@@ -25,6 +26,8 @@ MOST_COPIES = 20_000
 # Directions of a group that is looked through for a unit cell: the largest point group of a lattice has 48, each with
 # two sheets.
 _MOST_DIRECTIONS = 512
+# A tolerance is at most this part of the distance between two parallel planes, half the translation that they make.
+_NARROW = 0.2
 
 
 def complete(
@@ -33,6 +36,7 @@ def complete(
     *,
     copies: int | None = None,
     box: ArrayLike | None = None,
+    frame: Similarity | None = None,
     around: Sequence[Sequence[str]] = (),
     translations: ArrayLike | None = None,
     repeat: int | Sequence[int] = 1,
@@ -43,32 +47,35 @@ def complete(
     """A surface and its copies across `sides`, across the copies' sides, and so on (paper, Theorem G.1).
 
     Which copies, by default: all of them where the group is finite, else one unit cell of its translations.
-    copies: that many, the nearest by adjacency. box: (2, 3) those whose centre is in the box, in the surface's units.
+    copies: that many, the nearest by adjacency.
+    box: (2, 3) those whose centre is in the box, in the surface's units; or, with `frame`, where that places it.
     around: the orbit under the finite group of the first named sides, of that under the group of the next ones, …: for
         example everything around one corner, [("left", "bottom")].
     translations: (k, 3) vectors by which all this is repeated, `repeat` times each; by default the group's own.
     sheet: "f+" or "f-", that of the first copy; across sides that are tangent or free the other one goes on.
-    coplanar: names of sides that are meant to lie in one plane. Parallel planes within 2 % of the surface's size are
-        taken for one in any case, and how far apart they came out is in `offsets`; others give a translation.
-    tolerance: translations of copies that differ by less, as a part of the surface's size, are the same copy.
+    coplanar: names of sides that are meant to lie in one plane. Parallel planes within half a percent of the
+        surface's size are taken for one in any case; how far apart they came out is in `offsets`. Others give a
+        translation.
+    tolerance: translations of copies that differ by less, as a part of the surface's size, are the same copy; it is
+        lowered where two parallel planes are close to each other.
     A surface that is cut open goes on across its cuts as well.
 
     Raises `SymmetryError` on sides that contradict each other, name the wrong kind, or generate what has no end.
     """
     if sheet not in ("f+", "f-"):
         raise SymmetryError(f'Sheet "{sheet}" has no copies; choose f+ or f-.')
-    if sum(choice is not None and choice != () for choice in (box, around)) > 1:
+    if box is not None and len(around):
         raise SymmetryError("Copies in a box and around corners exclude each other; choose one of them.")
     arrangement = arrange(surface, sides, coplanar)
     seams = side_seams(arrangement.planes) + cut_seams(surface)
     if not seams and translations is None:
         raise SymmetryError("The surface has no sides to go on across; name some, or give translations.")
-    within = tolerance * surface_size(surface)
+    within = min(tolerance * surface_size(surface), _NARROW * arrangement.narrowest)
     limit = _limit(copies)
     steps = [seam.step for seam in seams]
     own = np.zeros((0, 3))
     if box is not None:
-        made = _in_box(surface, sheet, steps, np.asarray(box, dtype=np.float64), within, limit)
+        made = _in_box(surface, sheet, steps, np.asarray(box, dtype=np.float64), frame or Similarity(), within, limit)
     elif len(around):
         made = _around(seams, around, within, limit)
     elif copies is not None:
@@ -96,17 +103,23 @@ def _vectors(translations: ArrayLike) -> Array:
 
 
 def _in_box(
-    surface: CmcSurface, sheet: str, steps: Sequence[Copy], box: Array, tolerance: float, limit: int
+    surface: CmcSurface,
+    sheet: str,
+    steps: Sequence[Copy],
+    box: Array,
+    frame: Similarity,
+    tolerance: float,
+    limit: int,
 ) -> list[Copy]:
     """Copies whose centre is in the box; the way to them may lead through copies one piece beyond."""
     if box.shape != (2, 3) or not (box[0] < box[1]).all():
         raise SymmetryError("A box is given by its lowest and its highest corner, (2, 3), the one below the other.")
     sign = 1 if sheet == "f+" else -1
     middles = {s: surface.sheet("f+" if s > 0 else "f-").mean(axis=0) for s in (1, -1)}
-    beyond = surface_size(surface)
+    beyond = frame.scale * surface_size(surface)
 
     def inside(copy: Copy, margin: float) -> bool:
-        centre = copy.points(middles[sign * copy.sheet])
+        centre = frame.points(copy.points(middles[sign * copy.sheet]))
         return bool((centre >= box[0] - margin).all() and (centre <= box[1] + margin).all())
 
     reached, all_of_them = generate(steps, tolerance, lambda copy: inside(copy, beyond), limit)
