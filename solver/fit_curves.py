@@ -20,20 +20,22 @@ Array = NDArray[np.float64]
 def curves_of_loops(domain: Domain, positions: Array, curves: Sequence[Array]) -> list[Array]:
     """A closed polyline (m, 3) for each of `domain.boundary_loops`, in their order.
 
-    The longest of the curves is the outer loop's, the others are those of the holes nearest to them as seen from
-    above; where there are too few of them a hole keeps its own line. positions: (V, 3). Nearness is measured from the
-    outer line's middle, so that the curves may lie elsewhere. Raises as `check_count`.
+    The largest of the curves, one or more, is the outer loop's; the others are those of the holes nearest to them; a
+    hole for which there is none keeps its own line. All as seen from above, and nearness is measured from the middle
+    of the outer line, so that the curves may lie elsewhere. positions: (V, 3). Raises as `check_count`.
     """
-    own = [positions[loop] for loop in domain.boundary_loops]
     check_count(domain, curves)
-    ordered = sorted(curves, key=_length, reverse=True)
-    lines = [*ordered[:1], *own[len(ordered[:1]) :]]
-    if len(ordered) > 1:
-        wanted = np.array([_middle(line) - _middle(ordered[0]) for line in ordered[1:]])
-        drawn = np.array([_middle(line) - _middle(own[0]) for line in own[1:]])
+    lines = [positions[loop] for loop in domain.boundary_loops]
+    outer = max(range(len(lines)), key=lambda k: _area(lines[k]))
+    holes = [k for k in range(len(lines)) if k != outer]
+    first, *others = sorted(curves, key=_area, reverse=True)
+    if others:
+        wanted = np.array([_middle(line) - _middle(first) for line in others])
+        drawn = np.array([_middle(lines[hole]) - _middle(lines[outer]) for hole in holes])
         far = np.linalg.norm(wanted[:, None] - drawn[None], axis=2)
         for curve, hole in zip(*linear_sum_assignment(far**2), strict=True):
-            lines[1 + hole] = ordered[1 + curve]
+            lines[holes[hole]] = others[curve]
+    lines[outer] = first
     return lines
 
 
@@ -45,8 +47,9 @@ def check_count(domain: Domain, curves: Sequence[Array]) -> None:
         raise ConditionError(f"There are {len(curves)} curves, but the plan's boundary has {loops}; take some away.")
 
 
-def _length(line: Array) -> float:
-    return float(np.linalg.norm(line - np.roll(line, 1, axis=0), axis=1).sum())
+def _area(line: Array) -> float:
+    x, y = line[:, 0], line[:, 1]
+    return 0.5 * abs(float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))))
 
 
 def _middle(line: Array) -> Array:

@@ -96,8 +96,8 @@ def _outline(table: Table, domain: Domain, folder: Path, up: str | None, limit: 
 def _tilt(table: Table) -> tuple[float, float]:
     """The least and the greatest tilt of the rim, in radians."""
     least, most = table.vector("tilt", (0.0, 0.0))
-    if not -180.0 <= least < most <= 180.0:
-        raise table.fail(f'"tilt" must be two angles, the smaller one first, not [{least:g}, {most:g}].')
+    if not -90.0 <= least < most <= 90.0:
+        raise table.fail(f'"tilt" must be two angles from -90 to 90, the smaller one first, not [{least:g}, {most:g}].')
     return float(np.radians(least)), float(np.radians(most))
 
 

@@ -107,7 +107,7 @@ def _fit(solver: CmcSolver, positions: Array, lines: list[Array] | None, wish: W
     return call(
         solver.domain,
         positions,
-        curve=lines[0] if lines is not None and len(lines) == 1 else lines,
+        curve=lines,
         free_heights=wish.free_heights,
         anchors=wish.anchors,
         on_curve=wish.on_curve,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from solver import shapes
+from solver import Domain, shapes
 from solver.errors import ConditionError, JobError
 from solver.fit_curves import curves_of_loops, read_curves
 
@@ -18,13 +18,25 @@ def ring(radius: float, centre: tuple[float, float, float] = (0.0, 0.0, 0.0), co
     return np.column_stack([radius * np.cos(t), radius * np.sin(t), 0 * t]) + centre
 
 
-@pytest.fixture(scope="module")
-def plan():
-    """A square of side 20 with two holes, at x = 5 and at x = 15."""
+@pytest.fixture(scope="module", params=[1, -1], ids=["outer first", "outer last"])
+def plan(request):
+    """A square of side 20 with two holes, at x = 5 and at x = 15; the outer loop is the first one or the last."""
     square = [[0, 0], [20, 0], [20, 20], [0, 20]]
     holes = [ring(2.0, (x, 10.0, 0.0), 24)[:, :2].tolist() for x in (5.0, 15.0)]
     shape = shapes.polygon(square, holes, 2.0)
-    return shape.domain, np.column_stack([shape.positions, np.zeros(len(shape.positions))])
+    points = np.column_stack([shape.positions, np.zeros(len(shape.positions))])
+    if request.param == 1:
+        return shape.domain, points
+    return Domain.from_positions(points[::-1], len(points) - 1 - shape.domain.faces), points[::-1]
+
+
+def loops(plan) -> tuple[int, int, int]:
+    """Numbers of the outer loop, of the left hole and of the right one."""
+    domain, points = plan
+    outer = int(np.argmax([np.ptp(points[loop, 0]) for loop in domain.boundary_loops]))
+    middles = [points[loop, 0].mean() for loop in domain.boundary_loops]
+    left, right = sorted({0, 1, 2} - {outer}, key=lambda k: middles[k])
+    return outer, left, right
 
 
 @pytest.mark.parametrize("shift", [(0.0, 0.0, 0.0), (300.0, -70.0, 8.0)])
@@ -33,9 +45,8 @@ def test_each_curve_goes_to_the_nearest_hole(plan, shift):
     domain, points = plan
     outer, left, right = (ring(r, c) + shift for r, c in ((14, (10, 10, 0)), (1, (6, 9, 2)), (3, (13, 10, 1))))
     lines = curves_of_loops(domain, points, [right, outer, left])
-    assert_array_equal(lines[0], outer)
-    for line, loop in zip(lines[1:], domain.boundary_loops[1:], strict=True):
-        assert_array_equal(line, left if points[loop, 0].mean() < 10 else right)
+    for number, line in zip(loops(plan), (outer, left, right), strict=True):
+        assert_array_equal(lines[number], line)
 
 
 def test_no_two_curves_share_a_hole(plan):
@@ -43,8 +54,9 @@ def test_no_two_curves_share_a_hole(plan):
     domain, points = plan
     near, far = ring(1, (5, 10, 0)), ring(1, (9, 10, 0))
     lines = curves_of_loops(domain, points, [far, ring(14, (10, 10, 0)), near])
-    for line, loop in zip(lines[1:], domain.boundary_loops[1:], strict=True):
-        assert_array_equal(line, near if points[loop, 0].mean() < 10 else far)
+    _, left, right = loops(plan)
+    assert_array_equal(lines[left], near)
+    assert_array_equal(lines[right], far)
 
 
 def test_holes_without_a_curve_keep_their_line(plan):
@@ -52,10 +64,12 @@ def test_holes_without_a_curve_keep_their_line(plan):
     outer, small = ring(14, (10, 10, 3)), ring(1, (14, 10, 3))
     one = curves_of_loops(domain, points, [outer])
     two = curves_of_loops(domain, points, [small, outer])
-    assert_array_equal(one[0], outer)
-    for line, other, loop in zip(one[1:], two[1:], domain.boundary_loops[1:], strict=True):
-        assert_array_equal(line, points[loop])
-        assert_array_equal(other, points[loop] if points[loop, 0].mean() < 10 else small)
+    rim, left, right = loops(plan)
+    for lines in (one, two):
+        assert_array_equal(lines[rim], outer)
+        assert_array_equal(lines[left], points[domain.boundary_loops[left]])
+    assert_array_equal(one[right], points[domain.boundary_loops[right]])
+    assert_array_equal(two[right], small)
 
 
 def test_more_curves_than_loops(plan):

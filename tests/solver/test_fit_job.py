@@ -121,13 +121,13 @@ def test_a_courtyard_is_closed(folder):
 def test_curves_for_a_courtyard(folder):
     """The court's line is raised by one; the outer one is the plan's own, but written into the file."""
     plan = load(folder, COURT).plan
-    outer, court = (plan.positions[loop] for loop in plan_domain(plan).boundary_loops)
+    court, outer = sorted((plan.positions[loop] for loop in plan_domain(plan).boundary_loops), key=np.ptp)
     lines = [f"v {x} {y} {z}" for x, y, z in [*(court + [0, 0, 1.0]), *outer]]
     first = len(court)
     loops = [[*range(1, first + 1), 1], [*range(first + 1, first + len(outer) + 1), first + 1]]
     (folder / "lines.obj").write_text("\n".join([*lines, *("l " + " ".join(map(str, loop)) for loop in loops)]) + "\n")
     formed = run_job(load(folder, COURT + "[fit]\noutline = 'lines.obj'\nrise = 0.3\n"))
-    inner = formed.surface.domain.boundary_loops[1]
+    inner = min(formed.surface.domain.boundary_loops, key=lambda loop: np.ptp(plan.positions[loop]))
     assert not formed.surface.is_open
     assert_allclose(formed.placed["f+"][inner, 2].mean(), 1.0, atol=0.3)
 
@@ -226,7 +226,8 @@ def test_what_is_printed(folder, capsys):
         ("[fit]\napproximate = true\nnear = -1", r'"near" must be zero or more'),
         ("[fit]\napproximate = true\ntilt = [0, 1]", r'leaves no choice of "tilt"'),
         ("[fit]\ntilt = 3", r'"tilt" must be a list of 2 numbers'),
-        ("[fit]\ntilt = [50, 20]", r'"tilt" must be two angles, the smaller one first, not \[50, 20\]'),
+        ("[fit]\ntilt = [50, 20]", r'"tilt" must be two angles from -90 to 90, the smaller one first, not \[50,'),
+        ("[fit]\ntilt = [0, 120]", r'"tilt" must be two angles from -90 to 90'),
         ("[fit]\noutline = 'two.obj'", r"two\.obj: There are 2 curves, but the plan's boundary has one loop"),
         ("[fit]\napproximate = true\nregularisation = -1", r'"regularisation" must be zero or more'),
         ("[fit]\n[size]\nspan = 3", r"\[fit\]: a fit finds .* take size out"),
