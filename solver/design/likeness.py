@@ -1,0 +1,96 @@
+"""How much a surface of constant mean curvature looks like a given one, whatever their sizes.
+
+The conjugate of a Gauss map N_φ that need not be harmonic obeys d(g + N) = 2 H_φ dφ, with the mean curvature H_φ of the
+surface φ itself. So a map that is near N_φ gives a sheet that is near φ only as far as H_φ is of one sign and even:
+where it changes sign the sheet folds, and from a saddle all over, whose H_φ is nearly zero, nothing is left of φ. Yet
+the Gauss map has to change only little for a sheet to look like φ, since there dN counts little in d(g + N).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from ..domain.domain import Domain
+from ..gauss.sphere import inner
+from ..linalg import graph_laplacian, sum_rows
+from .target import Curvature, Partials, Shape, Target
+
+Array = NDArray[np.float64]
+
+# Mean curvature, as a part of the root mean square of the principal curvatures, below which a surface counts as
+# minimal: smaller ones drown in the errors of the mesh, since f = (g + N) / 2H.
+LEAST = 0.1
+# Waves along the rim for which the model of the curvature is right.
+_WAVES = 4
+
+
+def dirichlet_matrix(domain: Domain) -> sp.csr_array:
+    """L (V, V): <L u, u> = ∫ |du|²."""
+    return graph_laplacian(domain.edges, domain.cotan_weights, domain.vertex_count)
+
+
+def cosine(L: sp.csr_array, u: Array, v: Array) -> float:
+    """Of the angle between du and dv, in L². For a surface and its normals: mean H over root mean square curvature."""
+    return inner(L @ u, v) / np.sqrt(inner(L @ u, u) * inner(L @ v, v))
+
+
+@dataclass(frozen=True, eq=False)
+class Likeness(Target):
+    """1 - cos(dx, dφ), φ: `points` (V, 3), and ½ (1 - (h / least)²)² where h < least = 0.1 (h as in `bending`).
+
+    With the least distance over all sizes and shifts: 1 - cos = ½ ∫ |dx - dφ|² / ∫ |dφ|², to second order.
+    """
+
+    points: Array
+    L: sp.csr_array
+    label = "likeness"
+
+    @cached_property
+    def _tension(self) -> Array:
+        return self.L @ self.points
+
+    def _cosine(self, shape: Shape) -> tuple[float, Array]:
+        """The cosine and its derivative by the points (V, 3)."""
+        tension = self.L @ shape.points
+        square = inner(tension, shape.points)
+        lengths = np.sqrt(square * inner(self._tension, self.points))
+        cos = inner(self._tension, shape.points) / lengths
+        return cos, self._tension / lengths - (cos / square) * tension
+
+    def partials(self, shape: Shape) -> Partials:
+        cos, slope = self._cosine(shape)
+        bent, turned = bending(shape.domain, self.L, shape.normals)
+        lack = max(0.0, 1.0 - bent / LEAST**2)
+        return Partials.of(shape, 1.0 - cos + 0.5 * lack**2, by_points=-slope, by_normals=(-lack / LEAST**2) * turned)
+
+    def curvature(self, shape: Shape) -> Curvature:
+        rim = shape.domain.boundary_vertices
+        stiffness = 2.0 * np.pi * _WAVES / len(rim) / inner(self.L @ shape.points, shape.points)
+        bent, turned = bending(shape.domain, self.L, shape.normals)
+        rows = (Partials.of(shape, by_normals=turned / LEAST**2),) if bent < LEAST**2 else ()
+        return Curvature(rim, np.broadcast_to(stiffness * np.eye(3), (len(rim), 3, 3)), rows=rows)
+
+    def distance(self, shape: Shape) -> float:
+        """√2 √(1 - cos): the root mean square of |dx - dφ|, as a part of that of |dφ|."""
+        return float(np.sqrt(2.0 * max(0.0, 1.0 - self._cosine(shape)[0])))
+
+
+def bending(domain: Domain, L: sp.csr_array, N: Array) -> tuple[float, Array]:
+    """h² = ½ (1 + area / energy) of a map N into the sphere, and its derivative (V, 3).
+
+    The area is counted with its sign. On a surface of mean curvature H h is H over the root mean square of its
+    principal curvatures: 1 on a sphere, √½ on a cylinder, 0 on a minimal surface. It tells from N alone what is left
+    of g + N.
+    """
+    a, b, c = (N[domain.faces[:, k]] for k in range(3))
+    area = 0.5 * inner(a, np.cross(b, c))
+    corners = 0.5 * np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
+    by_area = sum_rows(domain.faces.ravel(), corners.reshape(-1, 3), len(N))
+    tension = L @ N
+    energy = 0.5 * inner(tension, N)
+    return 0.5 * (1.0 + area / energy), (0.5 / energy) * (by_area - (area / energy) * tension)
