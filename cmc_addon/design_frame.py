@@ -44,6 +44,9 @@ class Frame:
     def inside(self, points: Array) -> Array:
         return (points - self.origin) @ self.linear.T
 
+    def outside(self, points: Array) -> Array:
+        return points @ self.linear + self.origin
+
     def placing(self, found: Fit) -> Similarity:
         """From the points of the surface of a fit in this frame to the world."""
         return Similarity(1.0, found.sign * self.linear.T, self.origin + found.shift @ self.linear)

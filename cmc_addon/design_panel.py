@@ -1,16 +1,19 @@
 """Design: a shell nearest to a surface, or to an outline, a curve, anchors; and how near it has come."""
 
 import json
+import math
 from functools import lru_cache
 
 import bpy
 
-from ..solver.design.targets import Anchors, Crown, RimOnCurve
-from .operators.design import draw_fit
+from ..solver.design.targets import Anchors, Closed, Crown, NearSurface, RimOnCurve, TiltBounds
+from .following import problem_of
+from .operators.design import draw_approximate, draw_fit
 from .panels import TALL, Tab, length_text, plan_to_solve, properties_column
+from .results import result_of
 from .results_panel import numbers, paragraph, per_length
 
-_LENGTHS = {target.label for target in (RimOnCurve, Crown, Anchors)}
+_LENGTHS = {target.label for target in (RimOnCurve, Crown, Anchors, NearSurface, Closed)}
 
 
 def last_design(context: bpy.types.Context) -> dict | None:
@@ -50,8 +53,12 @@ class CMC_PT_design(Tab, bpy.types.Panel):
         column.enabled = plan.is_editable and not context.window_manager.cmc.running
         draw_fit(properties_column(column), plan.cmc)
         self._button(column, "cmc.fit_outline")
+        if result_of(plan, "FIT") is not None:
+            properties_column(column).prop(plan.cmc, "follow")
+            if problem_of(plan):
+                paragraph(column, context, problem_of(plan), "ERROR")
         column.separator()
-        properties_column(column).prop(plan.cmc, "smoothness")
+        draw_approximate(properties_column(column), plan.cmc)
         self._button(column, "cmc.approximate_surface")
         report = last_design(context)
         if report is not None:
@@ -84,7 +91,10 @@ def design_rows(report: dict) -> list[tuple[str, str]]:
 
 
 def _distance_row(label: str, off: float) -> tuple[str, str]:
-    return label[:1].upper() + label[1:], length_text(off, digits=2) if label in _LENGTHS else f"{off:.2g}"
+    name = label[:1].upper() + label[1:]
+    if label == TiltBounds.label:
+        return name, f"{math.degrees(off):.2g}°"
+    return name, length_text(off, digits=2) if label in _LENGTHS else f"{off:.2g}"
 
 
 CLASSES = (CMC_PT_design,)

@@ -3,6 +3,8 @@
 Knobs come from the solver's registry: one added there appears here, and needs the property it reads.
 """
 
+import math
+from collections.abc import Callable
 from functools import partial
 from types import SimpleNamespace
 
@@ -21,11 +23,22 @@ _FIT_TO = [
     ("ANCHORS", "Anchors", "The shell goes through empties, and its rim runs free between them"),
 ]
 
+_MATCH = [
+    ("TANGENT_PLANES", "Tangent Planes", "The tangent planes turn as little as can be"),
+    ("POSITION", "Position", "The shell also comes near to where the surface is"),
+]
+
 _APPROXIMATE = {
     "smoothness": partial(
         FloatProperty, name="Smoothness", default=1e-3, min=0.0, soft_max=0.1, max=1e3, precision=5, step=0.1,
         description="Weight λ of smooth boundary normals against nearness to the surface: more irons out waves of "
         "the rim"),
+    "match": partial(
+        EnumProperty, name="Match", description="What of the surface the shell comes near to", items=_MATCH),
+    "near": partial(
+        FloatProperty, name="Nearness", default=100.0, min=1e-3, soft_max=1e4, max=1e6, precision=1, step=1000,
+        description="Weight of the distance from the surface against the turning of its tangent planes; with 100 a "
+        "hundredth of its size counts as much as 6°"),
 }
 _FIT = {
     "fit_to": partial(EnumProperty, name="Fit to", description="What the shell is fitted to", items=_FIT_TO),
@@ -47,6 +60,16 @@ _FIT = {
     "free_heights": partial(
         BoolProperty, name="Free Heights",
         description="The rim lies over the outline as seen from above, and may rise and fall"),
+    "limit_tilt": partial(
+        BoolProperty, name="Limit Tilt",
+        description="Bounds on the angle by which the shell leaves its rim; where they do not go together with the "
+        "line, the nearest shell is made"),
+    "tilt_min": partial(
+        FloatProperty, name="Least", description="0° is a vertical wall, 90° lies flat, less than 0° leans out",
+        default=0.0, min=-0.5 * math.pi, max=0.5 * math.pi, subtype="ANGLE", step=100),
+    "tilt_max": partial(
+        FloatProperty, name="Greatest", description="0° is a vertical wall, 90° lies flat",
+        default=0.5 * math.pi, min=-0.5 * math.pi, max=0.5 * math.pi, subtype="ANGLE", step=100),
     "hanging": partial(
         BoolProperty, name="Hanging", description="The shell hangs below its rim instead of standing above it"),
 }
@@ -76,9 +99,21 @@ def _can_be_curve(owner, ob) -> bool:
     return ob.type in {"MESH", "CURVE"} and ob.cmc.role == "NONE" and ob != owner.id_data
 
 
+watchers: list[Callable[[bpy.types.Object], None]] = []
+"""Called with the plan of which a setting of Fit to Outline has changed."""
+
+
+def _tell(owner, _context) -> None:
+    for told in watchers:
+        told(owner.id_data)
+
+
 def stored_design_annotations() -> dict:
     """The settings of both operators, for `Object.cmc`."""
-    stored = {name: make() for name, make in (_APPROXIMATE | _FIT).items()}
+    stored = {name: make() for name, make in _APPROXIMATE.items()}
+    stored |= {name: make(update=_tell) for name, make in _FIT.items()}
+    stored["follow"] = BoolProperty(
+        name="Follow", description="The fitted shell follows while the settings above are changed", update=_tell)
     stored["fit_curve"] = PointerProperty(
         name="Curve", description="The closed curve, or mesh, on which the rim is to lie",
         type=bpy.types.Object, poll=_can_be_curve)
@@ -94,6 +129,10 @@ def take_settings(operator, stored, names: tuple[str, ...]) -> SimpleNamespace:
         if not operator.properties.is_property_set(name):
             setattr(operator, name, getattr(stored, name))
     return SimpleNamespace(**{name: getattr(operator, name) for name in names})
+
+
+def stored_settings(stored, names: tuple[str, ...]) -> SimpleNamespace:
+    return SimpleNamespace(**{name: getattr(stored, name) for name in names})
 
 
 def take_targets(operator, stored) -> dict[str, bpy.types.ID | None]:

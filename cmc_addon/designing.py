@@ -8,26 +8,23 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from types import SimpleNamespace
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..solver.design.fit import Fit, FitStatus
-from ..solver.design.gauss_map import fit_gauss_map
-from ..solver.design.outline import fit_outline
+from ..solver.design.fit import Fit
 from ..solver.design.targets import SmoothRim
-from ..solver.domain.domain import Domain
 from ..solver.errors import CmcError
 from ..solver.measure import report
 from ..solver.pipeline import placed_normals, row_curvature
 from . import session
 from .design_frame import Frame
-from .deviation import deviation_from, show_deviation
+from .deviation import show_deviation
 from .forming import check_unchanged, plan_depsgraph
-from .mesh_bridge import PlanMesh
+from .mesh_bridge import PlanMesh, read_plan
 from .messages import in_plan_numbers
 from .result_bridge import Cut, find_cut
 from .results import Writer, result_of, write_report
@@ -35,11 +32,8 @@ from .results import Writer, result_of, write_report
 Array = NDArray[np.float64]
 Progress = Callable[[int, float], bool | None]
 
-# Evaluations of a fit at most, and of its first slice, after which it is shown; each next one is twice as long.
+# Evaluations of a fit at most.
 LIMIT = 300
-_FIRST_SLICE = 20
-# Of an approximation, whose start is a guess already, a shape is shown after as many.
-_FIRST_LOOK = 5
 
 
 @dataclass(eq=False)
@@ -47,14 +41,15 @@ class DesignOrder:
     """All that a fit needs, without any Blender data.
 
     latest: points (n, 3) in the world and triangles (F, 3) of the best shape so far, set while the work runs.
-    chosen: names of the data-blocks to keep with the plan, for the pointers of `design_settings`.
+    stored: names of the settings to keep with the plan. chosen: names of the data-blocks to keep with it, for the
+    pointers of `design_settings`.
     """
 
     name: str
     mesh: PlanMesh
     settings: SimpleNamespace
-    stored: tuple[str, ...]
-    role: str = ""
+    role: str
+    stored: tuple[str, ...] = ()
     warnings: list[str] = field(default_factory=list)
     chosen: dict[str, object] = field(default_factory=dict)
     latest: tuple[Array, NDArray] | None = None
@@ -78,7 +73,7 @@ class DesignOrder:
         points = placing.points(surface.sheet(sheet))
         measured = report(
             surface,
-            self.outline(),
+            self.outline(frame, prepared),
             sheet=sheet,
             positions={sheet: points},
             intersections=False,
@@ -104,7 +99,7 @@ class DesignOrder:
     ) -> Fit:
         raise NotImplementedError
 
-    def outline(self) -> Array | list[Array] | None:
+    def outline(self, frame: Frame, prepared: session.Prepared) -> Array | list[Array] | None:
         """What the rim's distance is measured from: drawn positions of the vertices, closed lines, or nothing."""
         return self.mesh.positions
 
@@ -152,6 +147,13 @@ class DesignOrder:
         return told
 
 
+def read_order(context: bpy.types.Context, plan: bpy.types.Object, settings: SimpleNamespace) -> dict:
+    """What every order is made of. Settings get what is stored with the plan for all solves."""
+    settings.apply_modifiers, settings.tolerance = plan.cmc.apply_modifiers, plan.cmc.tolerance
+    mesh = read_plan(plan, plan_depsgraph(context, settings))
+    return {"name": plan.name, "mesh": mesh, "settings": settings}
+
+
 def _still_there(block: tuple[str, str] | None):
     """A data-block by collection and name, if it has not been deleted meanwhile."""
     return None if block is None else getattr(bpy.data, block[0]).get(block[1])
@@ -186,26 +188,6 @@ class DesignOutcome:
         return f"Fitted: {', '.join(near)}."
 
 
-def in_slices(
-    run: Callable[[Fit | None, int, Progress], Fit], progress: Progress, show: Callable[[Fit], None]
-) -> Fit:
-    """run(earlier, evaluations, progress), again and again from where it ended, until it ends by itself.
-
-    Each slice is twice as long as the one before, since each forgets what the one before has learnt about the
-    curvature of the problem.
-    """
-    found: Fit | None = None
-    past: list[float] = []
-    size, told = _FIRST_SLICE, counted(progress)
-    while True:
-        found = run(found, size, told)
-        past += found.history
-        if found.status is not FitStatus.EVALUATION_LIMIT or len(past) >= LIMIT:
-            return replace(found, history=past)
-        show(found)
-        size = min(2 * size, LIMIT - len(past))
-
-
 def counted(progress: Progress) -> Progress:
     """A progress that counts on where the evaluations are counted from the beginning, in a stage or a slice."""
     before = last = 0
@@ -216,79 +198,3 @@ def counted(progress: Progress) -> Progress:
         return progress(before + count, value)
 
     return told
-
-
-class ApproximateOrder(DesignOrder):
-    """The CMC surface nearest to the plan itself, a surface in space."""
-
-    def frame(self, prepared: session.Prepared) -> Frame:
-        return Frame(self.mesh.positions.mean(axis=0), np.eye(3))
-
-    def fit(self, frame: Frame, prepared: session.Prepared, progress: Progress, show: Callable[[Fit], None]) -> Fit:
-        told = counted(progress)
-
-        def run(evaluations: int) -> Fit:
-            return fit_gauss_map(
-                prepared.solver.domain,
-                frame.inside(self.mesh.positions),
-                self.settings.smoothness,
-                max_evaluations=evaluations,
-                solver=prepared.solver,
-                progress=told,
-            )
-
-        first = run(_FIRST_LOOK)
-        if first.status is not FitStatus.EVALUATION_LIMIT:
-            return first
-        show(first)
-        return run(LIMIT)
-
-    def deviation(self, prepared: session.Prepared, points: Array) -> Array:
-        return deviation_from(self.mesh.positions, prepared.triangles, points)
-
-
-@dataclass(eq=False)
-class FitOrder(DesignOrder):
-    """The shell whose rim lies on a curve (m, 3), None for the plan's own, and which goes through anchors: places
-    (k, 3) and weights (k,), or None."""
-
-    curve: Array | None = None
-    anchors: tuple[Array, Array] | None = None
-
-    def frame(self, prepared: session.Prepared) -> Frame:
-        return Frame.over(self.mesh.positions, prepared.triangles, self.settings.hanging)
-
-    def fit(self, frame: Frame, prepared: session.Prepared, progress: Progress, show: Callable[[Fit], None]) -> Fit:
-        settings, local = self.settings, frame.inside(self.mesh.positions)
-        domain: Domain = prepared.solver.domain
-        knob = settings.knob.lower()
-
-        def run(earlier: Fit | None, evaluations: int, told: Progress) -> Fit:
-            return fit_outline(
-                domain,
-                local,
-                None if self.curve is None else frame.inside(self.curve),
-                **{knob: getattr(settings, f"fit_{knob}")},
-                free_heights=settings.free_heights and settings.fit_to != "ANCHORS",
-                anchors=self._anchored(frame, local),
-                on_curve=settings.fit_to != "ANCHORS",
-                max_evaluations=evaluations,
-                initial=earlier,
-                solver=prepared.solver,
-                progress=told,
-            )
-
-        return in_slices(run, progress, show)
-
-    def _anchored(self, frame: Frame, local: Array) -> tuple[NDArray, Array, Array] | None:
-        """Each anchor holds the vertex nearest to it as seen from above."""
-        if self.anchors is None:
-            return None
-        places, weights = frame.inside(self.anchors[0]), self.anchors[1]
-        far = np.linalg.norm(places[:, None, :2] - local[None, :, :2], axis=2)
-        return far.argmin(axis=1), places, weights
-
-    def outline(self) -> Array | list[Array] | None:
-        if self.settings.fit_to == "ANCHORS":
-            return None
-        return self.mesh.positions if self.curve is None else [self.curve]

@@ -109,10 +109,11 @@ class Update:
 
 
 class Running:
-    """The solve that runs now, if any: `cmc.cancel` stops it. `thread` is the last one that was started; it may
-    still be at work after it was cancelled."""
+    """The solve that runs now, if any: `cmc.cancel` stops it, and so does the next one where it gives way. `thread` is
+    the last one that was started; it may still be at work after it was cancelled."""
 
     stop: threading.Event | None = None
+    gives_way: bool = False
     thread: threading.Thread | None = None
 
 
@@ -125,20 +126,22 @@ def cancel() -> bool:
 
 
 def steps(
-    work: Callable[[Progress], T], tolerance: float, wait: float
+    work: Callable[[Progress], T], tolerance: float, wait: float, gives_way: bool = False
 ) -> Generator[Update | None, None, T | None]:
     """Run `work(progress)` in a thread; yield each update, or None after `wait` seconds without one.
 
     Returns what the work returns, or None as soon as it is cancelled; raises what it raises, and `CmcError`
-    while another solve runs. Closing the generator cancels. A cancelled thread is not waited for: it may be
-    measuring, which has no steps to stop after. The next one starts when it is through.
+    while another solve runs which does not give way. Closing the generator cancels. A cancelled thread is not waited
+    for: it may be measuring, which has no steps to stop after. The next one starts when it is through.
     """
     if Running.stop is not None:
-        raise CmcError("A solve is running; wait for it, or cancel it (Esc) first.")
+        if not Running.gives_way:
+            raise CmcError("A solve is running; wait for it, or cancel it (Esc) first.")
+        Running.stop.set()
     stop = threading.Event()
     news: queue.SimpleQueue = queue.SimpleQueue()
     arguments = (work, stop, news, Running.thread)
-    Running.stop = stop
+    Running.stop, Running.gives_way = stop, gives_way
     Running.thread = threading.Thread(target=_run, args=arguments, name="cmc-solve", daemon=True)
     Running.thread.start()
     first = 0.0
@@ -158,7 +161,8 @@ def steps(
             yield Update(iteration, residual, _part(first, residual, tolerance))
         return None
     finally:
-        Running.stop = None
+        if Running.stop is stop:
+            Running.stop = None
         stop.set()
 
 

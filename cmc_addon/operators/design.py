@@ -7,10 +7,9 @@ itself stays as it is until the fit is done: Esc leaves nothing behind.
 import math
 
 import bpy
-import numpy as np
 
-from ...solver.errors import CmcError
-from .. import outline_bridge, preview
+from .. import preview
+from ..approximate_order import ApproximateOrder
 from ..design_settings import (
     APPROXIMATE_SETTINGS,
     FIT_SETTINGS,
@@ -21,10 +20,8 @@ from ..design_settings import (
     take_settings,
     take_targets,
 )
-from ..designing import LIMIT, ApproximateOrder, DesignOrder, FitOrder
-from ..forming import plan_depsgraph
-from ..mesh_bridge import read_plan
-from ..outline import chain
+from ..designing import LIMIT, DesignOrder, read_order
+from ..fit_order import take_fit
 from .solve import Solving, as_settings
 
 
@@ -52,11 +49,6 @@ class Designing(Solving):
         self._order = None
         super()._cleanup(context)
 
-    def _read(self, context, plan, settings) -> dict:
-        settings.apply_modifiers, settings.tolerance = plan.cmc.apply_modifiers, plan.cmc.tolerance
-        mesh = read_plan(plan, plan_depsgraph(context, settings))
-        return {"name": plan.name, "mesh": mesh, "settings": settings}
-
 
 class CMC_OT_approximate_surface(Designing, bpy.types.Operator):
     """Make the surface of constant mean curvature whose tangent planes are nearest to those of the active surface"""
@@ -67,13 +59,13 @@ class CMC_OT_approximate_surface(Designing, bpy.types.Operator):
 
     def take(self, context, plan):
         settings = take_settings(self, plan.cmc, APPROXIMATE_SETTINGS)
-        given = self._read(context, plan, settings)
+        given = read_order(context, plan, settings)
         self._order = ApproximateOrder(**given, stored=APPROXIMATE_SETTINGS, role="NEAREST")
         return self._order
 
     def draw(self, context):
         as_settings(self.layout)
-        self.layout.prop(self, "smoothness")
+        draw_approximate(self.layout, self)
 
 
 class CMC_OT_fit_outline(Designing, bpy.types.Operator):
@@ -86,23 +78,21 @@ class CMC_OT_fit_outline(Designing, bpy.types.Operator):
     def take(self, context, plan):
         curve, anchors = take_targets(self, plan.cmc).values()
         settings = take_settings(self, plan.cmc, FIT_SETTINGS)
-        given = self._read(context, plan, settings)
-        self._order = FitOrder(
-            **given,
-            stored=FIT_SETTINGS,
-            role="FIT",
-            chosen={
-                POINTERS["curve"]: None if curve is None else ("objects", curve.name),
-                POINTERS["anchors"]: None if anchors is None else ("collections", anchors.name),
-            },
-            curve=_curve_points(plan, curve) if settings.fit_to == "CURVE" else None,
-            anchors=_anchors(context, anchors, needed=settings.fit_to == "ANCHORS"),
-        )
+        self._order = take_fit(context, plan, settings, curve, anchors)
+        self._order.stored = FIT_SETTINGS
         return self._order
 
     def draw(self, context):
         as_settings(self.layout)
         draw_fit(self.layout, self)
+
+
+def draw_approximate(layout: bpy.types.UILayout, owner) -> None:
+    """Rows for the settings of Approximate Surface, of an object or the operator."""
+    layout.prop(owner, "smoothness")
+    layout.row().prop(owner, "match", expand=True)
+    if owner.match == "POSITION":
+        layout.prop(owner, "near")
 
 
 def draw_fit(layout: bpy.types.UILayout, owner) -> None:
@@ -116,6 +106,11 @@ def draw_fit(layout: bpy.types.UILayout, owner) -> None:
     layout.prop(owner, KNOB_PROPERTY[owner.knob], slider=owner.knob == "RISE")
     if owner.fit_to != "ANCHORS":
         layout.prop(owner, "free_heights")
+    layout.prop(owner, "limit_tilt")
+    if owner.limit_tilt:
+        column = layout.column(align=True)
+        column.prop(owner, "tilt_min")
+        column.prop(owner, "tilt_max")
     layout.prop(owner, "hanging")
 
 
@@ -124,37 +119,6 @@ def _target_row(layout: bpy.types.UILayout, owner, name: str, stored: bool, amon
         layout.prop(owner, POINTERS[name])
     else:
         layout.prop_search(owner, name, bpy.data, among)
-
-
-def _curve_points(plan: bpy.types.Object, curve: bpy.types.Object | None) -> np.ndarray:
-    """Points (m, 3) of the one closed loop of an object, in the world and in order."""
-    if curve is None:
-        raise CmcError(f"'{plan.name}' has no curve to fit to; choose a closed curve or a mesh under Fit to Outline.")
-    if not curve.users_scene:
-        raise CmcError(f"The curve '{curve.name}' has been deleted; choose another one under Fit to Outline.")
-    wire = outline_bridge.read_wire(curve)
-    if not len(wire.edges):
-        raise CmcError(f"'{curve.name}' has no edges; draw a closed loop in it.")
-    loops = chain(wire)
-    if len(loops) > 1:
-        raise CmcError(f"'{curve.name}' has {len(loops)} loops, but a shell has one rim; leave one of them.")
-    return wire.points[loops[0][0]]
-
-
-def _anchors(context, collection, needed: bool) -> tuple[np.ndarray, np.ndarray] | None:
-    """Places (k, 3) and weights (k,) of the empties of a collection, or where only anchors count and there is no
-    collection of the selected ones."""
-    if collection is not None:
-        found, where = collection.all_objects, f"The collection '{collection.name}' has no empties that count"
-    elif needed:
-        found, where = context.selected_objects, "There are no anchors"
-    else:
-        return None
-    empties = [ob for ob in found if ob.type == "EMPTY" and ob.cmc.anchor_weight > 0.0]
-    if not empties:
-        raise CmcError(f"{where}; add empties where the shell is to be held, and select them, or choose a collection.")
-    places = np.array([ob.matrix_world.translation for ob in empties], dtype=np.float64)
-    return places, np.array([ob.cmc.anchor_weight for ob in empties])
 
 
 CLASSES = (CMC_OT_approximate_surface, CMC_OT_fit_outline)

@@ -64,7 +64,7 @@ class Solving:
         outcome = yield from session.steps(order.work, order.settings.tolerance, wait)
         if outcome is None:
             return self._say_cancelled()
-        plan = _by_uid(uid)
+        plan = by_uid(uid)
         if plan is None:
             raise CmcError(f"The plan '{order.name}' was deleted while it was being solved.")
         check_writable(plan)
@@ -132,7 +132,7 @@ class Solving:
         except StopIteration as end:
             self._cleanup(context)
             return end.value
-        _redraw(context)
+        redraw(context)
         return {"RUNNING_MODAL"}
 
     def _cleanup(self, context: bpy.types.Context) -> None:
@@ -144,15 +144,15 @@ class Solving:
             self._timer = None
         context.window_manager.cmc.running = False
         context.window_manager.cmc.message = ""
-        _redraw(context)
+        redraw(context)
 
 
-def _by_uid(uid: int) -> bpy.types.Object | None:
+def by_uid(uid: int) -> bpy.types.Object | None:
     """An object by the number that survives undo and renaming; Python's own references do not survive."""
     return next((ob for ob in bpy.data.objects if ob.session_uid == uid), None)
 
 
-def _redraw(context: bpy.types.Context) -> None:
+def redraw(context: bpy.types.Context) -> None:
     for window in context.window_manager.windows:
         for area in window.screen.areas:
             if area.type == "VIEW_3D":

@@ -188,3 +188,32 @@ def test_a_plan_on_a_wall():
     points = fitted(plan)
     assert -points[:, 1].min() == pytest.approx(2.0, rel=5e-3)
     assert abs(points[rim_of(plan), 1]).max() < 0.08
+
+
+# --- bounds on the tilt --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("least", "met"), [(40.0, True), (60.0, False)])
+def test_limits_of_the_tilt(least, met):
+    """A cap of rise r leans by 90° - 2 atan r at its rim: of 0.4 by 46.4°."""
+    plan = small_disc()
+    points = fitted(plan, fit_rise=0.4, limit_tilt=True, tilt_min=np.radians(least), tilt_max=np.pi / 2)
+    assert report(plan)["met"] == met
+    assert (report(plan)["distances"]["tilt bounds"] < 0.01) == met
+    if met:
+        assert points[:, 2].max() == pytest.approx(1.6, rel=5e-3)
+    assert plan.cmc.limit_tilt and plan.cmc.tilt_min == pytest.approx(np.radians(least))
+
+
+def test_limits_that_are_not_on_do_not_count():
+    plan = small_disc()
+    points = fitted(plan, fit_rise=0.4, tilt_min=1.5, tilt_max=1.6)
+    assert points[:, 2].max() == pytest.approx(1.6, rel=5e-3)
+    assert "tilt bounds" not in report(plan)["distances"]
+
+
+def test_limits_the_wrong_way_round():
+    plan = small_disc()
+    with pytest.raises(RuntimeError, match="Tilts lie between"):
+        fitted(plan, limit_tilt=True, tilt_min=1.0, tilt_max=0.5)
+    assert plan.cmc.fit is None

@@ -169,6 +169,7 @@ def test_shapes_are_shown_while_it_runs(addon, hand, monkeypatch):
     plan = small_disc()
     plan.scale = (1.6, 1.0, 1.0)
     preview = addon.cmc_addon.preview
+    monkeypatch.setattr(addon.cmc_addon.fit_order, "_FIRST_SLICE", 3)
     shown, progress = [], []
     real = preview.show
     monkeypatch.setattr(preview, "show", lambda *shape: (shown.append(shape), real(*shape)))
@@ -185,7 +186,8 @@ def test_shapes_are_shown_while_it_runs(addon, hand, monkeypatch):
     assert preview.Preview.shape is None, "cleared at the end"
 
 
-def test_escape_leaves_the_scene_as_it_was(addon, hand):
+def test_escape_leaves_the_scene_as_it_was(addon, hand, monkeypatch):
+    monkeypatch.setattr(addon.cmc_addon.fit_order, "_FIRST_SLICE", 3)
     plan = small_disc()
     plan.scale = (1.6, 1.0, 1.0)
     bpy.context.view_layer.update()

@@ -249,6 +249,7 @@ def test_every_setting_of_a_design_can_be_reached(plan) -> None:
     from cmc_formfinding.cmc_addon.design_settings import APPROXIMATE_SETTINGS, FIT_SETTINGS, KNOB_PROPERTY, POINTERS
 
     drawn = set()
+    plan.cmc.limit_tilt, plan.cmc.match = True, "POSITION"
     for target in ("OUTLINE", "CURVE", "ANCHORS"):
         for knob in KNOB_PROPERTY:
             plan.cmc.fit_to, plan.cmc.knob = target, knob
@@ -261,9 +262,11 @@ def test_every_setting_of_a_design_can_be_reached(plan) -> None:
 
 def test_a_design_in_numbers(plan) -> None:
     assert "Span" not in draw("CMC_PT_design").texts
-    bpy.ops.cmc.fit_outline()
+    assert "follow" not in draw("CMC_PT_design").props, "there is nothing yet that could"
+    bpy.ops.cmc.fit_outline(limit_tilt=True)
     record = draw("CMC_PT_design")
-    for name in ("Span", "Rise", "Area", "Radius 1/H", "H", "Rim on curve", "Crown height"):
+    assert "follow" in record.props and "tilt_max" in record.props
+    for name in ("Span", "Rise", "Area", "Radius 1/H", "H", "Rim on curve", "Crown height", "Tilt bounds"):
         assert name in record.texts
     assert json.loads(plan.cmc.design_report)["message"].split()[0] in said(record)
     bpy.context.view_layer.objects.active = plan.cmc.fit

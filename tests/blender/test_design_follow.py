@@ -1,0 +1,195 @@
+"""Follow: the fitted shell follows the numbers of its plan, newest first, and leaves nothing behind."""
+
+from __future__ import annotations
+
+import time
+
+import bpy
+
+# isort: split
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from .designs import FINISHED, fitted, report, small_disc
+from .scenes import activate, positions
+
+
+@pytest.fixture
+def following(addon):
+    return addon.cmc_addon.following
+
+
+@pytest.fixture
+def plan(following):
+    """A fitted plan whose shell follows."""
+    plan = small_disc()
+    plan.cmc.follow = True
+    fitted(plan, fit_rise=0.4)
+    run(following)
+    bpy.ops.ed.undo_push(message="fitted")
+    return plan
+
+
+def run(following, seconds: float = 20.0) -> int:
+    """Turn the crank as the timer does, until there is nothing more to do; how often."""
+    ticks = 1
+    while following.tick() is not None:
+        ticks += 1
+        assert ticks < seconds / 0.005, "never ends"
+        time.sleep(0.005)
+    return ticks
+
+
+def height(plan) -> float:
+    return positions(plan.cmc.fit)[:, 2].max()
+
+
+def test_the_shell_follows_its_number(following, plan):
+    """From flat to hemisphere and back, the outline kept."""
+    for rise in (0.6, 1.0, 0.2):
+        plan.cmc.fit_rise = rise
+        run(following)
+        assert height(plan) == pytest.approx(4.0 * rise, rel=5e-3)
+        assert report(plan)["distances"]["rim on curve"] < 0.01 * 8.0
+        assert plan.cmc.fit_rise == pytest.approx(rise)
+        ball = (4.0 + 4.0 * rise**2) / (2.0 * rise)
+        points = positions(plan.cmc.fit) - [0, 0, height(plan) - ball]
+        assert_allclose(np.linalg.norm(points, axis=1), ball, rtol=0.01, atol=0)
+
+
+def test_other_settings_count_too(following, plan):
+    plan.cmc.hanging = True
+    run(following)
+    assert positions(plan.cmc.fit)[:, 2].min() == pytest.approx(-1.6, rel=5e-3)
+    plan.cmc.fit_volume = 40.0
+    assert run(following) == 1, "a number that is not chosen by does not count"
+    plan.cmc.knob = "VOLUME"
+    run(following)
+    assert report(plan)["distances"]["volume"] < 0.05
+
+
+def test_the_newest_number_wins(following, plan, addon):
+    """A fit that is out of date is cut short, but not before it has got anywhere."""
+    orders = []
+    real = addon.cmc_addon.following.take_fit
+    following.take_fit = lambda *args: orders.append(real(*args)) or orders[-1]
+    try:
+        for k in range(20):
+            plan.cmc.fit_rise = 0.41 + 0.01 * k
+            following.tick()
+            time.sleep(0.002)
+        run(following)
+    finally:
+        following.take_fit = real
+    assert height(plan) == pytest.approx(2.4, rel=5e-3)
+    assert 2 <= len(orders) < 20
+    assert orders[-1].settings.fit_rise == pytest.approx(0.6) and not orders[-1].newer.is_set()
+
+
+def test_it_goes_on_from_the_last_fit(following, plan):
+    first = report(plan)["evaluations"]
+    plan.cmc.fit_rise = 0.42
+    run(following)
+    assert report(plan)["evaluations"] < first
+    plan.data.vertices[0].co.x += 0.1  # another plan: the last fit is none of it
+    plan.cmc.fit_rise = 0.5
+    run(following)
+    assert height(plan) == pytest.approx(2.0, rel=5e-3)
+
+
+def test_only_where_it_is_asked_for(following, plan):
+    before = positions(plan.cmc.fit)
+    plan.cmc.follow = False
+    plan.cmc.fit_rise = 0.8
+    run(following)
+    assert_allclose(positions(plan.cmc.fit), before, rtol=0, atol=0)
+    plan.cmc.follow = True  # what has been changed meanwhile counts
+    run(following)
+    assert height(plan) == pytest.approx(3.2, rel=5e-3)
+    never = small_disc("Never fitted")
+    never.cmc.follow = True
+    never.cmc.fit_rise = 0.8
+    run(following)
+    assert never.cmc.fit is None
+
+
+def test_one_step_of_undo(following, plan):
+    name = plan.name
+    plan.cmc.fit_rise = 0.8
+    bpy.ops.ed.undo_push(message="Rise")  # as the slider does
+    run(following)
+    bpy.ops.ed.undo()
+    bpy.ops.ed.undo()
+    plan = bpy.data.objects[name]
+    assert plan.cmc.fit_rise == pytest.approx(0.4) and height(plan) == pytest.approx(1.6, rel=5e-3)
+    bpy.ops.ed.redo()
+    bpy.ops.ed.redo()
+    plan = bpy.data.objects[name]
+    assert plan.cmc.fit_rise == pytest.approx(0.8) and height(plan) == pytest.approx(3.2, rel=5e-3)
+
+
+def test_undo_while_it_runs(following, plan, addon):
+    """It stops; and the number that undo has brought back can be changed again."""
+    name = plan.name
+    plan.cmc.fit_rise = 0.8
+    bpy.ops.ed.undo_push(message="Rise")
+    following.tick()
+    bpy.ops.ed.undo()
+    assert addon.cmc_addon.session.Running.stop is None
+    plan = bpy.data.objects[name]
+    assert height(plan) == pytest.approx(1.6, rel=5e-3)
+    plan.cmc.fit_rise = 0.8
+    run(following)
+    assert height(plan) == pytest.approx(3.2, rel=5e-3)
+
+
+@pytest.mark.parametrize("what", ["plan", "fit"])
+def test_deleted_while_it_runs(following, plan, what, addon):
+    plan.cmc.fit_rise = 0.8
+    following.tick()
+    bpy.data.objects.remove(plan if what == "plan" else plan.cmc.fit)
+    before = sorted(ob.name for ob in bpy.data.objects)
+    run(following)
+    assert sorted(ob.name for ob in bpy.data.objects) == before
+    assert addon.cmc_addon.session.Running.stop is None
+
+
+def test_it_gives_way_to_a_solve(following, plan):
+    plan.cmc.fit_rise = 0.8
+    following.tick()
+    activate(plan)
+    assert bpy.ops.cmc.solve() == FINISHED
+    run(following)
+    assert plan.cmc.f_plus is not None
+    assert height(plan) == pytest.approx(3.2, rel=5e-3)
+
+
+def test_what_goes_wrong_is_said(following, plan):
+    plan.cmc.fit_to = "CURVE"
+    run(following)
+    assert "'Disc' has no curve" in following.problem_of(plan)
+    plan.cmc.fit_to = "OUTLINE"
+    run(following)
+    assert following.problem_of(plan) == ""
+
+
+def test_a_new_file_forgets(following, plan, addon):
+    plan.cmc.fit_rise = 0.8
+    following.tick()
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    assert addon.cmc_addon.fit_order.Latest.fit is None
+    assert following.tick() is None and addon.cmc_addon.session.Running.stop is None
+
+
+def test_a_tick_is_short(following, plan):
+    """Whatever the fit does, the window is stopped only to write its shell."""
+    longest = 0.0
+    plan.cmc.fit_rise = 0.9
+    going = True
+    while going:
+        start = time.perf_counter()
+        going = following.tick() is not None
+        longest = max(longest, time.perf_counter() - start)
+        time.sleep(0.002)
+    assert longest < 0.25
