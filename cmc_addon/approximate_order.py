@@ -34,7 +34,9 @@ class ApproximateOrder(DesignOrder):
                 prepared.solver.domain,
                 frame.inside(self.mesh.positions),
                 self.settings.smoothness,
+                near=self.settings.near if self.settings.match == "POSITION" else 0.0,
                 max_evaluations=evaluations,
+                initial=earlier,
                 solver=prepared.solver,
                 progress=told,
             )

@@ -67,3 +67,16 @@ def test_smoothness_calms_the_rim():
         variation.append((jumps**2).sum())
     assert variation[0] > variation[1] > variation[2]
     assert surface.cmc.smoothness == 1.0
+
+
+def test_position_brings_it_nearer():
+    """And what is not asked for does not count."""
+    surface = wavy()
+    approximated(surface)
+    by_planes = report(surface)
+    approximated(surface, match="POSITION", near=300.0)
+    by_position = report(surface)
+    assert by_position["deviation"]["mean"] < 0.8 * by_planes["deviation"]["mean"]
+    assert (surface.cmc.match, surface.cmc.near) == ("POSITION", 300.0)
+    approximated(surface, match="TANGENT_PLANES")
+    assert report(surface)["deviation"] == pytest.approx(by_planes["deviation"], rel=1e-3)
