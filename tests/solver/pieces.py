@@ -88,12 +88,19 @@ def sphere_eighth(n: int) -> Piece:
     return Piece(surface, [*sides, Side("floor", floor, normal=(0, 0, 1))], points)
 
 
+HELD = {
+    "mirror": conditions.mirror,
+    "tangent": conditions.fixed,
+    "free": lambda domain, edges, normal: conditions.free(domain, edges),
+}
+
+
 def between_mirrors(module: modules.Module, kinds: dict[str, str] | None = None, **options) -> Piece:
     """A module solved with a mirror on every side, but for those of other `kinds`."""
     domain, sides = module.shape.domain, []
     held = conditions.Conditions()
     for name, edges in module.shape.sides.items():
         kind, normal = (kinds or {}).get(name, "mirror"), module.normals[name]
-        held += (conditions.fixed if kind == "tangent" else conditions.mirror)(domain, edges, normal)
-        sides.append(Side(name, edges, kind, normal))
+        held += HELD[kind](domain, edges, normal)
+        sides.append(Side(name, edges, kind, None if kind == "free" else normal))
     return Piece(solve_cmc(domain, held, **options), sides, module.shape.positions)

@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.special import ellipe, ellipk
 
-from solver import Domain, MeshError, complete, mean_curvature_of
+from solver import Domain, MeshError, Side, complete, conditions, mean_curvature_of, shapes, solve_cmc
 from solver.domain import modules
 from solver.measure import self_intersections
 from tests.solver import pieces
@@ -218,3 +218,41 @@ def test_sides_of_a_module_are_its_boundary():
         edges = np.concatenate(list(module.shape.sides.values()))
         assert_array_equal(np.sort(edges), module.shape.domain.boundary_edges)
         assert set(module.shape.sides) == set(module.normals)
+
+
+def test_a_free_side_between_mirrors_is_a_point_of_their_planes():
+    """An eighth of a tube, three mirrors and a free end: the relations of the group hold to rounding."""
+    c, errors = -0.5, []
+    for h in MESHES:
+        module = modules.node(2, ellipk(1 + c) / (np.pi / 2), max_edge=h)
+        points = module.shape.positions * (np.pi / 2)
+        # s = 0 at the bisector, t = 0 on top
+        N = pieces.unduloid_normals(c, points[:, ::-1])[:, [2, 1, 0]]
+        piece = pieces.between_mirrors(module, {"end": "free"}, initial=N)
+        whole = complete(piece.surface, piece.sides)
+        assert len(whole.copies) == 16 and sorted(set(whole.sheets)) == ["f+", "f-"]
+        assert_allclose(np.linalg.norm(whole.lattice), 4 * ellipe(1 + c), rtol=0.02)
+        end = plane(whole, "end")
+        for name in ("axis", "floor"):
+            assert_allclose(end.point @ plane(whole, name).normal, plane(whole, name).offset, atol=1e-12)
+        assert whole.mesh.is_oriented and len(whole.mesh.rim) == missing_edges(whole)
+        assert len(whole.mesh.flipped_faces) == 0
+        errors.append(end.error)
+    assert (rates(errors) > 1.2).all() and errors[-1] < 0.005
+
+
+def test_the_wente_strip_goes_on_around_and_along():
+    """Constant normals 120° apart on the ends of a cylinder (Fig. 13): six copies around, cut open along."""
+    shape = shapes.cylinder(2 * np.pi, 1.2, 32)
+    a, b = np.array([1.0, 0.0, 0.0]), np.array([-0.5, np.sqrt(0.75), 0.0])
+    ends = conditions.fixed(shape.domain, shape.sides["bottom"], a) + conditions.fixed(
+        shape.domain, shape.sides["top"], b
+    )
+    surface = solve_cmc(shape.domain, ends)
+    assert surface.is_open
+    sides = [Side("bottom", shape.sides["bottom"], "tangent"), Side("top", shape.sides["top"], "tangent")]
+    whole = complete(surface, sides, repeat=2)
+    assert len(whole.copies) == 12
+    assert_allclose(np.abs(whole.lattice), np.abs(surface.periods), atol=1e-6)
+    assert whole.mesh.is_oriented and whole.mesh.largest_gap < 1e-6
+    assert set(whole.mesh.source[whole.mesh.rim.ravel()]) <= set(surface.source[surface.domain.vertex_count :])
