@@ -121,13 +121,13 @@ def test_a_quarter_is_a_quarter_of_the_whole_plan(tilt):
 @pytest.mark.parametrize("sites", SITES)
 @pytest.mark.parametrize("method", METHODS)
 def test_every_method_finds_the_same(sites, method):
-    domain, points, arc, flat = half_disc(90)
+    domain, points, arc, flat = half_disc(60)
     solver = HarmonicSolver(domain, sites=sites, energy="cotan" if sites == "vertices" else "mobius")
     condition = half_dome(domain, points, arc, flat)
     expected = solver.solve(condition, tolerance=1e-9)
-    found = solver.solve(condition, method=method, tolerance=1e-8)
+    found = solver.solve(condition, method=method, tolerance=1e-7)
     assert found.status is Status.CONVERGED
-    assert_allclose(found.normals, expected.normals, rtol=0, atol=1e-7)
+    assert_allclose(found.normals, expected.normals, rtol=0, atol=1e-6)
     at = found.admissible.mirrors.sites
     assert_allclose(found.normals[at] @ E_Y, 0, rtol=0, atol=1e-14)
 
@@ -156,8 +156,9 @@ def test_gauss_seidel_turns_the_halves_of_rectangles_within_their_mirrors(sites)
     points, domain = quad_grid(5, [[0, 1, 2], [0, 2, 3]])
     solver = HarmonicSolver(domain, sites=sites, energy="mobius")
     condition = grid_dome(points, domain)
-    slow, fast = (solver.solve(condition, method=method, tolerance=1e-5) for method in ("gauss_seidel", "newton"))
-    assert slow.status is Status.CONVERGED and slow.iterations < 300
+    slow = solver.solve(condition, method="gauss_seidel", tolerance=1e-5, max_iterations=300)
+    fast = solver.solve(condition, tolerance=1e-5)
+    assert slow.status is Status.CONVERGED
     assert_allclose(slow.normals, fast.normals, rtol=0, atol=1e-4)
     at, planes = slow.admissible.mirrors.sites, slow.admissible.mirrors.normals
     assert_allclose(sphere.dot(slow.normals[at], planes), 0, rtol=0, atol=1e-14)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.integrate import solve_ivp
+from scipy.special import ellipe
 
 from solver import HarmonicSolver, Status, conditions, mean_curvature_of, shapes, solve_cmc
 from solver.domain.sites import SITES
@@ -55,9 +56,10 @@ def misses(surface, N, g):
     return np.abs(surface.normals - N).max(), np.abs(off - off.mean(axis=0)).max()
 
 
-@pytest.mark.parametrize("c", [-0.3, -0.6])
+@pytest.mark.parametrize("c", [-0.15, -0.3, -0.45, -0.6, -0.75])
 def test_a_quarter_of_an_unduloid_between_four_mirrors(c):
-    """From its corner normals alone, which are those of a cylinder: it bulges by itself."""
+    """From its corner normals alone, which are those of a cylinder: it bulges by itself. Neck and belly have the radii
+    1 ± √(1 + c) on f+, half a period lies between the mirrors."""
     exact, errors = Unduloid(c), []
     for columns in (6, 12, 24):
         shape, points = jittered_strip(0.5 * np.pi, exact.height, columns)
@@ -68,10 +70,15 @@ def test_a_quarter_of_an_unduloid_between_four_mirrors(c):
         errors.append(misses(surface, *exact(points)))
     assert (rates([e[0] for e in errors]) > 1.5).all() and (rates([e[1] for e in errors]) > 1.5).all()
     assert errors[-1][0] < 1e-3 and errors[-1][1] < 3e-3
+    ends = [surface.f_plus[np.unique(shape.domain.edges[shape.sides[side]])] for side in ("bottom", "top")]
+    radii = sorted(np.ptp(end[:, 0]) for end in ends)
+    assert_allclose(radii, [1 - np.sqrt(1 + c), 1 + np.sqrt(1 + c)], rtol=0, atol=3e-3)
+    assert_allclose(ends[1][:, 2].mean() - ends[0][:, 2].mean(), 2 * ellipe(1 + c), rtol=2e-3, atol=0)
 
 
-@pytest.mark.parametrize("averaging", ["galerkin", "linear"])
-@pytest.mark.parametrize("c", [0.5, 2.0])
+@pytest.mark.parametrize(
+    ("c", "averaging"), [*((c, "galerkin") for c in (0.1, 0.25, 0.5, 1.0, 2.0)), (0.5, "linear")]
+)
 def test_a_quarter_of_a_nodoid_between_two_mirrors(c, averaging):
     """Its ends are opposite, and it turns between them by half a turn on the outer side of the mirrors."""
     exact, errors, energies = Nodoid(c), [], []
@@ -165,6 +172,27 @@ def test_the_quarter_of_the_wente_torus_is_a_minimiser():
     assert (rates(errors) > 1.8).all() and errors[-1] < 0.03
     short = HarmonicSolver(domain).solve(ends + conditions.mirror(domain, sides["left"], E_Z))
     assert_allclose(np.abs(short.normals[:, 2]).max(), 0, rtol=0, atol=1e-6)
+
+
+def test_a_vault_between_walls_and_floor():
+    """Two walls touched along constant normals, two ground curves orthogonal to the floor (paper, Fig. 9)."""
+    errors, floors = [], []
+    for columns in (8, 16, 32):
+        shape, _ = jittered_strip(1.5, 1.0, columns)
+        domain, sides = shape.domain, shape.sides
+        walls = conditions.fixed(domain, sides["left"], -E_X) + conditions.fixed(domain, sides["right"], E_X)
+        surface = solve_cmc(domain, walls + mirrors(domain, sides, bottom=-E_Z, top=-E_Z), tolerance=1e-9)
+        assert surface.status is Status.CONVERGED
+        assert_allclose(surface.harmonic.degree, 0.5, rtol=0, atol=1e-12)
+        heights = []
+        for side, normal in {"left": E_X, "right": E_X, "bottom": E_Z, "top": E_Z}.items():
+            heights.append(surface.f_plus[np.unique(domain.edges[sides[side]])] @ normal)
+            assert_allclose(np.ptp(heights[-1]), 0, rtol=0, atol=1e-8)
+        floors.append(abs(heights[2].mean() - heights[3].mean()))
+        H = mean_curvature_of(surface.f_plus, surface.faces, surface.normals)
+        errors.append(np.sqrt(np.mean((H - 0.5) ** 2)))
+    assert (rates(errors) > 1.0).all() and errors[-1] < 7e-3
+    assert max(floors) < 1e-3  # by symmetry the two ground curves lie in one plane, up to the irregular mesh
 
 
 def test_mirrors_around_a_hole_keep_their_planes():
