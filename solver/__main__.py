@@ -45,7 +45,7 @@ def run(job_file: str, *, verbose: bool = False, quiet: bool = False) -> int:
         print(f"{path}: {warning}", file=sys.stderr)
     if not quiet:
         print(formed.summary())
-        for name, file in job.outputs.items():
+        for name, file in job.files.items():
             print(f"{name} → {file}")
     return OK if formed.converged else FAILED
 

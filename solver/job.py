@@ -15,6 +15,9 @@ from pathlib import Path
 
 import numpy as np
 
+from .complete_table import Completing, read_complete
+from .completed_files import completed_report, write_completed
+from .completing import Completed, complete_plan
 from .domain import shapes
 from .domain.domain import Domain
 from .domain.sites import SITES
@@ -41,7 +44,7 @@ mesh = "plan.obj"        # OBJ, PLY, STL or GLB; or a [shape] with kind = "disc"
 [[conditions]]           # on edges in no condition: kind = "binormal", tilt = 0, or what [default] says
 group = "supports"       # a polyline group of the OBJ, or the rim of the faces in a group or material;
                          # or loop = 0, side = "top" (of a shape), edges = [[0, 1]], vertices = [0, 1, 2]
-kind = "binormal"        # or "plane" (normal), "twisted" (m), "gauss_map", "free"
+kind = "binormal"        # or "plane", "mirror" (normal), "twisted" (m), "gauss_map", "free"
 tilt = 20                # degrees: 0 is a vertical rim, 90 flat
 
 [size]                   # without it, the shell is brought nearest the drawn outline
@@ -51,6 +54,10 @@ ground = "lowest"        # or "rim"; also rotate, flip = true, sheet = "f-"
 # [fit]                  # instead of conditions and a size: the shell whose rim lies on the outline
 # outline = true         # or a closed polyline, "curve.obj"; or approximate = true: the shell nearest to the mesh
 # rise = 0.35            # or height, volume, mean_curvature
+
+# [complete]             # the shell and its copies across the conditions of kind "mirror" and "plane"
+# repeat = [3, 3]        # or copies, box, around
+# mesh = "patch.obj"     # or instances = "patch.json"
 
 [output]
 f_plus = "shell.obj"     # also f_minus, g, gauss; .obj keeps polygons, UVs and materials
@@ -73,7 +80,7 @@ class Job:
 
     mesh: what was drawn, with all it carries. outputs: sheet ("f+", "f-", "g", "gauss") or "report" → file.
     up: the up axis of the mesh files, None for each format's own. wish: what the shell is fitted to, None where it
-    is solved for from conditions.
+    is solved for from conditions. completing: what is wanted of the shell completed by its symmetries, if anything.
     """
 
     path: Path
@@ -83,6 +90,12 @@ class Job:
     outputs: dict[str, Path]
     up: str | None = None
     wish: Wish | None = None
+    completing: Completing | None = None
+
+    @property
+    def files(self) -> dict[str, Path]:
+        """Name of a result → the file it is written to."""
+        return self.outputs | ({} if self.completing is None else self.completing.files)
 
 
 def load_job(path: str | os.PathLike[str]) -> Job:
@@ -104,13 +117,15 @@ def make_job(data: Mapping[str, object], file: Path) -> Job:
     domain = plan_domain(plan)
     wish = read_fit(root, domain, file.parent, up)
     plan.groups = [_group(table, domain, mesh, sides) for table in root.tables("conditions")]
+    plan.flipped_corners = root.table("default").integers("flipped_corners")
     output = root.table("output")
     settings = _settings(root, output.text("combinatorics", "primal", among=list(COMBINATORICS)))
     outputs = _outputs(output, file.parent)
+    completing = read_complete(root, plan.groups, file.parent)
     root.finish()
     if wish is None:
         plan_conditions(plan, settings, domain)
-    return Job(file, plan, settings, mesh, outputs, up, wish)
+    return Job(file, plan, settings, mesh, outputs, up, wish, completing)
 
 
 def run_job(job: Job, progress: Callable[[int, float], bool | None] | None = None) -> Formed:
@@ -119,8 +134,27 @@ def run_job(job: Job, progress: Callable[[int, float], bool | None] | None = Non
         formed = form(job.plan, job.settings, progress=progress)
     else:
         formed = fit_plan(job.plan, job.wish, progress=progress)
-    write_results(formed, job.plan, job.mesh, job.outputs, up=job.up, combinatorics=job.settings.combinatorics)
+    completed, failure = _completed(job, formed)
+    told = {} if completed is None else {"completed": completed_report(completed)}
+    combinatorics = job.settings.combinatorics
+    write_results(formed, job.plan, job.mesh, job.outputs, up=job.up, combinatorics=combinatorics, more=told)
+    if failure is not None:
+        raise failure
+    if completed is not None and job.completing is not None:
+        write_completed(completed, job.completing, job.plan, job.mesh, job.up)
     return formed
+
+
+def _completed(job: Job, formed: Formed) -> tuple[Completed | None, CmcError | None]:
+    """The completed shell if one is wanted, welded; or why there is none, which is told after the shell is written."""
+    if job.completing is None:
+        return None, None
+    try:
+        completed = complete_plan(job.plan, formed, job.completing.extent, job.settings.sheet)
+        len(completed.points)
+    except CmcError as error:
+        return None, error
+    return completed, None
 
 
 def _parse(file: Path) -> dict[str, object]:
@@ -209,6 +243,7 @@ def _settings(root: Table, combinatorics: str) -> Settings:
     values["default_kind"] = default.text("kind", "binormal", among=list(KINDS))
     values["default_tilt"] = float(np.radians(default.number("tilt")))
     values["blend"] = default.number("blend")
+    default.known.append("flipped_corners")
     default.finish()
     chosen = [name for name in SIZES if name in size and name != "match_plan"]
     if len(chosen) > 1:

@@ -110,13 +110,14 @@ def write_results(
     *,
     up: str | None = None,
     combinatorics: str = "primal",
+    more: Mapping[str, Any] | None = None,
 ) -> None:
     """Write each of `outputs`, sheet or "report" → file; the report first: it says why a sheet is missing.
 
-    combinatorics: of `COMBINATORICS`, the polygons of the sheets.
+    combinatorics: of `COMBINATORICS`, the polygons of the sheets. more: tables to add to the report.
     """
     if "report" in outputs:
-        text = json.dumps(report_data(formed), indent=2, ensure_ascii=False, allow_nan=False)
+        text = json.dumps(report_data(formed) | dict(more or {}), indent=2, ensure_ascii=False, allow_nan=False)
         write_bytes(outputs["report"], (text + "\n").encode())
     for name, file in outputs.items():
         if name == "report":

@@ -15,6 +15,7 @@ from .gauss.energies import ENERGIES
 from .measure.curvature import mean_curvature_of
 from .measure.report import Report, report
 from .plan import SHEETS, Group, Plan, Settings, matches, plan_conditions, plan_domain, plan_warnings
+from .plan_sides import measured_planes
 from .surface.cmc import CmcSurface
 from .surface.placement import ALIKE, PlacementError, Plane, Similarity, place, plan_plane, rim_weights
 from .surface.solve import CmcSolver
@@ -136,6 +137,8 @@ def finish(
         intersections=intersections,
         up=plane.normal,
     )
+    planes = measured_planes(plan, surface, similarity, placed[settings.sheet])
+    measured = replace(measured, planes=planes)
     notes = plan_warnings(plan, solver.domain) + _warnings(plan, surface, settings, similarity, measured)
     if fit is not None and not fit.met:
         notes.insert(0, fit.message)

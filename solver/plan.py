@@ -16,6 +16,7 @@ from .gauss.blending import moving_average
 from .gauss.conditions import KINDS, Conditions
 from .gauss.energies import ENERGIES, energy_on
 from .gauss.methods import METHODS
+from .gauss.mirrors import MirrorSides
 from .surface.cmc import COMBINATORICS
 from .surface.placement import Rule
 
@@ -27,12 +28,16 @@ SHEETS = ("f+", "f-")
 
 @dataclass(eq=False)
 class Group:
-    """Boundary edges (K, 2), vertex pairs, and their condition: kind and parameters (radians) of `KINDS`."""
+    """Boundary edges (K, 2), vertex pairs, and their condition: kind and parameters (radians) of `KINDS`.
+
+    goes_on: whether the shell is continued across them by `completing`; None leaves that to the kind.
+    """
 
     name: str
     edges: NDArray[np.integer]
     kind: str = "binormal"
     parameters: Mapping[str, object] = field(default_factory=dict)
+    goes_on: bool | None = None
 
 
 @dataclass(eq=False)
@@ -40,7 +45,8 @@ class Plan:
     """A drawn plan: positions (V, 3) in world units, triangles (T, 3), and groups of its boundary edges.
 
     polygons: the faces as they were drawn, with triangle_polygons (T,) the polygon each triangle is a part
-    of; only output uses them.
+    of; only output uses them. flipped_corners: vertices between two mirrors at which the other one of
+        their two normals is meant (see `conditions.mirror`); what is no such corner is left alone.
     """
 
     positions: Array
@@ -48,6 +54,7 @@ class Plan:
     polygons: Sequence[NDArray[np.integer]] | None = None
     groups: Sequence[Group] = ()
     triangle_polygons: NDArray[np.integer] | None = None
+    flipped_corners: Sequence[int] = ()
 
 
 @dataclass
@@ -160,6 +167,8 @@ def plan_conditions(plan: Plan, settings: Settings, domain: Domain) -> Condition
         chosen = [(group, edges) for group, edges in chosen if group.kind != "binormal"]
     for group, edges in chosen:
         total = total + _build(group, domain, plan.positions, edges)
+    if len(plan.flipped_corners):
+        total = total + _flipped(domain, total, settings.side, plan.flipped_corners)
     if total.is_empty:
         raise ConditionError(
             "All boundary edges are free, so nothing holds the tangent planes; give some of them another condition."
@@ -177,6 +186,13 @@ def _blended(
             tilts[edges] = group.parameters.get("tilt", 0.0)
     edges = np.flatnonzero(np.isfinite(tilts))
     return boundary.binormal(domain, positions, edges, moving_average(domain, edges, tilts[edges], width))
+
+
+def _flipped(domain: Domain, total: Conditions, side: int, vertices: Sequence[int]) -> Conditions:
+    """The other normal at those of the vertices that are corners between two mirrors."""
+    sides = MirrorSides.of(domain, total, side)
+    chosen = np.isin(sides.corners, vertices)
+    return boundary.corner(domain, sides.corners[chosen], -sides.corner_normals[chosen])
 
 
 def _group_edges(group: Group, domain: Domain) -> NDArray[np.integer]:

@@ -73,6 +73,20 @@ class Table:
             raise self._wrong(key, "a whole number")
         return value
 
+    def integers(self, key: str) -> list[int]:
+        """A list of whole numbers, empty where the key is not there."""
+        value = self._take(key, [])
+        if not isinstance(value, list) or not all(type(item) is int for item in value):
+            raise self._wrong(key, "a list of whole numbers")
+        return value
+
+    def texts(self, key: str) -> list[str]:
+        """A list of texts, empty where the key is not there."""
+        value = self._take(key, [])
+        if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
+            raise self._wrong(key, "a list of texts")
+        return value
+
     def vector(self, key: str, default: tuple[float, ...]) -> tuple[float, ...]:
         value = self._take(key, default)
         numbers = _numbers(value)

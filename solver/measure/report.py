@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from ..errors import CmcError, MeshError, Status, listed
 from .arrays import Array
+from .planes import PlaneReport
 from .sheet import SheetReport, measure_sheet
 from .words import count, measure_lines, number, size_line
 
@@ -32,7 +33,7 @@ class Report:
 
     `energy` is the Dirichlet energy of the normals, `residual` as in docs/conventions.md, `closure_error` and `gap`
     (the longest period) are lengths; `periods` one vector a hole or handle. `sheet` names the sheet that is
-    shown.
+    shown; `planes` are those in which sides of it are to lie, where the solve was asked for any.
     """
 
     status: str
@@ -52,6 +53,7 @@ class Report:
     gap: float
     sheet: str
     sheets: dict[str, SheetReport]
+    planes: tuple[PlaneReport, ...] = ()
 
     @property
     def shown(self) -> SheetReport:
@@ -67,7 +69,7 @@ class Report:
         return json.dumps(self.to_dict(), indent=indent, allow_nan=False, ensure_ascii=False)
 
     def summary(self, unit: str = "") -> str:
-        """Five to eight lines for a person; `unit` is the name of the length unit, as "m"."""
+        """Five to eight lines for a person, and one for each plane; `unit` is the name of the length unit, as "m"."""
         steps, mesh = count(self.iterations, "iteration"), count(self.faces, "face")
         lines = [
             self.sentence,
@@ -77,7 +79,8 @@ class Report:
         if self.periods:
             what = "the gap" if self.is_open else "which was taken out"
             lines.append(f"Longest period around a hole or handle {number(self.gap, unit)}, {what}.")
-        return "\n".join(lines + measure_lines(self.shown, unit))
+        lines += measure_lines(self.shown, unit)
+        return "\n".join(lines + [plane.line(unit) for plane in self.planes])
 
 
 def report(
