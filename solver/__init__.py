@@ -4,7 +4,7 @@ The way through the package is the way through the mathematics: domain → gauss
 what is wanted back to the boundary normals) on top.
 """
 
-from .design import Fit, fit, fit_gauss_map, fit_outline
+from .design import Fit, close_periods, fit, fit_gauss_map, fit_outline
 from .domain import shapes
 from .domain.domain import Domain
 from .errors import CmcError, ConditionError, JobError, MeshError, Status
@@ -34,6 +34,7 @@ __all__ = [
     "MeshError",
     "Side",
     "Status",
+    "close_periods",
     "complete",
     "conditions",
     "conformal_distortion",

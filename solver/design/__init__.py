@@ -1,7 +1,22 @@
 """Inverse problems: the boundary normals whose surface comes nearest to what is wanted."""
 
+from .closing import Closing, close_periods
 from .fit import Fit, FitStatus, Start, fit
 from .gauss_map import fit_gauss_map
+from .moduli import Moduli, hole, tube
 from .outline import KNOBS, fit_outline
 
-__all__ = ["KNOBS", "Fit", "FitStatus", "Start", "fit", "fit_gauss_map", "fit_outline"]
+__all__ = [
+    "KNOBS",
+    "Closing",
+    "Fit",
+    "FitStatus",
+    "Moduli",
+    "Start",
+    "close_periods",
+    "fit",
+    "fit_gauss_map",
+    "fit_outline",
+    "hole",
+    "tube",
+]

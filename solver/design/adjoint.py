@@ -31,7 +31,7 @@ from ..gauss.dirichlet import Dirichlet
 from ..gauss.harmonic import HarmonicMap, HarmonicSolver
 from ..gauss.problem import EnergyProblem, Point
 from ..gauss.sphere import inner, project
-from ..linalg import sum_rows
+from ..linalg import graph_laplacian, sum_rows
 from ..surface.conjugate import cross
 from ..surface.offsets import load_matrix
 from ..surface.periods import harmonic_forms
@@ -89,12 +89,17 @@ class Extension:
         return load_matrix(self.domain)
 
     @cached_property
-    def _forms(self) -> Array:
-        """(E, k) η w, whose sums with the products N_i × N_j are the periods."""
+    def _duals(self) -> Array:
+        """(E, k) the harmonic one-forms η, whose sums with tau are the periods."""
         homology = Homology.of(self.domain)
         if homology.is_trivial:
             return np.zeros((len(self.domain.edges), 0))
-        return harmonic_forms(homology, self.solver.dirichlet) * self.domain.cotan_weights[:, None]
+        return harmonic_forms(homology, self.solver.dirichlet)
+
+    @cached_property
+    def _forms(self) -> Array:
+        """(E, k) η w, whose sums with the products N_i × N_j are the periods."""
+        return self._duals * self.domain.cotan_weights[:, None]
 
     def __call__(self, rim: Array, start: Array | None = None, tolerance: float = 1e-8) -> State:
         """The surface of the boundary normals `rim` (n, 3), from `start` (V, 3), or a start of the solver's own."""
@@ -157,6 +162,16 @@ class Extension:
         mu = self._solve_hessian(state, self.problem.project(state.N, total), accuracy)
         back = total - self.problem.operator(state.point)(mu)
         return project(state.N[self.fixed], back[self.fixed])
+
+    def by_weights(self, state: State, changed: Array) -> Array:
+        """The change (k, 3) of the periods with changes (E,) of the edge weights, the boundary normals staying:
+        dN = -(P H P)⁻¹ P dL N, and with it tau."""
+        N, domain = state.N, self.domain
+        pushed = graph_laplacian(domain.edges, changed, domain.vertex_count) @ N
+        moved = -self._solve_hessian(state, self.problem.project(N, pushed))
+        i, j = domain.edges.T
+        still = changed[:, None] * cross(N[i], N[j])
+        return self._duals.T @ still + self._forms.T @ (cross(moved[i], N[j]) + cross(N[i], moved[j]))
 
     def pulled_integral(self, by_conjugate: Array) -> Array:
         """The transpose of load ↦ g."""
