@@ -46,13 +46,14 @@ def rims(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return points[:32], points[-32:]
 
 
-def test_a_courtyard_closes(plan):
+def test_a_courtyard_closes(plan, addon):
     drawn = positions(plan)
     points = fitted(plan, fit_rise=0.3)
     assert len(plan.cmc.fit.data.vertices) == len(plan.data.vertices), "it is not cut open"
     for rim, line in zip(rims(points), rims(drawn), strict=True):
         assert off_line(rim, line).max() < 0.05 * 8.0
     assert report(plan)["distances"]["period"] < 1e-3 * 8.0
+    assert "Period" in dict(addon.cmc_addon.design_panel.design_rows(report(plan)))
 
 
 def test_layers_stay(plan):

@@ -188,6 +188,19 @@ def test_a_mesh_that_is_a_sphere_is_its_own_approximation(cap):
     assert formed.fit is not None and formed.fit.distances["Gauss map"] < 0.02
 
 
+def test_near_brings_an_approximation_nearer(cap):
+    """A cap with waves, which no shell can have."""
+    mesh = read_mesh(cap / "cap.obj")
+    waves = 0.1 * np.sin(4 * mesh.positions[:, 0]) * np.cos(3 * mesh.positions[:, 1])
+    write_mesh(cap / "wavy.obj", MeshData(mesh.positions + waves[:, None] * [0, 0, 1], mesh.polygons))
+    far = []
+    for near in ("", "near = 300\n"):
+        formed = run_job(load(cap, f'mesh = "wavy.obj"\n[fit]\napproximate = true\n{near}'))
+        placed = formed.placed[formed.report.sheet]
+        far.append(np.abs(placed - read_mesh(cap / "wavy.obj").positions)[:, 2].mean())
+    assert far[1] < 0.9 * far[0]
+
+
 def test_a_wish_that_cannot_be_met(folder, capsys):
     """A circle of radius 5 spans no shell of 1/H = 2: the best one is written and the exit code is 1."""
     (folder / "job.toml").write_text(DISC + '[fit]\nmean_curvature = 0.5\n[output]\nf_plus = "best.obj"\n')

@@ -1,7 +1,9 @@
-"""Fit to Outline by hand: the panel, the shape drawn while it runs, Esc, the shell, its numbers, undo; and the
-deviation of an approximated surface as colours."""
+"""Fit to Outline by hand: the panel, the shape drawn while it runs, Esc, the shell, its numbers, following, undo; and
+the deviation of an approximated surface as colours."""
 
 from __future__ import annotations
+
+import sys
 
 import bpy
 import numpy as np
@@ -21,15 +23,22 @@ def running() -> bool:
 
 
 def preview():
-    import sys
-
     return next(module for name, module in sys.modules.items() if name.endswith("cmc_addon.preview")).Preview
+
+
+def top() -> float:
+    shell = next(ob for ob in bpy.data.objects if ob.cmc.role == "FIT")
+    return max(v.co.z for v in shell.data.vertices)
+
+
+def following() -> bool:
+    return next(module for name, module in sys.modules.items() if name.endswith("cmc_addon.following")).Following.uid
 
 
 def tell(hands):
     bpy.ops.mesh.primitive_circle_add(vertices=48, radius=4, fill_type="NGON")
     bpy.context.object.scale = (1.6, 1.0, 1.0)
-    bpy.ops.cmc.mesh_plan(edge_length=0.4)
+    bpy.ops.cmc.mesh_plan(edge_length=0.1)
     plan = bpy.context.object
     bpy.ops.ed.undo_push(message="Plan")
     yield 0.5
@@ -50,9 +59,21 @@ def tell(hands):
 
     yield from hands.click(*button)
     yield from until(lambda: plan.cmc.fit is not None, "the shell is there")
-    top = max(v.co.z for v in plan.cmc.fit.data.vertices)
-    assert abs(top - 2.0) < 0.02, top
+    assert abs(top() - 2.0) < 0.02, top()
     yield from hands.picture("fitted")
+
+    plan.cmc.follow = True
+    for rise in (0.52, 0.56, 0.6):
+        plan.cmc.fit_rise = rise
+        yield 0.1
+    yield from until(lambda: abs(top() - 2.4) < 0.02, "the shell has followed")
+    assert not running(), "the panel can be used meanwhile"
+    yield from until(lambda: not following(), "it is at rest")
+    yield from hands.picture("followed")
+    yield from hands.press("Z", ctrl=True)
+    yield from until(lambda: abs(top() - 2.0) < 0.02, "undo has taken back what it has followed")
+    yield 1.0
+    assert abs(top() - 2.0) < 0.02, "and it stays there"
 
     yield from hands.press("Z", ctrl=True)
     yield from until(lambda: not [ob for ob in bpy.data.objects if ob.cmc.role == "FIT"], "undo has taken it back")
