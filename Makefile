@@ -46,9 +46,10 @@ gui-test:
 bench: .venv/ready
 	$(PYTHON) -m pytest benchmarks -k "not sizes"
 
-# The pictures of docs/, and the tables of docs/combinatorics.md.
+# The pictures of docs/, and the tables of its pages.
 gallery: .venv/ready
 	$(PYTHON) scripts/measure_faces.py --write
+	$(PYTHON) scripts/measure_fits.py --write
 	$(PYTHON) scripts/render_gallery.py
 
 # What was made from the sources; the environments stay.
