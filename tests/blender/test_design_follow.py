@@ -69,33 +69,39 @@ def test_other_settings_count_too(following, plan):
     assert report(plan)["distances"]["volume"] < 0.05
 
 
-def test_the_newest_number_wins(following, plan, addon):
+@pytest.fixture
+def delivered(addon, monkeypatch):
+    """Every order that is delivered, and what its fit gave."""
+    order, found = addon.cmc_addon.fit_order.FitOrder, []
+    real = order.deliver
+    monkeypatch.setattr(order, "deliver", lambda self, *args: found.append((self, args[2].fit)) or real(self, *args))
+    return found
+
+
+def test_the_newest_number_wins(following, plan, delivered):
     """A fit that is out of date is cut short, but not before it has got anywhere."""
-    orders = []
-    real = addon.cmc_addon.following.take_fit
-    following.take_fit = lambda *args: orders.append(real(*args)) or orders[-1]
-    try:
-        for k in range(20):
-            plan.cmc.fit_rise = 0.41 + 0.01 * k
-            following.tick()
-            time.sleep(0.002)
+    for k in range(20):
+        plan.cmc.fit_rise = 0.61 + 0.01 * k
+        following.tick()
+    run(following)
+    assert height(plan) == pytest.approx(3.2, rel=5e-3)
+    assert 2 <= len(delivered) < 20
+    (first, cut), (last, whole) = delivered[0], delivered[-1]
+    assert first.newer.is_set() and cut.status.value == "cancelled" and 5 <= len(cut.history) < 10
+    assert last.settings.fit_rise == pytest.approx(0.8) and not last.newer.is_set() and whole.met
+
+
+def test_it_goes_on_from_the_last_fit(following, plan, delivered):
+    for rise in (0.45, 0.5):
+        plan.cmc.fit_rise = rise
         run(following)
-    finally:
-        following.take_fit = real
-    assert height(plan) == pytest.approx(2.4, rel=5e-3)
-    assert 2 <= len(orders) < 20
-    assert orders[-1].settings.fit_rise == pytest.approx(0.6) and not orders[-1].newer.is_set()
-
-
-def test_it_goes_on_from_the_last_fit(following, plan):
-    first = report(plan)["evaluations"]
-    plan.cmc.fit_rise = 0.42
-    run(following)
-    assert report(plan)["evaluations"] < first
+    (_, earlier), (order, _) = delivered
+    assert order.initial is earlier
     plan.data.vertices[0].co.x += 0.1  # another plan: the last fit is none of it
-    plan.cmc.fit_rise = 0.5
+    plan.cmc.fit_rise = 0.55
     run(following)
-    assert height(plan) == pytest.approx(2.0, rel=5e-3)
+    assert delivered[-1][0].initial is None
+    assert height(plan) == pytest.approx(2.2, rel=5e-3)
 
 
 def test_only_where_it_is_asked_for(following, plan):
@@ -119,14 +125,14 @@ def test_one_step_of_undo(following, plan):
     plan.cmc.fit_rise = 0.8
     bpy.ops.ed.undo_push(message="Rise")  # as the slider does
     run(following)
-    bpy.ops.ed.undo()
-    bpy.ops.ed.undo()
-    plan = bpy.data.objects[name]
-    assert plan.cmc.fit_rise == pytest.approx(0.4) and height(plan) == pytest.approx(1.6, rel=5e-3)
-    bpy.ops.ed.redo()
-    bpy.ops.ed.redo()
-    plan = bpy.data.objects[name]
-    assert plan.cmc.fit_rise == pytest.approx(0.8) and height(plan) == pytest.approx(3.2, rel=5e-3)
+    for step, rise in ((bpy.ops.ed.undo, 0.4), (bpy.ops.ed.redo, 0.8), (bpy.ops.ed.undo, 0.4)):
+        step()
+        step()
+        plan = bpy.data.objects[name]
+        assert plan.cmc.fit_rise == pytest.approx(rise) and height(plan) == pytest.approx(4.0 * rise, rel=5e-3)
+    plan.cmc.fit_rise = 0.8  # the last fit was for this, but it is not what is there
+    run(following)
+    assert height(plan) == pytest.approx(3.2, rel=5e-3)
 
 
 def test_undo_while_it_runs(following, plan, addon):

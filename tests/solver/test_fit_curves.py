@@ -61,7 +61,7 @@ def test_no_two_curves_share_a_hole(plan):
 
 def test_holes_without_a_curve_keep_their_line(plan):
     domain, points = plan
-    outer, small = ring(14, (10, 10, 3)), ring(1, (14, 10, 3))
+    outer, small = ring(14, (-290, 10, 3)), ring(1, (-286, 10, 3))
     one = curves_of_loops(domain, points, [outer])
     two = curves_of_loops(domain, points, [small, outer])
     rim, left, right = loops(plan)
