@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..domain.sites import SiteGraph
 from ..errors import ConditionError, plural
 from .frames import blend, of_boundary
-from .mirrors import Mirrors, MirrorSides, parallel
+from .mirrors import Mirrors, MirrorSides, on_side, parallel
 from .prescribed import Conditions
 from .sphere import dot, normalize
 
@@ -69,10 +69,10 @@ class Admissible:
 
 
 def resolved(conditions: Conditions, graph: SiteGraph, side: int = +1) -> Admissible:
-    """What the conditions leave free on a graph; `side` -1 turns corner normals that nothing decides.
+    """What the conditions leave free on a graph; corner normals that nothing decides are on that `side`.
 
     Faces that turn as one (halves of a rectangle) get one normal: the normalised sum of what is prescribed on them;
-    mirrors on any of them hold all that are on a mirror. Raises `ConditionError` naming sites with three mirrors.
+    the mirrors of all of them hold those that are on one. Raises `ConditionError` naming sites with three mirrors.
     """
     fixed, data = _fixed(conditions, graph)
     sides = MirrorSides.of(graph.domain, conditions, side)
@@ -80,13 +80,14 @@ def resolved(conditions: Conditions, graph: SiteGraph, side: int = +1) -> Admiss
         along = ~np.isin(fixed, conditions.only_vertices)
         data[along] = sides.blended(fixed[along], data[along])
     held = _Held.of(graph, sides, fixed)
-    at, normals, decided = held.corners(sides, side)
-    order = np.argsort(np.concatenate([fixed, at]))
+    two = held.second.any(axis=1)
+    normals, decided = held.corners(sides, np.flatnonzero(two), conditions.up, side)
+    order = np.argsort(np.concatenate([fixed, held.sites[two]]))
     return Admissible(
-        np.concatenate([fixed, at])[order],
+        np.concatenate([fixed, held.sites[two]])[order],
         np.concatenate([data, normals])[order],
-        held.mirrors(),
-        at,
+        Mirrors(held.sites[~two], held.first[~two]),
+        held.sites[two],
         decided,
         sides,
     )
@@ -94,52 +95,47 @@ def resolved(conditions: Conditions, graph: SiteGraph, side: int = +1) -> Admiss
 
 @dataclass(frozen=True, eq=False)
 class _Held:
-    """Mirrors by sites: sites (m,), sorted and unique, the body (m,) that each turns with, and the one or two planes
-    (m, 3) of that body, the second zero where there is one. edges, owners (n,): the mirror edges at sites."""
+    """Sites (m,) on mirrors, sorted, none twice, and the planes of their bodies: first and second (m, 3), the second
+    zero where there is one. vertices: of each site's body, the ends of the edges that put it on a mirror."""
 
-    graph: SiteGraph
     sites: Int
     first: Array
     second: Array
-    edges: Int
-    edge_bodies: Int
-    bodies: Int
+    vertices: list[Int]
 
     @classmethod
     def of(cls, graph: SiteGraph, sides: MirrorSides, fixed: Int) -> _Held:
         edges = sides.edges
+        ends = graph.domain.edges[edges].astype(np.int64)
         if graph.at_vertices:
-            sites, edges = graph.domain.edges[edges].ravel().astype(np.int64), np.repeat(edges, 2)
+            sites, planes, ends = ends.ravel(), np.repeat(sides.planes[edges], 2, axis=0), ends.reshape(-1, 1)
+            body_of = np.arange(graph.count)
         else:
-            sites = graph.owners[edges].astype(np.int64)
+            sites, planes, body_of = graph.owners[edges].astype(np.int64), sides.planes[edges], graph.bodies
         kept = ~np.isin(sites, fixed)
-        sites, edges = sites[kept], edges[kept]
-        body_of = np.arange(graph.count) if graph.at_vertices else graph.bodies
-        first, second = _two_planes(graph, sites, body_of[sites], sides.planes[edges])
+        sites, planes, ends = sites[kept], planes[kept], ends[kept]
+        first, second = _two_planes(graph, sites, body_of[sites], planes)
         unique, at = np.unique(sites, return_index=True)
-        return cls(graph, unique, first[at], second[at], edges, body_of[sites], body_of[unique])
+        first, second = first[at], second[at]
+        crossed = np.flatnonzero(second.any(axis=1))
+        vertices: list[Int] = [np.zeros(0, dtype=np.int64)] * len(unique)
+        for row in crossed:
+            vertices[row] = np.unique(ends[body_of[sites] == body_of[unique[row]]])
+        return cls(unique, first, second, vertices)
 
-    def mirrors(self) -> Mirrors:
-        one = ~self.second.any(axis=1)
-        return Mirrors(self.sites[one], self.first[one])
+    def corners(self, sides: MirrorSides, rows: Int, up: Array, side: int) -> tuple[Array, NDArray[np.bool_]]:
+        """Normals (k, 3) where two planes meet, and whether the caller chose them (k,).
 
-    def corners(self, sides: MirrorSides, side: int) -> tuple[Int, Array, NDArray[np.bool_]]:
-        """Sites (k,) with two planes, their normals (k, 3) and whether the caller chose them (k,).
-
-        The normal is that of the corner at a vertex of their edges; at faces there may be none that fits.
+        They are those of the corner between the mirrors; with normals at faces there may be none that fits.
         """
-        two = np.flatnonzero(self.second.any(axis=1))
-        normals = side * normalize(np.cross(self.first[two], self.second[two]))
-        decided = np.zeros(len(two), dtype=bool)
-        for k, row in enumerate(two):
-            edges = self.edges[self.edge_bodies == self.bodies[row]]
-            corners = np.flatnonzero(np.isin(sides.corners, self.graph.domain.edges[edges]))
+        normals = on_side(normalize(np.cross(self.first[rows], self.second[rows])), up, side)
+        decided = np.zeros(len(rows), dtype=bool)
+        for k, row in enumerate(rows):
+            corners = np.flatnonzero(np.isin(sides.corners, self.vertices[row]))
             fitting = corners[parallel(sides.corner_normals[corners], normals[k])]
-            if self.graph.at_vertices:
-                fitting = np.flatnonzero(sides.corners == self.sites[row])
             if fitting.size:
                 normals[k], decided[k] = sides.corner_normals[fitting[0]], sides.decided[fitting[0]]
-        return self.sites[two], normals, decided
+        return normals, decided
 
 
 def _two_planes(graph: SiteGraph, sites: Int, bodies: Int, planes: Array) -> tuple[Array, Array]:

@@ -169,15 +169,16 @@ def mirror(domain: Domain, edges: ArrayLike, plane_normal: ArrayLike, winding: f
     Sec. 5.1.1), while N is free to turn within the plane.
 
     The surface goes on as its own reflection (Schwarz). Where two mirrors meet, N = ±ν₁ × ν₂. The sign is that of an
-    `initial` map where there is one. If not, it is the one that belongs to plane normals which point out of f+ (out of
-    f- and the other one for `side=-1`): around a corner of less than 180°, the product of ν of the edges that arrive
-    and of those that leave, the domain being on their left. `corner` overrides it. Where a mirror meets a condition
-    that fixes the normals along edges, that one wins; at their common vertex it blends with its reflection, unless it
-    is nearer to ν than to the plane.
+    `initial` map where there is one. If not, it is the one on the upper side of the plan, if other conditions know one
+    and it is not in its plane; else the one that belongs to plane normals which point out of f+: around a corner of
+    less than 180°, the product of ν of the edges that arrive and of those that leave, the domain being on their left.
+    `side=-1` is the other one. `corner` overrides it all. Where a mirror meets a condition that fixes the normals along
+    edges, that one wins; at their common vertex it blends with its reflection, unless it is nearer to ν than to the
+    plane.
 
     winding: of the start. Along a side N turns about ν from the normal at its first end to that at its last by the
-    smaller angle (half a turn, where they are opposite, as on a convex side if ν points outwards), and by so many full
-    turns more; around a whole loop, by so many.
+    smaller angle (where they are opposite, over the upper side, or else as on a convex side if ν points outwards), and
+    by so many full turns more; around a whole loop, by so many.
     With normals at faces the constraint is on the face behind the edge, or on the edge's own site.
     """
     chosen = boundary_edges(domain, edges)

@@ -26,8 +26,8 @@ Int = NDArray[np.integer]
 _OPPOSITE = 1e-6
 # A normal this near to ν (the length of the rest of it) has no angle about it.
 _SHORTEST = 1e-3
-# The middle of a side leans away from a direction when its cosine is below this.
-_LEANING = -0.05
+# The middle of a side is below a plan when its cosine with "up" is less than minus this.
+_UPRIGHT = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,38 +43,40 @@ class _Run:
     start: Array | None
     end: Array | None
 
-    def angle(self, side: int, over: Array | None) -> tuple[Array, float] | None:
+    def angle(self, side: int, up: Array, leans: bool) -> tuple[Array, float] | None:
         """The first normal and the angle about the axis to the last; None where neither is known nor a winding."""
         turns = 2.0 * np.pi * self.winding
         if self.start is not None and self.end is not None:
-            return self.start, turns + self._between(self.start, self.end, side, over)
+            return self.start, turns + self._between(self.start, self.end, side, up, leans)
         if self.winding == 0:
             return None
         if self.end is not None:
             return self.end, turns  # a whole number of turns ends where it starts
         return self.start if self.start is not None else _across(self.axis), turns
 
-    def _between(self, first: Array, last: Array, side: int, over: Array | None) -> float:
+    def _between(self, first: Array, last: Array, side: int, up: Array, leans: bool) -> float:
         angle = float(np.arctan2(np.cross(self.axis, first) @ last, first @ last))
-        if abs(angle) > np.pi - _OPPOSITE:
-            return -np.pi * side
+        is_tie = abs(angle) > np.pi - _OPPOSITE
+        if is_tie:
+            angle = -np.pi * side
+        elif self.winding or not leans:
+            return angle
         middle = _turned(first, self.axis, np.array([0.5 * angle]))[0]
-        if over is not None and self.winding == 0 and middle @ over < _LEANING:
-            return angle - 2.0 * np.pi * np.sign(angle)
-        return angle
+        is_below = side * float(middle @ up) < -_UPRIGHT * np.linalg.norm(up)
+        return angle - 2.0 * np.pi * np.sign(angle) if is_below else angle
 
 
 def side_normals(
-    admissible: Admissible, conditions: Conditions, graph: SiteGraph, side: int, over: Array | None = None
+    admissible: Admissible, conditions: Conditions, graph: SiteGraph, side: int, leans: bool = False
 ) -> tuple[Int, Array]:
     """Sorted sites (n,) on mirrors, and normals (n, 3) there that turn evenly between the known ends of each side.
 
-    Sides of which no end is known and no winding asked for are left out. over: (3,) a direction on which the middle of
-    every side is to be, where the data lean away from it.
+    Sides of which no end is known and no winding asked for are left out. leans: whether the data lean away from the
+    side ±1 of the plan, so that the middle of every mirror is to be on it.
     """
     domain, sites, normals = graph.domain, [], []
     for run in _runs(admissible.sides, _known(admissible.sides, conditions)):
-        turn = run.angle(side, over)
+        turn = run.angle(side, conditions.up, leans)
         if turn is None:
             continue
         lengths = domain.edge_lengths[run.edges]

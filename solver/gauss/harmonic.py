@@ -108,11 +108,12 @@ class HarmonicSolver:
     ) -> HarmonicMap:
         """A harmonic map with the prescribed normals, from `initial` (S, 3) or from a start of its own.
 
-        `side` ±1 chooses between the two sides of data that lie in one plane; `degree` asks for a homotopy class.
+        `side` ±1 chooses between the two sides of data that lie in one plane, and of corners between mirrors (see
+        `conditions.mirror`); `degree` asks for a homotopy class.
         method: a name in `METHODS`; max_iterations: of its steps, by default as many as suit it.
         There may be many harmonic maps for the same boundary: the result is the one reached, to be judged by its
-        energy, degree and status. Raises `ConditionError` when everything is fixed, or nothing is and there is no
-        initial map to start from.
+        energy, degree and status. Raises `ConditionError` when everything is fixed, or nothing is (not even by two
+        mirrors that meet) and there is no initial map to start from.
         """
         chosen(method, METHODS, "method")
         _check_number(tolerance, "tolerance")
@@ -154,8 +155,8 @@ class HarmonicSolver:
     def _start(self, admissible: Admissible, conditions: Conditions, side: int) -> tuple[NDArray[np.integer], Array]:
         """A blend of the fixed normals and of those along mirrors: the sites of all these, and a map (S, 3)."""
         up = conditions.up
-        over = leaning(admissible.data, up, side)
-        sites, normals = side_normals(admissible, conditions, self.graph, side, over)
+        leans = leaning(admissible.data, up, side) is not None
+        sites, normals = side_normals(admissible, conditions, self.graph, side, leans)
         held = np.concatenate([admissible.fixed, sites])
         if not len(held):
             raise ConditionError(self._nothing(admissible))

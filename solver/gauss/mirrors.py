@@ -1,8 +1,9 @@
 """Mirrors: boundary edges along which the surface meets a plane at right angles, N · ν = 0 (paper, Sec. 5.1.1).
 
 A boundary vertex between two mirrors has N = ±ν₁ × ν₂. Which of the two is not a matter of the constraint but of the
-start; plane normals that point out of the surface settle it: on f+, whose outward conormal along a mirror is then ν,
-the tangent along the boundary is N × ν, so that N is ν₁ × ν₂ where f+ turns left from the first mirror to the second.
+start. Over a plan it is the one on the plan's upper side. Where there is no such side, plane normals that point out of
+the surface settle it: on f+, whose outward conormal along a mirror is then ν, the tangent along the boundary is N × ν,
+so that N is ν₁ × ν₂ where f+ turns left from the first mirror to the second.
 """
 
 from __future__ import annotations
@@ -29,6 +30,8 @@ _PARALLEL = 1e-6
 _STRAIGHT = 1e-6
 # Square of the cosine between a prescribed normal and ν below which its reflection is meant.
 _REFLECTED = 0.5
+# A normal is on a side of a plan when its cosine with "up" is at least this; else it lies in the plan.
+_UPRIGHT = 0.05
 # A vector whose cosine with a corner normal is smaller does not say which way that is to point.
 _UNDECIDED = 1e-3
 
@@ -76,8 +79,8 @@ class MirrorSides:
 
     @classmethod
     def of(cls, domain: Domain, conditions: Conditions, side: int = +1) -> MirrorSides:
-        """Those of the conditions; `side` -1 turns the corner normals of which `conditions` says nothing. Edges along
-        which a condition fixes the normals are on no mirror.
+        """Those of the conditions, with the corner normals on that side where `conditions.corner` does not say. Edges
+        along which a condition fixes the normals are on no mirror.
 
         Raises `ConditionError` on an edge with two mirrors, and on a vertex whose normal is chosen though it is not
         between two of them.
@@ -85,7 +88,7 @@ class MirrorSides:
         planes, windings = _on_edges(domain, conditions)
         corners, normals = _corners(domain, planes, conditions.vertices)
         decided = np.zeros(len(corners), dtype=bool)
-        normals = side * normals
+        normals = on_side(normals, conditions.up, side)
         for vertex, wanted in zip(conditions.corners, conditions.corner_normals, strict=True):
             at = np.flatnonzero(corners == vertex)
             cosine = float(normals[at[0]] @ wanted) if at.size else 0.0
@@ -121,6 +124,13 @@ class MirrorSides:
         at = at[meant]
         blended[at] = normalize(blended[at] - across[meant] * planes[meant])
         return blended
+
+
+def on_side(normals: Array, up: Array, side: int) -> Array:
+    """Unit normals (n, 3) turned to the side ±1 of `up` (3,); those in its plane, or all if it is zero, by `side`."""
+    height = normals @ up
+    upright = np.abs(height) > _UPRIGHT * np.linalg.norm(up)
+    return side * np.where(upright, np.sign(height), 1.0)[:, None] * normals
 
 
 def parallel(first: Array, second: Array) -> NDArray[np.bool_]:

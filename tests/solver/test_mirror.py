@@ -259,6 +259,23 @@ def test_signs_of_corners_follow_outward_normals_a_start_or_the_caller(strip):
         assert_allclose(corners(chosen, **keywords).normals[0], -E_Z, rtol=0, atol=1e-15)
 
 
+@pytest.mark.parametrize("sites", SITES)
+def test_over_a_plan_corner_normals_look_to_its_upper_side(sites):
+    """Whichever way the normals of the mirrors point."""
+    points, domain = quad_grid(4, [[0, 1, 3], [1, 2, 3]])
+    middle = points[domain.edges[domain.boundary_edges]].mean(axis=1)
+    left, bottom = (domain.boundary_edges[middle[:, k] == 0] for k in (0, 1))
+    outer = domain.boundary_edges[(middle > 0).all(axis=1)]
+    rim = conditions.binormal(domain, np.column_stack([points, 0 * points[:, 0]]), outer)
+    solver = HarmonicSolver(domain, sites=sites)
+    for sign in (1, -1):
+        given = rim + conditions.mirror(domain, left, sign * E_X) + conditions.mirror(domain, bottom, E_Y)
+        for side in (1, -1):
+            found = solver.solve(given, side=side)
+            assert (side * found.normals[:, 2] > -1e-9).all()
+            assert_allclose(found.admissible.sides.corner_normals, [side * E_Z], rtol=0, atol=1e-15)
+
+
 def test_around_a_reflex_corner_the_normal_is_on_the_same_side():
     plan = shapes.polygon([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)], max_edge=0.3)
     reflex = int(np.flatnonzero((plan.positions == [1, 1]).all(axis=1))[0])
@@ -301,8 +318,8 @@ def test_a_winding_starts_at_the_one_end_that_is_known_or_anywhere(strip):
 def test_opposite_ends_are_joined_over_the_pole():
     domain, points, arc, flat = half_disc(100)
     plan = np.column_stack([points, np.zeros(len(points))])
-    for tilt in (0.0, -0.3):
-        condition = conditions.binormal(domain, plan, arc, tilt=tilt) + conditions.mirror(domain, flat, -E_Y)
+    for tilt, normal in [(0.0, -E_Y), (0.0, E_Y), (-0.3, E_Y)]:
+        condition = conditions.binormal(domain, plan, arc, tilt=tilt) + conditions.mirror(domain, flat, normal)
         for side in (1, -1):
             found = HarmonicSolver(domain).solve(condition, side=side)
             top = int(np.argmin(np.linalg.norm(points, axis=1)))
