@@ -178,8 +178,9 @@ def _finished(solver: CmcSolver, search: Search, status: FitStatus, sheet: str) 
         raise CmcError("The fit was cancelled before it began.")
     found = search.extension.given(best.rim)
     surface = solver.solve(found, initial=best.state.N, mean_curvature=0.5 / best.scale)
-    if not surface.is_open:
-        # the conjugate that was fitted; at the rim it differs from the solver's own at second order
+    if not (surface.is_open or found.mirrors.size):
+        # the conjugate that was fitted; at the rim it differs from the solver's own at second order, and along mirrors
+        # only that lies in their planes
         g, N = best.scale * best.state.g, best.scale * surface.normals
         surface = replace(surface, g=g, f_plus=g + N, f_minus=g - N)
     distances: dict[str, float] = {}

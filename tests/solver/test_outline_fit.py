@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from solver import ConditionError, mean_curvature_of, shapes
-from solver.design import FitStatus, fit_outline
+from solver import ConditionError, conditions, fit, mean_curvature_of, shapes
+from solver.design import FitStatus, Start, fit_outline
 from solver.design.curves import Curve
+from solver.design.targets import Anchors, Crown, SmoothRim
 
 
 def test_closest_points_of_a_curve():
@@ -89,6 +90,26 @@ def test_volume_and_mean_curvature_as_knobs():
     found = fit_outline(shape.domain, shape.positions, mean_curvature=0.5, max_evaluations=90)
     assert_allclose(found.surface.mean_curvature, 0.5, rtol=1e-12, atol=0)
     assert_allclose(found.points()[:, 2].max(), 2 - np.sqrt(3), rtol=0.01, atol=0)
+
+
+def test_a_quarter_between_mirrors_is_a_quarter_of_the_cap():
+    angle = np.linspace(0, np.pi / 2, 24)
+    arc = np.column_stack([np.cos(angle), np.sin(angle)])
+    plan = shapes.polygon(np.vstack([[0, 0], arc]), max_edge=0.08)
+    domain, points = plan.domain, plan.positions
+    middles = points[domain.edges[domain.boundary_edges]].mean(axis=1)
+    walls = [domain.boundary_edges[np.abs(middles[:, k]) < 1e-9] for k in (0, 1)]
+    rim = np.setdiff1d(domain.boundary_edges, np.concatenate(walls))
+    held = conditions.binormal(domain, points, rim, 0.3)
+    held = held + conditions.mirror(domain, walls[0], [1, 0, 0]) + conditions.mirror(domain, walls[1], [0, 1, 0])
+    ends = np.unique(domain.edges[rim])
+    places = np.column_stack([points[ends], np.zeros(len(ends))])
+    targets = [SmoothRim(weight=1e-7), Anchors(ends, places), Crown(0.4)]
+    found = fit(domain, targets, Start(held, 1.0, np.zeros(3)), size=2.0)
+    radius = (1 + 0.4**2) / 0.8
+    miss = np.linalg.norm(found.points() - [0, 0, 0.4 - radius], axis=1) - radius
+    assert np.abs(miss).max() < 1e-3 and found.conditions.mirrors.size
+    assert_allclose(1 / found.surface.mean_curvature, radius, rtol=1e-3)
 
 
 def test_wishes_that_cannot_be_met_end_with_the_nearest_surface_and_a_sentence():
