@@ -7,6 +7,7 @@ the plane are the same. Moved into the plane, g is second order there as it is i
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,13 +19,16 @@ from ..linalg import sum_rows
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
-# Of the normals (n, 3) of planes that meet in a point, what counts as independent: sines of half a degree.
+# Planes through a vertex count as one below this ratio of the moments of their normals: an angle of about a degree.
 _RANK = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
 class VertexPlanes:
-    """The planes at some vertices (n,): pairs (m,) of the place of a vertex among them and a unit normal (m, 3)."""
+    """The planes at some vertices (n,): pairs (m,) of the place of a vertex among them and a unit normal (m, 3).
+
+    edges: (m,) the boundary edges that the planes belong to, where they come from edges.
+    """
 
     vertices: Int
     places: Int
@@ -33,7 +37,7 @@ class VertexPlanes:
 
     @classmethod
     def of(cls, domain: Domain, planes: Array) -> VertexPlanes:
-        """Of the ends of boundary edges with `planes` (E, 3), zero on others; edges (m,) says which of them it is."""
+        """Of the ends of boundary edges with `planes` (E, 3), zero on other edges."""
         edges = np.flatnonzero(planes.any(axis=1))
         vertices, places = np.unique(domain.edges[edges].ravel().astype(np.int64), return_inverse=True)
         return cls(vertices, places, np.repeat(planes[edges], 2, axis=0), np.repeat(edges, 2))
@@ -48,7 +52,7 @@ class VertexPlanes:
         """Unit normals (n, 3), one a vertex, without their parts across the planes."""
         return normalize(self.nearest(normals, np.zeros(len(self.places))))
 
-    @property
+    @cached_property
     def _inverse(self) -> Array:
         outer = np.einsum("mi,mj->mij", self.normals, self.normals).reshape(-1, 9)
         moments = sum_rows(self.places, outer, len(self.vertices)).reshape(-1, 3, 3)
