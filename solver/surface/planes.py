@@ -49,8 +49,9 @@ class VertexPlanes:
         return points + np.einsum("nij,nj->ni", self._inverse, pull)
 
     def along(self, normals: Array) -> Array:
-        """Unit normals (n, 3), one a vertex, without their parts across the planes."""
-        return normalize(self.nearest(normals, np.zeros(len(self.places))))
+        """Unit normals (n, 3), one a vertex, without their parts across the planes; kept if they have no other."""
+        flat = self.nearest(normals, np.zeros(len(self.places)))
+        return normalize(np.where(dot(flat, flat) > _RANK, flat, normals))
 
     @cached_property
     def _inverse(self) -> Array:
