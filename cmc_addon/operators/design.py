@@ -20,9 +20,12 @@ from ..design_settings import (
     take_settings,
     take_targets,
 )
-from ..designing import LIMIT, DesignOrder, read_order
+from ..designing import DesignOrder, read_order
 from ..fit_order import take_fit
 from .solve import Solving, as_settings
+
+# Evaluations of a usual fit: the bar is half way then.
+_USUAL = 30
 
 
 class Designing(Solving):
@@ -32,7 +35,7 @@ class Designing(Solving):
 
     def tell(self, update) -> tuple[float, str]:
         off = 100.0 * math.sqrt(2.0 * max(update.residual, 0.0))  # the value is half a square, in parts of the size
-        return min(update.iteration / LIMIT, 0.99), f"Step {update.iteration}, off by {off:.2g} %"
+        return update.iteration / (update.iteration + _USUAL), f"Step {update.iteration}, off by {off:.2g} %"
 
     def _say_cancelled(self) -> set[str]:
         self.report({"INFO"}, "The fit was cancelled; nothing was changed.")
@@ -90,7 +93,7 @@ class CMC_OT_fit_outline(Designing, bpy.types.Operator):
 def draw_approximate(layout: bpy.types.UILayout, owner) -> None:
     """Rows for the settings of Approximate Surface, of an object or the operator."""
     layout.prop(owner, "smoothness")
-    layout.row().prop(owner, "match", expand=True)
+    layout.prop(owner, "match")
     if owner.match == "POSITION":
         layout.prop(owner, "near")
 
