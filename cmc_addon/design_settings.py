@@ -11,7 +11,7 @@ from types import SimpleNamespace
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty, StringProperty
 
-from ..solver.design.outline import KNOBS
+from ..solver.design.wishes import KNOBS
 from ..solver.errors import CmcError
 
 KNOB_PROPERTY = {name.upper(): f"fit_{name}" for name in KNOBS}
@@ -30,58 +30,126 @@ _MATCH = [
 
 _APPROXIMATE = {
     "smoothness": partial(
-        FloatProperty, name="Smoothness", default=1e-3, min=0.0, soft_max=0.1, max=1e3, precision=5, step=0.1,
+        FloatProperty,
+        name="Smoothness",
+        default=1e-3,
+        min=0.0,
+        soft_max=0.1,
+        max=1e3,
+        precision=5,
+        step=0.1,
         description="Weight λ of smooth boundary normals against nearness to the surface: more irons out waves of "
-        "the rim"),
+        "the rim",
+    ),
     "match": partial(
-        EnumProperty, name="Match", description="What of the surface the shell comes near to", items=_MATCH),
+        EnumProperty, name="Match", description="What of the surface the shell comes near to", items=_MATCH
+    ),
     "near": partial(
-        FloatProperty, name="Nearness", default=100.0, min=1e-3, soft_max=1e4, max=1e6, precision=1, step=1000,
+        FloatProperty,
+        name="Nearness",
+        default=100.0,
+        min=1e-3,
+        soft_max=1e4,
+        max=1e6,
+        precision=1,
+        step=1000,
         description="Weight of the distance from the surface against the turning of its tangent planes; with 100 a "
-        "hundredth of its size counts as much as 6°"),
+        "hundredth of its size counts as much as 6°",
+    ),
 }
 _FIT = {
     "fit_to": partial(EnumProperty, name="Fit to", description="What the shell is fitted to", items=_FIT_TO),
     "knob": partial(
-        EnumProperty, name="Choose by", description="The number that chooses among the shells with this rim",
-        items=[(name.upper(), knob.label, knob.description) for name, knob in KNOBS.items()], default="RISE"),
+        EnumProperty,
+        name="Choose by",
+        description="The number that chooses among the shells with this rim",
+        items=[(name.upper(), knob.label, knob.description) for name, knob in KNOBS.items()],
+        default="RISE",
+    ),
     "fit_rise": partial(
-        FloatProperty, name="Rise", description=KNOBS["rise"].description,
-        default=0.5, min=0.01, max=2.0, soft_max=1.0, subtype="FACTOR"),
+        FloatProperty,
+        name="Rise",
+        description=KNOBS["rise"].description,
+        default=0.5,
+        min=0.01,
+        max=2.0,
+        soft_max=1.0,
+        subtype="FACTOR",
+    ),
     "fit_height": partial(
-        FloatProperty, name="Height", description=KNOBS["height"].description,
-        default=3.0, min=1e-6, soft_min=0.01, subtype="DISTANCE"),
+        FloatProperty,
+        name="Height",
+        description=KNOBS["height"].description,
+        default=3.0,
+        min=1e-6,
+        soft_min=0.01,
+        subtype="DISTANCE",
+    ),
     "fit_volume": partial(
-        FloatProperty, name="Volume", description=KNOBS["volume"].description,
-        default=100.0, min=1e-9, soft_min=0.01, unit="VOLUME"),
+        FloatProperty,
+        name="Volume",
+        description=KNOBS["volume"].description,
+        default=100.0,
+        min=1e-9,
+        soft_min=0.01,
+        unit="VOLUME",
+    ),
     "fit_mean_curvature": partial(
-        FloatProperty, name="H", description=KNOBS["mean_curvature"].description,
-        default=0.2, min=1e-9, soft_min=1e-3, precision=4),
+        FloatProperty,
+        name="H",
+        description=KNOBS["mean_curvature"].description,
+        default=0.2,
+        min=1e-9,
+        soft_min=1e-3,
+        precision=4,
+    ),
     "free_heights": partial(
-        BoolProperty, name="Free Heights",
-        description="The rim lies over the outline as seen from above, and may rise and fall"),
+        BoolProperty,
+        name="Free Heights",
+        description="The rim lies over the outline as seen from above, and may rise and fall",
+    ),
     "limit_tilt": partial(
-        BoolProperty, name="Limit Tilt",
+        BoolProperty,
+        name="Limit Tilt",
         description="Bounds on the angle by which the shell leaves its rim; where they do not go together with the "
-        "line, the nearest shell is made"),
+        "line, the nearest shell is made",
+    ),
     "tilt_min": partial(
-        FloatProperty, name="Least", description="0° is a vertical wall, 90° lies flat, less than 0° leans out",
-        default=0.0, min=-0.5 * math.pi, max=0.5 * math.pi, subtype="ANGLE", step=100),
+        FloatProperty,
+        name="Least",
+        description="0° is a vertical wall, 90° lies flat, less than 0° leans out",
+        default=0.0,
+        min=-0.5 * math.pi,
+        max=0.5 * math.pi,
+        subtype="ANGLE",
+        step=100,
+    ),
     "tilt_max": partial(
-        FloatProperty, name="Greatest", description="0° is a vertical wall, 90° lies flat",
-        default=0.5 * math.pi, min=-0.5 * math.pi, max=0.5 * math.pi, subtype="ANGLE", step=100),
+        FloatProperty,
+        name="Greatest",
+        description="0° is a vertical wall, 90° lies flat",
+        default=0.5 * math.pi,
+        min=-0.5 * math.pi,
+        max=0.5 * math.pi,
+        subtype="ANGLE",
+        step=100,
+    ),
     "hanging": partial(
-        BoolProperty, name="Hanging", description="The shell hangs below its rim instead of standing above it"),
+        BoolProperty, name="Hanging", description="The shell hangs below its rim instead of standing above it"
+    ),
 }
 APPROXIMATE_SETTINGS, FIT_SETTINGS = tuple(_APPROXIMATE), tuple(_FIT)
 """Names of the settings shared by `Object.cmc` and the operator."""
 
 _NAMES = {
     "curve": partial(
-        StringProperty, name="Curve", description="Name of the closed curve, or mesh, on which the rim is to lie"),
+        StringProperty, name="Curve", description="Name of the closed curve, or mesh, on which the rim is to lie"
+    ),
     "anchors": partial(
-        StringProperty, name="Anchors",
-        description="Name of a collection of empties through which the shell goes; none: those that are selected"),
+        StringProperty,
+        name="Anchors",
+        description="Name of a collection of empties through which the shell goes; none: those that are selected",
+    ),
 }
 POINTERS = {"curve": "fit_curve", "anchors": "fit_anchors"}
 """Objects to fit to: on an operator by their name, on `Object.cmc` a link."""
@@ -113,13 +181,19 @@ def stored_design_annotations() -> dict:
     stored = {name: make() for name, make in _APPROXIMATE.items()}
     stored |= {name: make(update=_tell) for name, make in _FIT.items()}
     stored["follow"] = BoolProperty(
-        name="Follow", description="The fitted shell follows while the settings above are changed", update=_tell)
+        name="Follow", description="The fitted shell follows while the settings above are changed", update=_tell
+    )
     stored["fit_curve"] = PointerProperty(
-        name="Curve", description="The closed curve, or mesh, on which the rim is to lie",
-        type=bpy.types.Object, poll=_can_be_curve)
+        name="Curve",
+        description="The closed curve, or mesh, on which the rim is to lie",
+        type=bpy.types.Object,
+        poll=_can_be_curve,
+    )
     stored["fit_anchors"] = PointerProperty(
-        name="Anchors", description="Empties through which the shell goes; none chosen: those that are selected",
-        type=bpy.types.Collection)
+        name="Anchors",
+        description="Empties through which the shell goes; none chosen: those that are selected",
+        type=bpy.types.Collection,
+    )
     return stored
 
 

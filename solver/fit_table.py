@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from .design.outline import KNOBS
+from .design.wishes import KNOBS
 from .domain.domain import Domain
 from .errors import ConditionError
 from .fit_curves import check_count, read_curves

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from .design.fit import Fit, Progress
 from .design.gauss_map import fit_gauss_map
-from .design.outline import KNOBS, fit_outline
+from .design.outline import fit_outline
+from .design.wishes import KNOBS
 from .errors import JobError
 from .fit_curves import curves_of_loops
 from .pipeline import Formed, finish

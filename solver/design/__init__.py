@@ -4,7 +4,8 @@ from .closing import Closing, close_periods
 from .fit import Fit, FitStatus, Start, fit
 from .gauss_map import fit_gauss_map
 from .moduli import Moduli, hole, tube
-from .outline import KNOBS, fit_outline
+from .outline import fit_outline
+from .wishes import KNOBS
 
 __all__ = [
     "KNOBS",
