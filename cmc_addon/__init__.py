@@ -7,7 +7,8 @@ from types import ModuleType
 
 MODULES = (
     "properties", "session", "operators", "group_history", "mesh_cache",
-    "overlay", "preview", "following", "panels", "boundary_panel", "design_panel", "results_panel", "cli",
+    "overlay", "preview", "following", "solved", "symmetry", "panels", "boundary_panel", "design_panel",
+    "symmetry_panel", "results_panel", "cli",
 )
 """Sub-modules with register() and unregister(), in the order in which they need each other."""
 

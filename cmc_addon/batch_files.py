@@ -17,6 +17,7 @@ from ..solver.errors import JobError
 from ..solver.files import FORMATS
 from ..solver.job import Job, load_job, make_job
 from ..solver.plan import Group, Settings, plan_domain
+from .corner_bridge import flip
 from .import_bridge import import_plan
 from .properties import ROLES
 from .settings import SIZE_PROPERTY
@@ -41,10 +42,15 @@ def open_input(path: Path, conditions: Sequence[Mapping[str, object]] = (), up: 
         _call(bpy.ops.wm.open_mainfile, f"{path} cannot be opened", filepath=str(path), load_ui=False)
         return
     job = load_job(path) if suffix == ".toml" else _mesh_job(path, conditions, up)
-    if job.wish is not None:
-        raise JobError("The job has a [fit], which is not run in Blender without a window; use python -m solver.")
+    for table, wanted in (("fit", job.wish), ("complete", job.completing)):
+        if wanted is not None:
+            raise JobError(
+                f"The job has a [{table}], which is not run in Blender without a window; use python -m solver."
+            )
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True, load_ui=False)
     plan = import_plan(bpy.context, path.stem, job.mesh, _all_groups(job))
+    for vertex in job.plan.flipped_corners:
+        flip(plan.data, vertex)
     for name, value in _object_settings(job.settings).items():
         setattr(plan.cmc, name, value)
 

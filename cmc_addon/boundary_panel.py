@@ -9,6 +9,7 @@ from .mesh_cache import boundary_counts
 from .overlay import icon_of
 from .panels import Tab, hint, plan_to_solve, properties_column
 from .properties import KINDS, kind_parameters
+from .symmetry_panel import draw_group
 
 
 class CMC_UL_groups(bpy.types.UIList):
@@ -65,6 +66,7 @@ class CMC_PT_boundary(Tab, bpy.types.Panel):
         group = group_list.active(mesh)
         if group is not None:
             self._parameters(layout, mesh, group)
+            draw_group(layout, context, mesh, group)
         if own:
             self._ungrouped(layout, mesh)
         if mesh.cmc.groups:

@@ -17,12 +17,21 @@ from ..solver import pipeline
 from ..solver.errors import CmcError
 from ..solver.plan import SHEETS
 from ..solver.polygon_sheets import PolygonSheet, polygon_sheet
-from . import session
+from . import session, solved
 from .mesh_bridge import PlanMesh, read_plan
 from .messages import in_plan_numbers
 from .properties import ROLES, parameter_values
 from .result_bridge import Cut, find_cut
-from .results import Writer, delete_result, result_of, results_of, show_wanted, wanted_roles, write_report
+from .results import (
+    Writer,
+    delete_result,
+    hide_completed,
+    result_of,
+    results_of,
+    show_wanted,
+    wanted_roles,
+    write_report,
+)
 from .settings import SETTINGS, SIZE_PROPERTY, fitted_settings
 
 
@@ -40,15 +49,9 @@ class Order:
         """Solve. Raises `CmcError` in the plan's own numbering."""
         settings = solver_settings(self.settings)
         prepared = session.prepare(self.mesh, settings.solver_choice)
-        plan = pipeline.Plan(
-            self.mesh.positions,
-            prepared.triangles,
-            groups=self.groups,
-            triangle_polygons=prepared.owners,
-        )
         try:
             formed = pipeline.form(
-                plan,
+                self.plan(prepared),
                 settings,
                 solver=prepared.solver,
                 progress=progress,
@@ -61,7 +64,19 @@ class Order:
         for name in (ROLES[role] for role in wanted_roles(self.settings)):
             if name in formed.placed:
                 outcome.polygons(name)
+        solved.remember(self, outcome)
         return outcome
+
+    def plan(self, prepared: session.Prepared) -> pipeline.Plan:
+        """The plan as the solver takes it."""
+        return pipeline.Plan(
+            self.mesh.positions,
+            prepared.triangles,
+            polygons=self.mesh.polygons(),
+            groups=self.groups,
+            triangle_polygons=prepared.owners,
+            flipped_corners=self.mesh.flipped_corners,
+        )
 
     def deliver(self, context: bpy.types.Context, plan: bpy.types.Object, outcome: Outcome) -> list[str]:
         """Write the results of the plan; see `deliver`."""
@@ -222,6 +237,7 @@ def deliver(
         write_report(result, report)
     plan.cmc.report = json.dumps(report, ensure_ascii=False)
     show_wanted(plan, wanted)
+    hide_completed(plan, True)
     for name in SETTINGS:
         setattr(plan.cmc, name, getattr(settings, name))
     plan.cmc.message = formed.message

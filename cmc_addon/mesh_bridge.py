@@ -24,6 +24,8 @@ Int = NDArray[np.int32]
 
 NORMAL_ATTRIBUTE = "cmc_normal"
 MEAN_CURVATURE_ATTRIBUTE = "cmc_mean_curvature"
+CORNER_ATTRIBUTE = "cmc_flipped_corner"
+"""Integers on the vertices of a plan, not 0 where a corner between two mirrors takes its other normal."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +35,7 @@ class PlanMesh:
     positions (V, 3) in world coordinates; corners (C,) vertex of each polygon corner, corner_edges (C,) the
     edge from it to the next, starts (P + 1,) the first corner of each polygon; edges (E, 2); groups (E,)
     identifiers of boundary groups, 0 where in none; selected (E,). mirrored: the object's scale turns the
-    mesh inside out, so that polygons are to be walked backwards.
+    mesh inside out, so that polygons are to be walked backwards. flipped_corners: see `CORNER_ATTRIBUTE`.
     """
 
     positions: NDArray[np.float64]
@@ -44,6 +46,7 @@ class PlanMesh:
     groups: Int
     selected: NDArray[np.bool_]
     mirrored: bool
+    flipped_corners: tuple[int, ...] = ()
 
     @cached_property
     def boundary(self) -> NDArray[np.bool_]:
@@ -109,7 +112,15 @@ def _read(mesh: bpy.types.Mesh, matrix: NDArray[np.float64]) -> PlanMesh:
         groups=group_values(mesh),
         selected=_selected(mesh),
         mirrored=bool(np.linalg.det(matrix[:3, :3]) < 0),
+        flipped_corners=_flipped_corners(mesh),
     )
+
+
+def _flipped_corners(mesh: bpy.types.Mesh) -> tuple[int, ...]:
+    attribute = mesh.attributes.get(CORNER_ATTRIBUTE)
+    if attribute is None or (attribute.domain, attribute.data_type) != ("POINT", "INT"):
+        return ()
+    return tuple(np.flatnonzero(read(mesh, CORNER_ATTRIBUTE, len(mesh.vertices), np.int32)).tolist())
 
 
 def _selected(mesh: bpy.types.Mesh) -> NDArray[np.bool_]:

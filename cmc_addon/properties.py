@@ -35,6 +35,7 @@ from ..solver.gauss.conditions import KINDS
 from .design_settings import stored_design_annotations
 from .group_list import free_name
 from .settings import setting_annotations
+from .symmetry_settings import stored_complete_annotations
 
 GROUP_ATTRIBUTE = "cmc_group"
 
@@ -43,6 +44,9 @@ ROLES = {"F_PLUS": "f+", "F_MINUS": "f-", "G": "g", "GAUSS": "gauss"}
 
 DESIGN_ROLES = {"NEAREST": "nearest CMC surface", "FIT": "shell fitted to an outline"}
 """Role of a result object of Approximate Surface and of Fit to Outline -> what it is."""
+
+COMPLETED_ROLES = {"COMPLETED": "shell completed by symmetry"}
+"""Role of a result object of Complete by Symmetry -> what it is."""
 
 
 # --- from the registry of kinds ------------------------------------------------------------
@@ -87,6 +91,12 @@ def condition_annotations(options=frozenset()) -> dict:
     return annotations
 
 
+_ACROSS = [
+    ("AUTO", "Automatic", "Mirrors and constant planes go on, free sides do not"),
+    ("ON", "Yes", "The shell goes on across these edges"),
+    ("OFF", "No", "The completed shell ends at these edges"),
+]
+
 # --- how a plan is meshed ------------------------------------------------------------------
 
 _PLAN_SETTINGS = {
@@ -126,6 +136,9 @@ class CmcGroup(bpy.types.PropertyGroup):
         "name": StringProperty(name="Name", description="Name of the group", update=_keep_names_different),
         "uid": IntProperty(name="Identifier", description="Value of the edge attribute for this group"),
         **condition_annotations(),
+        "across": EnumProperty(
+            name="Goes On", description="Whether Complete by Symmetry continues the shell across these edges",
+            items=_ACROSS, default="AUTO"),
     }
 
 
@@ -147,6 +160,7 @@ class CmcObject(bpy.types.PropertyGroup):
     __annotations__ = {
         **setting_annotations(),
         **stored_design_annotations(),
+        **stored_complete_annotations(),
         # On a plan. A link counts only while the result's `source` points back (see results.py).
         "f_plus": PointerProperty(name="f+", type=bpy.types.Object, poll=_is_mesh_object),
         "f_minus": PointerProperty(name="f-", type=bpy.types.Object, poll=_is_mesh_object),
@@ -154,6 +168,9 @@ class CmcObject(bpy.types.PropertyGroup):
         "gauss": PointerProperty(name="Gauss Image", type=bpy.types.Object, poll=_is_mesh_object),
         "nearest": PointerProperty(name="Nearest CMC Surface", type=bpy.types.Object, poll=_is_mesh_object),
         "fit": PointerProperty(name="Fit", type=bpy.types.Object, poll=_is_mesh_object),
+        "completed": PointerProperty(name="Completed", type=bpy.types.Object, poll=_is_mesh_object),
+        "copies": PointerProperty(name="Copies", type=bpy.types.Collection),
+        "complete_report": StringProperty(name="Copies Report", description="What the last completion gave, as JSON"),
         "collection": PointerProperty(name="Results", type=bpy.types.Collection),
         "design_report": StringProperty(name="Design Report", description="Report of the last fit, as JSON"),
         "report": StringProperty(name="Report", description="Report of the last solve, as JSON"),
@@ -164,7 +181,7 @@ class CmcObject(bpy.types.PropertyGroup):
         "meshed": BoolProperty(name="Meshed", description="This plan was made by Mesh Plan"),
         # On a result.
         "role": EnumProperty(name="Role", items=[("NONE", "None", "Not a result")] + [
-            (role, what, "Result of a solve") for role, what in (ROLES | DESIGN_ROLES).items()]),
+            (role, what, "Result of a solve") for role, what in (ROLES | DESIGN_ROLES | COMPLETED_ROLES).items()]),
         "source": PointerProperty(name="Plan", type=bpy.types.Object),
         "placed_at": FloatVectorProperty(name="Placed At", size=3, subtype="TRANSLATION"),
         "parked": BoolProperty(name="Parked", description="Hidden by Solve because not wanted now"),

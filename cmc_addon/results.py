@@ -24,6 +24,9 @@ hidden, and shown again when it is asked for. A sheet that has become a single p
 **Of a design.** Approximate Surface makes "Hall nearest CMC" and Fit to Outline "Hall fit": results of their own
 role, which Solve neither changes nor hides, and to which all the rest of this applies.
 
+**Completed.** Complete by Symmetry makes "Hall completed", or instances in a collection "Hall copies", and hides the
+shell, which is one of the copies. The next solve shows the shell again and hides what was made of the older one.
+
 **Deleted.** A result counts as deleted when it is in no scene; the next solve makes a new one. The same
 holds for the collection. A result whose plan is deleted stays as it is and can no longer be solved.
 
@@ -53,10 +56,11 @@ from .mesh_bridge import (
     set_positions,
 )
 from .polygon_bridge import polygon_mesh, row_weights
-from .properties import DESIGN_ROLES, ROLES
+from .properties import COMPLETED_ROLES, DESIGN_ROLES, ROLES
 from .result_bridge import Cut, fresh_mesh, put_mesh, put_weights, vertex_weights
 
 _SUFFIX = {"F_PLUS": "f+", "F_MINUS": "f-", "G": "g", "GAUSS": "Gauss image", "NEAREST": "nearest CMC", "FIT": "fit"}
+_SUFFIX["COMPLETED"] = "completed"
 
 
 # --- links ---------------------------------------------------------------------------------
@@ -108,7 +112,7 @@ def check_writable(plan: bpy.types.Object) -> None:
             f"'{plan.name}' is linked from another file; make it local (Object > Library Override, or "
             "Object > Relations > Make Local) to solve it here."
         )
-    for result in results_of(plan, (*ROLES, *DESIGN_ROLES)).values():
+    for result in results_of(plan, (*ROLES, *DESIGN_ROLES, *COMPLETED_ROLES)).values():
         if result.data.is_editmode:
             raise CmcError(f"The result '{result.name}' is in edit mode; leave it (Tab) and solve again.")
 
@@ -245,6 +249,19 @@ def show_wanted(plan: bpy.types.Object, wanted: list[str]) -> None:
         if (role not in wanted) == result.cmc.parked:
             continue
         result.cmc.parked = result.hide_viewport = result.hide_render = role not in wanted
+
+
+def copies_of(plan: bpy.types.Object) -> bpy.types.Collection | None:
+    """The collection of the instances that Complete by Symmetry made of this plan's shell, if there is one."""
+    copies = plan.cmc.copies
+    return copies if copies is not None and copies.cmc_plan == plan else None
+
+
+def hide_completed(plan: bpy.types.Object, hidden: bool) -> None:
+    """Hide what was completed, which was made of an older shell; or show it."""
+    for thing in (result_of(plan, "COMPLETED"), copies_of(plan)):
+        if thing is not None:
+            thing.hide_viewport = thing.hide_render = hidden
 
 
 def write_report(result: bpy.types.Object, report: dict) -> None:

@@ -1,0 +1,99 @@
+"""Add > Mesh > CMC: plans of modules that complete themselves, ready to be solved."""
+
+import bpy
+import numpy as np
+from bpy.props import EnumProperty, FloatProperty, IntProperty
+
+from ...solver.errors import CmcError
+from .. import group_list
+from ..mesh_bridge import set_attribute
+from ..outline_bridge import write_boundary_groups
+from ..presets import EDGES, PRESETS
+from ..result_bridge import build_polygons
+
+
+class CMC_OT_add_module(bpy.types.Operator):
+    """Add the plan of a module with its boundary groups: Solve, then Complete by Symmetry"""
+
+    bl_idname = "cmc.add_module"
+    bl_label = "Add Module"
+    bl_options = {"REGISTER", "UNDO"}
+
+    module: EnumProperty(
+        name="Module", items=[(name.upper(), preset.name, preset.description) for name, preset in PRESETS.items()])
+    size: FloatProperty(
+        name="Size", description="Longest side of the plan; 0 is the module's own",
+        default=0.0, min=0.0, subtype="DISTANCE", options={"SKIP_SAVE"})
+    slenderness: FloatProperty(
+        name="Slenderness", description="From stocky to slender, with thin necks",
+        default=0.5, min=0.0, max=1.0, subtype="FACTOR", options={"SKIP_SAVE"})
+    edges: IntProperty(
+        name="Edges", description="Edges along the longest side of the plan: more are finer",
+        default=EDGES, min=6, max=400, soft_max=100, options={"SKIP_SAVE"})
+
+    @classmethod
+    def poll(cls, context):
+        if context.mode != "OBJECT":
+            cls.poll_message_set("Leave edit mode first")
+            return False
+        return True
+
+    @classmethod
+    def description(cls, context, properties):
+        return PRESETS[properties.module.lower()].description
+
+    def execute(self, context):
+        try:
+            plan = new_plan(context, self.module.lower(), self.size, self.slenderness, self.edges)
+        except CmcError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        for other in context.selected_objects:
+            other.select_set(False)
+        plan.select_set(True)
+        context.view_layer.objects.active = plan
+        return {"FINISHED"}
+
+    def draw(self, context):
+        column = self.layout.column()
+        column.use_property_split = True
+        for name in ("module", "size", "slenderness", "edges"):
+            column.prop(self, name)
+
+
+def new_plan(context: bpy.types.Context, name: str, size: float, slenderness: float, edges: int) -> bpy.types.Object:
+    """The plan of a preset as an object at the 3D cursor, its groups and settings made. Raises `CmcError`."""
+    preset = PRESETS[name]
+    module = preset.make(slenderness, edges)
+    shape = module.shape
+    flat = shape.positions * ((size or preset.size) / float(np.ptp(shape.positions, axis=0).max()))
+    mesh = bpy.data.meshes.new(preset.name)
+    faces = shape.domain.faces
+    build_polygons(mesh, len(flat), faces.ravel(), np.arange(0, 3 * len(faces) + 1, 3))
+    set_attribute(mesh, "position", "FLOAT_VECTOR", "POINT", np.column_stack([flat, np.zeros(len(flat))]))
+    set_attribute(mesh, "Plan", "FLOAT2", "CORNER", flat[faces.ravel()])
+    mesh.update()
+    _make_groups(mesh, preset, module)
+    plan = bpy.data.objects.new(preset.name, mesh)
+    plan.location = context.scene.cursor.location
+    context.collection.objects.link(plan)
+    plan.cmc.complete_repeat = preset.repeat
+    for key, value in preset.settings.items():
+        setattr(plan.cmc, key, value)
+    return plan
+
+
+def _make_groups(mesh: bpy.types.Mesh, preset, module) -> None:
+    pairs, uids = [], []
+    for name, edges in module.shape.sides.items():
+        group = group_list.add(mesh, name)
+        group.kind = preset.kinds.get(name, "mirror").upper()
+        group.normal = module.normals[name]
+        group.across = "OFF" if name in preset.ends else "AUTO"
+        pairs.append(module.shape.domain.edges[edges])
+        uids.append(np.full(len(edges), group.uid))
+    mesh.cmc.active_index = 0
+    write_boundary_groups(mesh, np.concatenate(pairs), np.concatenate(uids))
+
+
+CLASSES = (CMC_OT_add_module,)

@@ -1,0 +1,242 @@
+"""Complete by Symmetry: one welded mesh where the shell is, which copies, and how it goes with Solve."""
+
+from __future__ import annotations
+
+import json
+
+import bpy
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from .completions import FINISHED, faces_of, farthest, is_oriented, module, solved, told
+from .scenes import activate, positions, snapshot, values
+
+# --- one mesh ----------------------------------------------------------------------------------
+
+
+def test_the_mesh_lies_where_the_shell_is_and_repeats_it():
+    plan = solved("HONEYCOMB")
+    shell = positions(plan.cmc.f_plus)
+    assert bpy.ops.cmc.complete(complete_repeat=(1, 1, 1)) == FINISHED
+    whole = positions(plan.cmc.completed)
+    assert farthest(shell, whole) < 1e-5
+    planes = {plane["name"]: plane for plane in json.loads(plan.cmc.report)["planes"]}
+    for name in ("Axis", "Floor", "Bisector", "End"):
+        normal, offset = np.array(planes[name]["normal"]), planes[name]["offset"]
+        assert (np.abs(whole @ normal - offset) < 1e-5).any()
+    below = whole * [1, 1, -1] + [0, 0, -2 * planes["Floor"]["offset"]]
+    assert farthest(below, whole) < 1e-4
+
+
+def test_layers_materials_and_weights_are_on_every_copy():
+    plan = module("CAPITAL")
+    mesh = plan.data
+    for k, name in enumerate(("Stone", "Glass")):
+        mesh.materials.append(bpy.data.materials.new(name))
+        mesh.polygons[-1 - k].material_index = k
+    mesh.attributes.new("age", "INT", "FACE").data.foreach_set("value", np.arange(len(mesh.polygons)))
+    mesh.attributes.new("warmth", "FLOAT", "POINT").data.foreach_set("value", np.arange(len(mesh.vertices)))
+    plan.vertex_groups.new(name="Held").add([3], 0.5, "REPLACE")
+    assert bpy.ops.cmc.complete(complete_repeat=(1, 1, 1)) == FINISHED
+    whole, count = plan.cmc.completed.data, len(mesh.polygons)
+    ages = np.array(values(whole.attributes["age"]))
+    assert_allclose(ages.reshape(4, count), np.tile(np.arange(count), (4, 1)))
+    assert [slot.material.name for slot in plan.cmc.completed.material_slots] == ["Stone", "Glass"]
+    assert [polygon.material_index for polygon in whole.polygons][:count] == [p.material_index for p in mesh.polygons]
+    warmth, drawn = (np.array(values(m.attributes["Plan"])) for m in (whole, mesh))
+    assert_allclose(np.sort(warmth.reshape(4, -1, 2), axis=1), np.tile(np.sort(drawn, axis=0), (4, 1, 1)), atol=1e-6)
+    sources = np.array(values(whole.attributes["warmth"])).astype(int)
+    for face, drawn_face in zip(faces_of(whole)[count:], faces_of(mesh) * 3, strict=False):
+        assert sorted(sources[list(face)]) == sorted(drawn_face)
+    held = [v.index for v in whole.vertices if any(g.weight == 0.5 for g in v.groups)]
+    assert set(sources[held]) == {3}
+    assert len(values(whole.attributes["cmc_normal"])) == len(whole.vertices)
+    H = json.loads(plan.cmc.report)["mean_curvature"]
+    assert_allclose(np.median(values(whole.attributes["cmc_mean_curvature"])), H, rtol=0.1)
+
+
+def test_uv_corners_stay_with_their_vertices():
+    """The plan's UVs are plan coordinates: at a corner they are those of the vertex it comes from."""
+    plan = module("CAPITAL")
+    place = positions(plan)[:, :2]
+    plan.data.attributes.new("source", "INT", "POINT").data.foreach_set("value", np.arange(len(place)))
+    assert bpy.ops.cmc.complete() == FINISHED
+    whole = plan.cmc.completed.data
+    sources = np.array(values(whole.attributes["source"]))
+    vertices = [loop.vertex_index for loop in whole.loops]
+    assert_allclose(values(whole.attributes["Plan"]), place[sources[vertices]], atol=1e-5)
+
+
+def test_normals_look_out_of_the_faces():
+    for name in ("HONEYCOMB", "NODOID"):
+        plan = solved(name)
+        assert bpy.ops.cmc.complete(complete_repeat=(1, 1, 1)) == FINISHED
+        mesh = plan.cmc.completed.data
+        told_normals = np.array(values(mesh.attributes["cmc_normal"]))
+        for polygon in mesh.polygons:
+            assert told_normals[list(polygon.vertices)].sum(axis=0) @ np.array(polygon.normal) > 0
+
+
+@pytest.mark.parametrize("turned", ["flip", "scale", "rotation", "f-"])
+def test_plans_that_are_turned_and_shells_that_hang(turned):
+    plan = module("HONEYCOMB")
+    plan.location = (2.0, -1.0, 0.5)
+    if turned == "flip":
+        plan.cmc.flip = True
+    elif turned == "f-":
+        plan.cmc.sheet = "F_MINUS"
+    else:
+        if turned == "scale":
+            plan.scale = (-1.0, 1.0, 1.0)
+        else:
+            plan.rotation_euler.z = 0.5
+        bpy.context.view_layer.update()
+        turn = np.array(plan.matrix_world)[:3, :3]
+        for group in plan.data.cmc.groups:
+            group.normal = turn @ np.array(group.normal)
+    assert bpy.ops.cmc.complete(complete_repeat=(1, 1, 1)) == FINISHED
+    role = "f_minus" if turned == "f-" else "f_plus"
+    shell, whole = getattr(plan.cmc, role), plan.cmc.completed
+    assert farthest(positions(shell), positions(whole)) < 1e-4 and is_oriented(whole.data)
+    told_normals = np.array(values(whole.data.attributes["cmc_normal"]))
+    for polygon in whole.data.polygons:
+        assert told_normals[list(polygon.vertices)].sum(axis=0) @ np.array(polygon.normal) > 0
+
+
+# --- which copies ------------------------------------------------------------------------------
+
+
+def test_a_number_a_box_or_units():
+    plan = solved("CAPITAL")
+    assert bpy.ops.cmc.complete(complete_count=7) == FINISHED
+    assert told(plan)["copies"] == 7 and plan.cmc.complete_extent == "COUNT"
+    bpy.ops.mesh.primitive_cube_add(size=1.0)
+    box = bpy.context.object
+    whole = plan.cmc.f_plus
+    low, high = positions(whole).min(axis=0), positions(whole).max(axis=0)
+    box.location, box.scale = 0.5 * (low + high), 3.0 * (high - low)
+    activate(plan)
+    assert bpy.ops.cmc.complete(box=box.name) == FINISHED
+    assert told(plan)["copies"] == 9 and plan.cmc.complete_box == box and plan.cmc.complete_extent == "BOX"
+    assert bpy.ops.cmc.complete() == FINISHED
+    assert told(plan)["copies"] == 9, "what was chosen is kept with the plan"
+    assert bpy.ops.cmc.complete(complete_extent="UNIT") == FINISHED
+    assert told(plan)["copies"] == 36
+
+
+def test_the_panel_knows_the_counts_before_it_runs():
+    from cmc_formfinding.cmc_addon.symmetry import counts
+    from cmc_formfinding.cmc_addon.symmetry_panel import wanted_of
+
+    plan = module("HONEYCOMB")
+    assert counts(plan, wanted_of(plan)) is None
+    assert bpy.ops.cmc.solve() == FINISHED
+    assert counts(plan, wanted_of(plan)) == (216, 216 * len(plan.data.polygons))
+    plan.cmc.complete_extent, plan.cmc.complete_count = "COUNT", 50
+    assert counts(plan, wanted_of(plan)) == (50, 50 * len(plan.data.polygons))
+    assert bpy.ops.cmc.complete() == FINISHED
+    assert len(plan.cmc.completed.data.polygons) == 50 * len(plan.data.polygons)
+
+
+def test_a_side_that_ends_the_shell():
+    plan = solved("UNDULOID")
+    plan.data.cmc.groups["End"].across = "OFF"
+    plan.data.cmc.groups["Bisector"].across = "OFF"
+    assert bpy.ops.cmc.complete() == FINISHED
+    assert told(plan)["copies"] == 4, "the tube ends after half a period"
+
+
+# --- together with Solve -----------------------------------------------------------------------
+
+
+def test_a_plan_that_was_changed_is_solved_first():
+    plan = module("UNDULOID")
+    assert bpy.ops.cmc.complete() == FINISHED
+    first = positions(plan.cmc.completed)
+    assert plan.cmc.f_plus is not None
+    plan.cmc.size, plan.cmc.span = "SPAN", 12.0
+    assert bpy.ops.cmc.complete() == FINISHED
+    assert_allclose(json.loads(plan.cmc.report)["sheets"]["f+"]["span"], 12.0, rtol=1e-6)
+    assert np.ptp(positions(plan.cmc.completed), axis=0)[0] > 1.5 * np.ptp(first, axis=0)[0]
+
+
+def test_solve_shows_the_shell_again_and_hides_what_was_completed():
+    for kind in ("MESH", "INSTANCES"):
+        plan = solved("UNDULOID")
+        assert bpy.ops.cmc.complete(complete_as=kind) == FINISHED
+        made = plan.cmc.completed if kind == "MESH" else plan.cmc.copies
+        assert plan.cmc.f_plus.hide_viewport and not made.hide_viewport
+        assert bpy.ops.cmc.solve() == FINISHED
+        assert not plan.cmc.f_plus.hide_viewport and made.hide_viewport and made.hide_render
+        assert bpy.ops.cmc.complete() == FINISHED
+        assert plan.cmc.f_plus.hide_viewport and not made.hide_viewport
+
+
+def test_the_shell_that_is_shown_is_not_solved_again(monkeypatch):
+    plan = solved("UNDULOID")
+    from cmc_formfinding.solver import pipeline
+
+    monkeypatch.setattr(pipeline, "form", lambda *a, **k: pytest.fail("solved again"))
+    assert bpy.ops.cmc.complete() == FINISHED
+    activate(plan.cmc.completed)
+    assert bpy.ops.cmc.complete() == FINISHED, "with the result active, too"
+
+
+@pytest.mark.parametrize("kind", ["MESH", "INSTANCES"])
+def test_undo(kind):
+    plan = solved("UNDULOID")
+    name = plan.name
+    bpy.ops.ed.undo_push(message="solved")
+    before = snapshot()
+    bpy.ops.cmc.complete("EXEC_DEFAULT", True, complete_as=kind)
+    assert snapshot() != before
+    bpy.ops.ed.undo()
+    assert snapshot() == before
+    assert bpy.data.objects[name].cmc.completed is None
+
+
+# --- what cannot be done -----------------------------------------------------------------------
+
+
+def refused(said: str, **options) -> None:
+    before = snapshot()
+    with pytest.raises(RuntimeError, match=said):
+        bpy.ops.cmc.complete(**options)
+    assert snapshot() == before
+
+
+def test_without_a_mirror_or_a_plane_there_is_nothing_to_complete():
+    plan = solved("UNDULOID")
+    for group in plan.data.cmc.groups:
+        group.across = "OFF"
+    refused("There is no side to go on across")
+    for group in plan.data.cmc.groups:
+        group.kind = "BINORMAL"
+    refused("There is no side to go on across")
+
+
+def test_sides_that_contradict_each_other_are_named():
+    plan = module("CAPITAL")
+    for name, normal in (("Front", (0.0, -1.0, 0.0)), ("Right", (0.8, -0.6, 0.0))):
+        plan.data.cmc.groups[name].normal = normal
+    assert bpy.ops.cmc.solve() == FINISHED
+    refused("'Front' and 'Right' meet at vertex .* copies never close up")
+
+
+def test_boxes_that_hold_nothing():
+    plan = solved("CAPITAL")
+    refused("No object is chosen for the box", complete_extent="BOX")
+    refused("There is no object 'Crate' for the box", box="Crate")
+    far = bpy.data.objects.new("Far", bpy.data.meshes.new("Far"))
+    far.data.from_pydata([(900, 900, 900), (901, 901, 901)], [], [])
+    bpy.context.scene.collection.objects.link(far)
+    refused("No copy has its centre in the box", box="Far")
+    activate(plan)
+
+
+def test_edit_mode_is_refused():
+    solved("CAPITAL")
+    bpy.ops.object.mode_set(mode="EDIT")
+    with pytest.raises(RuntimeError, match="Leave edit mode"):
+        bpy.ops.cmc.complete()
