@@ -179,7 +179,8 @@ def mirror(domain: Domain, edges: ArrayLike, plane_normal: ArrayLike, winding: f
     winding: of the start. Along a side N turns about ν from the normal at its first end to that at its last by the
     smaller angle (where they are opposite, over the upper side, or else as on a convex side if ν points outwards), and
     by so many full turns more; around a whole loop, by so many.
-    With normals at faces the constraint is on the face behind the edge, or on the edge's own site.
+    With normals at faces the constraint is on the face behind the edge, first order as it is for fixed normals; with
+    "faces_and_rim" it is on the edge's own site, and as exact as at vertices.
     """
     chosen = boundary_edges(domain, edges)
     normals = unit(_vector(plane_normal), chosen, "edge")

@@ -39,7 +39,6 @@ class _Run:
     vertices: Int
     axis: Array
     winding: int
-    is_loop: bool
     start: Array | None
     end: Array | None
 
@@ -115,17 +114,17 @@ def _runs(sides: MirrorSides, known: Array) -> Iterator[_Run]:
         starts = np.flatnonzero(breaks)
         if not len(starts):
             if held.all():
-                yield _run(sides, edges, np.append(vertices, vertices[0]), known, is_loop=True)
+                yield _run(sides, edges, np.append(vertices, vertices[0]), known)
             continue
         shift = int(starts[0])
         vertices, edges = np.roll(vertices, -shift), np.roll(edges, -shift)
         closed = np.append(vertices, vertices[0])
         for first, last in zip(starts - shift, np.append(starts[1:] - shift, len(edges)), strict=True):
             if sides.planes[edges[first]].any():
-                yield _run(sides, edges[first:last], closed[first : last + 1], known, is_loop=False)
+                yield _run(sides, edges[first:last], closed[first : last + 1], known)
 
 
-def _run(sides: MirrorSides, edges: Int, vertices: Int, known: Array, is_loop: bool) -> _Run:
+def _run(sides: MirrorSides, edges: Int, vertices: Int, known: Array) -> _Run:
     axis, windings = sides.planes[edges[0]], np.unique(sides.windings[edges])
     if len(windings) > 1:
         raise ConditionError(
@@ -134,7 +133,7 @@ def _run(sides: MirrorSides, edges: Int, vertices: Int, known: Array, is_loop: b
             edges=edges,
         )
     start, end = (_flat(known[vertices[k]], axis) for k in (0, -1))
-    return _Run(edges, vertices, axis, int(windings[0]), is_loop, start, end)
+    return _Run(edges, vertices, axis, int(windings[0]), start, end)
 
 
 def _flat(normal: Array, axis: Array) -> Array | None:
