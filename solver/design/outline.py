@@ -21,6 +21,10 @@ from .wishes import Wishes
 
 Array = NDArray[np.float64]
 
+# Evaluations for the straight way, and the part of the wished rise, height, volume or H of a flatter shell from which
+# another is tried.
+_STRAIGHT = 120
+_FLATTER = 0.6
 # Part of the radius of a circle with the plan's area beyond which the film that a fit starts from is not stretched.
 _STEEPEST = 0.95
 
@@ -57,7 +61,7 @@ def fit_outline(
     tilt: tuple[float, float] | None = None,
     smooth: float = 1e-7,
     sheet: str = "f+",
-    max_evaluations: int = 150,
+    max_evaluations: int = 300,
     initial: Fit | None = None,
     solver: CmcSolver | None = None,
     progress: Progress | None = None,
@@ -81,30 +85,62 @@ def fit_outline(
     wishes = Wishes.of(
         domain, points, curve, knobs, on_curve=on_curve, free_heights=free_heights, anchors=anchors, tilt=tilt
     )
-    solver = solver or CmcSolver(domain)
-    phases = _PHASES if initial is None else _ON
-    total = sum(phase.share for phase in phases)
-    start = _start(solver, points, wishes) if initial is None else _continued(initial, wishes.base)
-    history: list[float] = []
-    for phase in phases:
-        found = fit(
-            domain,
-            wishes.targets(phase.smoother * smooth, phase.strictness),
-            start,
-            size=wishes.size,
-            sheet=sheet,
-            free_scale=mean_curvature is None,
-            max_evaluations=max(1, round(phase.share * max_evaluations / total)),
-            gain=phase.gain,
-            solver=solver,
-            progress=progress,
-        )
-        history += found.history
-        if found.status is FitStatus.CANCELLED:
-            break
-        start = _continued(found, 0.0)
-    found = replace(found, history=history, shift=found.shift + [0.0, 0.0, wishes.base])
+    search = _Outline(solver or CmcSolver(domain), points, smooth, sheet, progress)
+    if initial is not None:
+        found = search.leg(wishes, _ON, _continued(initial, wishes.base), max_evaluations)
+    else:
+        found = search.straight(wishes, min(max_evaluations, _STRAIGHT))
+        left = max_evaluations - len(found.history)
+        if wishes.is_off(found) and found.status is not FitStatus.CANCELLED and left >= _STRAIGHT:
+            found = search.around(wishes, found, left)
+    found = replace(found, shift=found.shift + [0.0, 0.0, wishes.base])
     return replace(found, complaints=wishes.complaints(found))
+
+
+@dataclass(frozen=True, eq=False)
+class _Outline:
+    """Ways to a shell that is wished for, over the plan with these points (V, 3)."""
+
+    solver: CmcSolver
+    points: Array
+    smooth: float
+    sheet: str
+    progress: Progress | None
+
+    def straight(self, wishes: Wishes, evaluations: int) -> Fit:
+        """From the film."""
+        return self.leg(wishes, _PHASES, _start(self.solver, self.points, wishes), evaluations)
+
+    def around(self, wishes: Wishes, found: Fit, evaluations: int) -> Fit:
+        """By way of a flatter shell, where `found` is off the curve: steep ones with narrow corners are found so."""
+        flat = self.straight(wishes.scaled(_FLATTER), min(_STRAIGHT, evaluations // 2))
+        if flat.status is FitStatus.CANCELLED:
+            return replace(found, status=flat.status, history=found.history + flat.history)
+        other = self.leg(wishes, _ON, _continued(flat, 0.0), evaluations - len(flat.history))
+        better = other if other.value < found.value else found
+        return replace(better, status=other.status, history=found.history + flat.history + other.history)
+
+    def leg(self, wishes: Wishes, phases: Sequence[_Phase], start: Start, evaluations: int) -> Fit:
+        total = sum(phase.share for phase in phases)
+        history: list[float] = []
+        for phase in phases:
+            found = fit(
+                self.solver.domain,
+                wishes.targets(phase.smoother * self.smooth, phase.strictness),
+                start,
+                size=wishes.size,
+                sheet=self.sheet,
+                free_scale=wishes.knob != "mean_curvature",
+                max_evaluations=max(1, round(phase.share * evaluations / total)),
+                gain=phase.gain,
+                solver=self.solver,
+                progress=self.progress,
+            )
+            history += found.history
+            if found.status is FitStatus.CANCELLED:
+                break
+            start = _continued(found, 0.0)
+        return replace(found, history=history)
 
 
 def _start(solver: CmcSolver, points: Array, wishes: Wishes) -> Start:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -138,11 +138,20 @@ class Wishes:
             return 2.0 * self.number * float(film.max())
         return self.number * float(film.max() / np.sum(areas * film))
 
+    def scaled(self, factor: float) -> Wishes:
+        """For another number."""
+        return replace(self, number=factor * self.number)
+
+    def is_off(self, found: Fit) -> bool:
+        """Whether the rim is off its curve."""
+        return found.distances.get(RimOnCurve.label, 0.0) > _MET * self.size
+
     def complaints(self, found: Fit) -> list[str]:
         """What is not met, and what to change, a sentence each."""
         sentences = []
         far = found.distances
-        if (off := far.get(RimOnCurve.label, 0.0)) > _MET * self.size:
+        if self.is_off(found):
+            off = far[RimOnCurve.label]
             sentences.append(
                 f"The rim stays up to {off:.3g} off the curve ({100 * off / self.size:.1f} % of its size); round its "
                 f"corners, or ask for a {_LESS.get(self.knob, 'flatter shell')}."
