@@ -50,6 +50,7 @@ bench: .venv/ready
 gallery: .venv/ready
 	$(PYTHON) scripts/measure_faces.py --write
 	$(PYTHON) scripts/measure_fits.py --write
+	$(PYTHON) scripts/measure_approximation.py --write
 	$(PYTHON) scripts/render_gallery.py
 
 # What was made from the sources; the environments stay.

@@ -17,7 +17,11 @@ from cmc_formfinding.solver.design.outline import fit_outline
 from scipy.sparse import csr_array, hstack, vstack
 from scipy.sparse.linalg import splu
 
-WEIGHTS = (1e-4, 3e-3, 3e-2)
+WEIGHTS = (1e-4, 1e-3, 1e-2)
+# the wavy disc, so that its rim is seen to rise
+TURNED = np.radians(25.0)
+# the direction from which the cultural centre is seen
+FROM = -1.25
 RUST, WHITE, BLUE = (0.55, 0.13, 0.05), (0.80, 0.78, 0.74), (0.07, 0.20, 0.45)
 
 
@@ -36,11 +40,12 @@ def approximation() -> None:
     for k, (title, points, normals) in enumerate(columns):
         place = np.array([2.45 * k, 0.0, 0.0])
         above = textured(title, points, given.faces, uv, plaster)
-        above.location, above.visible_shadow = place, False
-        ob = textured(f"H, {title}", points, given.faces, uv, coloured)
-        ob.location = place - [0.0, 0.0, 1.75]
-        colour_by_curvature(ob.data, points, given.faces, normals, 1.2)
-        studio.add_text(title, place + [0.0, 0.0, 1.15], 0.19)
+        below = textured(f"H, {title}", points, given.faces, uv, coloured)
+        colour_by_curvature(below.data, points, given.faces, normals, 1.2)
+        above.location, below.location = place, place - [0.0, 0.0, 1.45]
+        above.rotation_euler.z = below.rotation_euler.z = TURNED
+        above.visible_shadow = False
+        studio.add_text(title, place + [0.0, 0.0, 0.95], 0.19)
 
 
 def centre(count: int = 2500) -> None:
@@ -48,16 +53,42 @@ def centre(count: int = 2500) -> None:
     disc = shapes.disc(count)
     given = surfaces.cultural_centre(disc.positions, disc.domain.faces)
     domain = Domain.from_positions(given.points, given.faces)
-    uv = 0.3 * conformal_coordinates(given.points, given.faces)
-    fit = fit_gauss_map(domain, given.points, 5e-4)
-    tell("centre", fit)
-    plaster = studio.checker("Plaster", "UVMap")
+    uv = 0.25 * conformal_coordinates(given.points, given.faces)
+    tell("centre, tangent planes", fit_gauss_map(domain, given.points, 1e-4))
+    fit = fit_gauss_map(domain, given.points, 1e-4, near=300.0)
+    tell("centre, places too", fit)
+    plaster, glass = studio.checker("Plaster", "UVMap"), studio.matte("Glass", (0.03, 0.045, 0.06), 0.25)
+    towards = np.array([np.cos(FROM), np.sin(FROM), 0.0])
+    aside = np.array([-towards[1], towards[0], 0.0])
+    walls = ring(disc.positions, 4)
     for k, points in enumerate((given.points, fit.points())):
-        ob = textured(f"centre {k}", points, given.faces, uv, plaster)
-        ob.location = (66.0 * k, 56.0 * k, -points[:, 2].min())
-        ob.modifiers.new("Thickness", "SOLIDIFY").thickness = 0.3
+        roof = textured(f"Roof {k}", points, given.faces, uv, plaster)
+        roof.modifiers.new("Thickness", "SOLIDIFY").thickness = 0.4
+        wall = curtain(points[walls], glass)
+        roof.location = wall.location = 98.0 * k * aside
+        roof.rotation_euler.z = wall.rotation_euler.z = np.arctan2(49.0, 330.0) * (1 - 2 * k)  # seen from the same side
     studio.add_ground(100.0)
     studio.light(sun=(-0.5, -0.8, 0.7))
+    middle = 49.0 * aside
+    eye = middle + 330.0 * towards + [0.0, 0.0, 72.0]
+    studio.aim(eye, middle + [0.0, 0.0, 10.0], 60.5)
+    for place in (-5.0, -3.6):
+        studio.add_person(middle + place * aside + 34.0 * towards, eye)
+
+
+def ring(disc: np.ndarray, inwards: int) -> np.ndarray:
+    """The vertices of a ring of `shapes.disc`, counted from the rim, in their order."""
+    radius = np.linalg.norm(disc, axis=1)
+    around = np.flatnonzero(np.isclose(radius, np.unique(np.round(radius, 9))[-1 - inwards]))
+    return around[np.argsort(np.arctan2(disc[around, 1], disc[around, 0]))]
+
+
+def curtain(top: np.ndarray, material: bpy.types.Material) -> bpy.types.Object:
+    """A wall from a closed line (n, 3) down into the ground."""
+    n = len(top)
+    foot = np.column_stack([top[:, :2], np.full(n, -2.0)])
+    faces = [(i, (i + 1) % n, n + (i + 1) % n, n + i) for i in range(n)]
+    return studio.mesh_object("Curtain", np.concatenate([top, foot]), faces, material)
 
 
 def hall() -> None:

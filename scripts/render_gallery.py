@@ -126,13 +126,13 @@ def needles(samples: int) -> None:
 def approximation(samples: int) -> None:
     """A wavy disc and its CMC approximations (paper, Figure 10)."""
     gallery_design.approximation()
-    picture("approximation", (3.68, -26.0, 18.0), (3.68, 0.0, -0.62), 116.0, 0.45, samples)
+    picture("approximation", (3.68, -28.0, 12.5), (3.68, 0.0, -0.5), 115.0, 0.38, samples, sun=(-0.9, -0.45, 0.55))
 
 
 def centre(samples: int) -> None:
     """A cultural centre and its CMC approximation (paper, Figure 11)."""
     gallery_design.centre()
-    picture("centre", (150.0, -102.0, 62.0), (42.0, 30.0, 2.0), 36.5, 0.36, samples, sky=False)
+    studio.render(IMAGES / "centre.png", WIDTH, round(0.31 * WIDTH), samples)
 
 
 def outline(samples: int) -> None:
@@ -191,11 +191,19 @@ def drawn_normals(positions, rim, place) -> None:
 
 
 def picture(
-    name: str, eye, target, lens: float, height: float, samples: int, sky: bool = True, suffix: str = ".png"
+    name: str,
+    eye,
+    target,
+    lens: float,
+    height: float,
+    samples: int,
+    sky: bool = True,
+    suffix: str = ".png",
+    sun=(-0.5, -0.8, 0.9),
 ) -> Path:
     """Render what is in the scene to docs/images/NAME.png (or .jpg); `height` as a part of the width."""
     if sky:
-        studio.light(sun=(-0.5, -0.8, 0.9), strength=2.6, sky=0.8)
+        studio.light(sun=sun, strength=2.6, sky=0.8)
         paper = studio.matte("Paper", (0.83, 0.83, 0.82))
         far = 60.0
         corners = [(-far, far, -far), (2 * far, far, -far), (2 * far, far, far), (-far, far, far)]

@@ -1,10 +1,11 @@
 """Surfaces that have no constant mean curvature, to be approximated: a wavy disc and a cultural centre. Arrays only.
 
-.venv/bin/python scripts/surfaces.py      writes assets/jobs/centre.obj
+`make_surfaces.py` writes the second one to assets/jobs/centre.obj.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -30,25 +31,35 @@ def wavy_disc(disc: Points, faces: NDArray[np.int32]) -> Surface:
 
 
 def cultural_centre(disc: Points, faces: NDArray[np.int32]) -> Surface:
-    """A roof of 80 x 64 m in two waves, the higher one leaning out over its front.
+    """A roof of 89 x 72 m, 26 m high, that stands on the ground between three arched fronts; the largest leans out.
 
-    The unit disc is the ground plan. The roof comes down to the ground in folds between three arched fronts, of which
-    the two larger ones lie at the ends of the waves.
+    The unit disc is the ground plan. Heights of the rim go on inside as harmonic functions do, on them lie a dome and
+    two waves.
     """
     x, y = disc.T
     r, angle = np.hypot(x, y), np.arctan2(y, x)
-    high = 6.0 * _bell(x - 0.4 - 0.3 * y, 0.45) * _bell(y, 0.7) * (1 - r**4) + 13.0 * _front(r, angle + 0.25, 0.45)
-    low = 2.0 * _bell(x + 0.45 + 0.25 * y, 0.35) * _bell(y + 0.1, 0.6) * (1 - r**4)
-    low += 7.0 * _front(r, angle - 2.6, 0.45) + 6.0 * _front(r, angle + 2.0, 0.4)
-    z = 13.0 * (1 - r**2) + high + low
-    plan = np.column_stack([40.0 * x, 32.0 * y])
-    return Surface(plan, np.column_stack([plan[:, 0] + 0.3 * high, plan[:, 1], z]), faces)
+    height = _extended(r, angle, lambda a: 26.0 * _arch(a + 0.9, 1.15) + 15.0 * _arch(a - 1.75, 0.95))
+    height += _extended(r, angle, lambda a: 9.0 * _arch(a + 2.7, 0.6))
+    lean = 8.7 * _extended(r, angle, lambda a: _arch(a + 0.9, 1.15))
+    waves = 5.0 * _bell(x - 0.2, 0.35) * _bell(y + 0.2, 0.5) + 2.5 * _bell(x + 0.5, 0.3) * _bell(y - 0.1, 0.5)
+    plan = np.column_stack([44.0 * x + lean * np.cos(0.9), 34.0 * y - lean * np.sin(0.9)])
+    return Surface(plan, np.column_stack([plan, height + (11.0 + waves) * (1 - r**2)]), faces)
 
 
 def _bell(t: Points, width: float) -> Points:
     return np.exp(-((t / width) ** 2))
 
 
-def _front(r: Points, angle: Points, width: float) -> Points:
-    """An arch of height one at the rim about angle zero, which flows into the roof behind."""
-    return r**4 * np.exp((np.cos(angle) - 1.0) / width**2)
+def _arch(angle: Points, half: float) -> Points:
+    """One at angle zero, on the ground from `half` on."""
+    angle = np.abs(np.angle(np.exp(1j * angle)))
+    return np.where(angle < half, np.cos(np.minimum(angle / half, 1.0) * np.pi / 2) ** 2, 0.0)
+
+
+def _extended(r: Points, angle: Points, rim: Callable[[Points], Points]) -> Points:
+    """The harmonic function of the disc with the values `rim(angle)`."""
+    count, waves = 512, 24
+    series = np.fft.rfft(rim(2 * np.pi * np.arange(count) / count))[:waves, None] / count
+    k = np.arange(waves)[:, None]
+    doubled = np.where(k > 0, 2.0, 1.0)
+    return np.sum(doubled * r**k * (series * np.exp(1j * k * angle)).real, axis=0)
