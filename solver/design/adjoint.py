@@ -45,20 +45,26 @@ _CG_LIMIT = 400
 
 
 @dataclass(frozen=True, eq=False)
-class State:
+class Reached:
+    """A harmonic map N (V, 3), and the energy there."""
+
+    harmonic: HarmonicMap
+    point: Point
+
+    @property
+    def N(self) -> Array:
+        return self.harmonic.normals
+
+
+@dataclass(frozen=True, eq=False)
+class State(Reached):
     """A harmonic map and its surface at scale 1: N and g (V, 3), g centred at the mean of its boundary.
 
     periods: (k, 3) of the conjugate, which g has not.
     """
 
-    harmonic: HarmonicMap
-    point: Point
     g: Array
     periods: Array
-
-    @property
-    def N(self) -> Array:
-        return self.harmonic.normals
 
 
 class Extension:
@@ -105,6 +111,16 @@ class Extension:
         """The surface of the boundary normals `rim` (n, 3), from `start` (V, 3), or a start of the solver's own."""
         return self.at(self.solver.solve(self.given(rim), initial=start, tolerance=tolerance))
 
+    def reach(self, rim: Array, start: Array | None = None, tolerance: float = 1e-8) -> Reached:
+        """The same without its g, which takes a factor of its own."""
+        harmonic = self.solver.solve(self.given(rim), initial=start, tolerance=tolerance)
+        return Reached(harmonic, self.problem.at(harmonic.normals))
+
+    def products(self, N: Array) -> Array:
+        """(E, 3) N_i × N_j; times the edge weights they are tau."""
+        i, j = self.domain.edges.T
+        return cross(N[i], N[j])
+
     def given(self, rim: Array) -> Conditions:
         """The conditions with `rim` (n, 3) for the prescribed normals."""
         none = Conditions()
@@ -125,8 +141,7 @@ class Extension:
 
     def at(self, harmonic: HarmonicMap) -> State:
         """The surface of a harmonic map that is known."""
-        i, j = self.domain.edges.T
-        products = cross(harmonic.normals[i], harmonic.normals[j])
+        products = self.products(harmonic.normals)
         g = self._integral(self.load @ products)
         return State(harmonic, self.problem.at(harmonic.normals), g, self._forms.T @ products)
 
@@ -158,20 +173,26 @@ class Extension:
         q = self.load.T @ self.pulled_integral(by_conjugate)
         if by_periods is not None and by_periods.size:
             q = q + self._forms @ by_periods
+        return self.pull_products(state, q, by_normals, accuracy)
+
+    def pull_products(
+        self, state: Reached, q: Array, by_normals: Array | float = 0.0, accuracy: float = _ACCURACY
+    ) -> Array:
+        """The same of F(N, N_i × N_j), from its partial derivatives by N (V, 3) and by those products, q (E, 3)."""
         total = by_normals + self._pulled_products(state.N, q)
         mu = self._solve_hessian(state, self.problem.project(state.N, total), accuracy)
         back = total - self.problem.operator(state.point)(mu)
         return project(state.N[self.fixed], back[self.fixed])
 
-    def by_weights(self, state: State, changed: Array) -> Array:
-        """The change (k, 3) of the periods with changes (E,) of the edge weights, the boundary normals staying:
-        dN = -(P H P)⁻¹ P dL N, and with it tau."""
+    def tau_by_weights(self, state: Reached, changed: Array, accuracy: float = _ACCURACY) -> Array:
+        """The change (E, 3) of tau with changes (E,) of the edge weights, the boundary normals staying:
+        dN = -(P H P)⁻¹ P dL N."""
         N, domain = state.N, self.domain
         pushed = graph_laplacian(domain.edges, changed, domain.vertex_count) @ N
-        moved = -self._solve_hessian(state, self.problem.project(N, pushed))
+        moved = -self._solve_hessian(state, self.problem.project(N, pushed), accuracy)
         i, j = domain.edges.T
-        still = changed[:, None] * cross(N[i], N[j])
-        return self._duals.T @ still + self._forms.T @ (cross(moved[i], N[j]) + cross(N[i], moved[j]))
+        turning = cross(moved[i], N[j]) + cross(N[i], moved[j])
+        return changed[:, None] * self.products(N) + domain.cotan_weights[:, None] * turning
 
     def pulled_integral(self, by_conjugate: Array) -> Array:
         """The transpose of load ↦ g."""
@@ -185,7 +206,7 @@ class Extension:
         count = self.domain.vertex_count
         return sum_rows(i, cross(N[j], q), count) + sum_rows(j, cross(q, N[i]), count)
 
-    def _solve_hessian(self, state: State, right: Array, accuracy: float = _ACCURACY) -> Array:
+    def _solve_hessian(self, state: Reached, right: Array, accuracy: float = _ACCURACY) -> Array:
         """(P H P)⁻¹ right (V, 3), by conjugate gradients; by MINRES where the map is a saddle."""
         apply = self.problem.hessian(state.point)
 
@@ -210,7 +231,7 @@ class Extension:
             p = z + (size / last) * p
         return x
 
-    def _minres(self, state: State, apply: Linear, right: Array, accuracy: float) -> Array:
+    def _minres(self, state: Reached, apply: Linear, right: Array, accuracy: float) -> Array:
         """The preconditioner has to be definite there: directions that are not admissible pass through it."""
         N, problem = state.N, self.problem
 

@@ -5,7 +5,7 @@ Around holes and handles the surface closes for certain conformal types of the d
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,9 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
 from ..domain.sites import SiteGraph
-from ..errors import ConditionError, plural
+from ..errors import ConditionError, MeshError, plural
 from ..gauss.dirichlet import Dirichlet
-from ..gauss.frames import in_space
+from ..gauss.frames import area_vectors, in_space
+from ..gauss.sphere import dot
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -28,13 +29,24 @@ _ORTHOGONAL = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Moduli:
-    """names: of the m numbers. domain(q): for q (m,), all with the same faces; q = 0 is where a search begins.
+    """names: of the m numbers. first: the domain at q = 0, where a search begins. lengths(q): its edge lengths (E,) at
+    q (m,). ranges: the least and the largest of each number.
 
     Lengths are parts of the domain's size, angles are radians, so that numbers of one size mean changes of one size.
     """
 
     names: tuple[str, ...]
-    domain: Callable[[Array], Domain]
+    first: Domain
+    lengths: Callable[[Array], Array]
+    ranges: tuple[tuple[float, float], ...]
+
+    @classmethod
+    def none(cls, domain: Domain) -> Moduli:
+        return cls((), domain, lambda q: domain.edge_lengths, ())
+
+    def domain(self, q: Array) -> Domain:
+        """Raises `MeshError` where a face is turned over or flat."""
+        return self.first.with_lengths(self.lengths(q)) if q.any() else self.first
 
     def weights(self, q: Array) -> Array:
         """(E, m) the derivatives of the cotangent weights at q."""
@@ -44,12 +56,18 @@ class Moduli:
             columns.append((ahead - back) / (2.0 * _STEP))
         return np.stack(columns, axis=1)
 
+    def clipped(self, q: Array) -> Array:
+        """q, or the nearest that is in range."""
+        low, high = np.array(self.ranges).reshape(-1, 2).T
+        return np.clip(q, low, high)
+
 
 def hole(domain: Domain, positions: ArrayLike, loop: int, motions: tuple[str, ...] = ("x", "y", "twist")) -> Moduli:
     """A hole of a plan that moves: `motions` of x, y (parts of the plan's size), twist (radians), size (logarithm).
 
     positions: (V, 2|3) of the plan, loop: which of `domain.boundary_loops` bounds the hole. The plan around it goes
-    along, the less the nearer to the other loops (harmonically); what is said on the boundary stays.
+    along, the less the nearer to the other loops (harmonically); what is said on the boundary stays. It moves by at
+    most half the plan's size and turns by at most half a turn.
     """
     points = in_space(domain, positions)
     unknown = [name for name in motions if name not in _MOTIONS]
@@ -64,13 +82,20 @@ def hole(domain: Domain, positions: ArrayLike, loop: int, motions: tuple[str, ..
     centre = points[domain.boundary_loops[loop]].mean(axis=0)
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
 
-    def moved(q: Array) -> Domain:
+    ahead = area_vectors(points, domain.faces)
+    i, j = domain.edges.T
+
+    def moved(q: Array) -> Array:
         goal = points
         for name, number in zip(motions, q, strict=True):
-            goal = _MOTIONS[name](goal, centre, size, float(number))
-        return Domain.from_positions(points + share * (goal - points), domain.faces)
+            goal = _MOTIONS[name][0](goal, centre, size, float(number))
+        now = points + share * (goal - points)
+        turned = np.flatnonzero(dot(area_vectors(now, domain.faces), ahead)[:, 0] <= 0.0)
+        if turned.size:
+            raise MeshError(f"The hole has moved so far that {plural('face', turned)} turned over.", faces=turned)
+        return np.linalg.norm(now[j] - now[i], axis=1)
 
-    return Moduli(motions, moved)
+    return Moduli(motions, domain, moved, tuple(_MOTIONS[name][1] for name in motions))
 
 
 def _shifted(axis: int) -> Callable[[Array, Array, float, float], Array]:
@@ -86,28 +111,61 @@ def _grown(points: Array, centre: Array, size: float, number: float) -> Array:
     return centre + np.exp(number) * (points - centre)
 
 
-_MOTIONS = {"x": _shifted(0), "y": _shifted(1), "twist": _twisted, "size": _grown}
+# Each with the range of its number.
+_MOTIONS = {
+    "x": (_shifted(0), (-0.5, 0.5)),
+    "y": (_shifted(1), (-0.5, 0.5)),
+    "twist": (_twisted, (-np.pi, np.pi)),
+    "size": (_grown, (-2.0, 2.0)),
+}
 
 
-def tube(domain: Domain, corners: ArrayLike, faces: ArrayLike, axis: ArrayLike, name: str = "length") -> Moduli:
+def tube(
+    domain: Domain,
+    corners: ArrayLike,
+    faces: ArrayLike,
+    axis: ArrayLike,
+    name: str = "length",
+    stretch: tuple[float, float] = (0.05, 20.0),
+) -> Moduli:
     """A part of a flat domain that is stretched along an axis; the number is the logarithm of the stretch.
 
     corners: (F, 3, 2|3) of each triangle, unrolled: a cylinder, strips that are glued. faces: (n,) those of the part,
-    whose borders to the others must be orthogonal to the axis (2|3,), since they keep their lengths.
+    whose borders to the others must be orthogonal to the axis (2|3,), since they keep their lengths. stretch: the least
+    and the most.
     """
+    return tubes(domain, corners, {name: (faces, axis)}, stretch)
+
+
+def tubes(
+    domain: Domain,
+    corners: ArrayLike,
+    parts: Mapping[str, tuple[ArrayLike, ArrayLike]],
+    stretch: tuple[float, float] = (0.05, 20.0),
+) -> Moduli:
+    """Several parts, each of which is stretched along an axis of its own: name → (faces, axis) as in `tube`."""
     flat = np.asarray(corners, dtype=np.float64)
-    along = np.asarray(axis, dtype=np.float64)
-    along = along / np.linalg.norm(along)
-    part = np.asarray(faces, dtype=np.int64)
-    _check_border(domain, flat, part, along)
+    taken = np.zeros(len(domain.faces), dtype=bool)
+    chosen = []
+    for name, (faces, axis) in parts.items():
+        part, along = np.asarray(faces, dtype=np.int64), np.asarray(axis, dtype=np.float64)
+        if taken[part].any():
+            raise ConditionError(f"Tube {name!r} has faces of another one; give each face to one tube.")
+        taken[part] = True
+        along = along / np.linalg.norm(along)
+        _check_border(domain, flat, part, along)
+        chosen.append((part, along))
+    place = domain.half_edges[:, 0]  # of each edge as its left face has it
 
-    def stretched(q: Array) -> Domain:
+    def stretched(q: Array) -> Array:
         moved = flat.copy()
-        moved[part] += (np.expm1(q[0]) * (flat[part] @ along))[..., None] * along
+        for number, (part, along) in zip(q, chosen, strict=True):
+            moved[part] += (np.expm1(number) * (flat[part] @ along))[..., None] * along
         lengths = np.linalg.norm(np.roll(moved, 1, axis=1) - np.roll(moved, -1, axis=1), axis=2)
-        return Domain.from_edge_lengths(domain.faces, lengths, face_edges=domain.face_edges)
+        return lengths.ravel()[place]
 
-    return Moduli((name,), stretched)
+    low, high = np.log(stretch)
+    return Moduli(tuple(parts), domain, stretched, ((float(low), float(high)),) * len(chosen))
 
 
 def _check_border(domain: Domain, flat: Array, part: Int, along: Array) -> None:

@@ -100,6 +100,10 @@ class Domain:
         mesh = _checked_edges(triangles, vertex_count, face_edges)
         return _with_proper_faces(mesh, triangles, _common_lengths(mesh, sides))
 
+    def with_lengths(self, lengths: Array) -> Domain:
+        """The same faces with other edge lengths (E,). Raises `MeshError` where a triangle inequality fails."""
+        return _with_proper_faces(self._mesh, self.faces, lengths)
+
     @cached_property
     def vertex_count(self) -> int:
         return int(self.faces.max()) + 1

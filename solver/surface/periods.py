@@ -1,4 +1,10 @@
-"""Periods: by how much the conjugate fails to close around the holes and handles of a domain (paper, Sec. 5.3.1)."""
+"""Periods: by how much the conjugate fails to close around the holes and handles of a domain (paper, Sec. 5.3.1).
+
+tau = N × *dN is closed where N is harmonic, so that its sum along a path of faces changes only with the ends of the
+path. The same sum is one over all edges, Σ_e η_e tau_e, against a form η that is the path's own, ±1 on the edges it
+goes over, plus the differences of any potential that vanishes on the boundary. The harmonic one is the smoothest of
+them: its sum hardly depends on what is left of Σ tau where N is not quite harmonic, nor on where the path runs.
+"""
 
 from __future__ import annotations
 
@@ -7,12 +13,15 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from ..domain.domain import Domain
 from ..domain.sites import SiteGraph
 from ..domain.topology import Homology
 from ..gauss.dirichlet import Dirichlet
 from .cmc import CmcSurface
 
 Array = NDArray[np.float64]
+Int = NDArray[np.integer]
+Factored = Callable[[Int], Dirichlet]
 
 
 def periods(surface: CmcSurface) -> Array:
@@ -23,16 +32,17 @@ def periods(surface: CmcSurface) -> Array:
     return surface.periods
 
 
-def harmonic_forms(homology: Homology, dirichlet: Callable[[NDArray[np.integer]], Dirichlet]) -> Array:
-    """η (E, k): the harmonic one-forms dual to the loops of a domain, zero along its boundary.
+def harmonic_forms(homology: Homology, dirichlet: Factored) -> Array:
+    """η (E, k): the harmonic one-forms dual to the loops of a domain, zero along its boundary (see `smoothed`)."""
+    return smoothed(homology.domain, homology.loops, dirichlet)
 
-    η = ω + dφ with ω = ±1 where the loop goes over an edge, φ = 0 on the boundary, Σ_j w_ij η_ij = 0 at every vertex
-    inside. dirichlet(sites): the factored cotangent Laplacian with values given at vertices. The period of a closed
-    form, as tau is where N is harmonic, is its sum along the loop and also Σ_e η_e tau_e; this one hardly depends on
-    what is left of Σ tau where N is not quite harmonic.
+
+def smoothed(domain: Domain, paths: Array | Int, dirichlet: Factored) -> Array:
+    """η (E, k) = ω + dφ with ω the `paths` (E, k), φ = 0 on the boundary, Σ_j w_ij η_ij = 0 at every vertex inside.
+
+    dirichlet(sites): the factored cotangent Laplacian with values given at vertices.
     """
-    domain = homology.domain
-    jumps = homology.loops.astype(np.float64)
+    jumps = paths.astype(np.float64)
     graph = SiteGraph.of(domain, "vertices")
     rim = domain.boundary_vertices.astype(np.int64)
     given = rim if len(rim) else np.zeros(1, dtype=np.int64)
@@ -40,3 +50,34 @@ def harmonic_forms(homology: Homology, dirichlet: Callable[[NDArray[np.integer]]
     potential = dirichlet(given).solve(source, np.zeros((len(given), jumps.shape[1])))
     i, j = domain.edges.T
     return jumps + potential[i] - potential[j]
+
+
+def path_across(homology: Homology, start: int, end: int) -> Int:
+    """(E,) how often a path goes over each edge, from its right side to its left, between two boundary edges.
+
+    Σ_e path_e tau_e is the boundary point of the conjugate on edge `end` less that on `start` (paper, Fig. 7): it
+    comes in over the first and goes out over the last.
+    """
+    domain = homology.domain
+    path = np.zeros(len(domain.edges), dtype=np.int64)
+    for edge, sign in ((start, -1), (end, 1)):
+        pairs, signs = homology.tree.climb(int(domain.edge_faces[edge, 0]))
+        path[domain.interior_edges[pairs]] += sign * signs.astype(np.int64)
+        path[edge] -= sign
+    return path
+
+
+def integrals(domain: Domain, N: Array, forms: Array) -> Array:
+    """∫ tau ∧ η (k, 3) of piecewise linear normals N (V, 3) and forms η (E, k), as harmonic one-forms are.
+
+    tau = N̄ × *∇N with the mean normal N̄ of a face. A face adds Σ ½ cot θ_e η_e N̄ × (N_j - N_i) over its edges, where
+    the sum along a loop has the mean of the edge in place of N̄; the two differ by O(h²). With the signs of the sum
+    along the loops.
+    """
+    edges = domain.face_edges
+    i, j = domain.edges.T
+    change = (N[j] - N[i])[edges]  # (F, 3, 3): of an edge as its left face walks it; so is η
+    mean = N[domain.faces].mean(axis=1)
+    weight = 0.5 * domain.corner_cotans
+    products = np.cross(mean[:, None, :], change) * weight[:, :, None]
+    return np.asarray(np.einsum("fek,fex->kx", forms[edges], products))
