@@ -120,17 +120,18 @@ def in_slices(
     """call(initial=…, max_evaluations=…, progress=…), again and again from where it ended, until it ends by itself.
 
     Each slice is twice as long as the one before, since each forgets what the one before has learnt about the
-    curvature of the problem.
+    curvature of the problem. Where a wish is not met then, the last one is long enough to try another way.
     """
     past: list[float] = []
     size, told = _FIRST_SLICE, counted(progress)
     while True:
         found = call(initial=found, max_evaluations=size, progress=told)
         past += found.history
-        if found.status is not FitStatus.EVALUATION_LIMIT or len(past) >= LIMIT:
+        ended = found.status is not FitStatus.EVALUATION_LIMIT or len(past) >= LIMIT
+        if found.status is FitStatus.CANCELLED or size == LIMIT or (ended and found.met):
             return replace(found, history=past)
         show(found)
-        size = min(2 * size, LIMIT - len(past))
+        size = LIMIT if ended else min(2 * size, LIMIT - len(past))
 
 
 # --- taking an order -----------------------------------------------------------------------

@@ -86,13 +86,13 @@ def fit_outline(
         domain, points, curve, knobs, on_curve=on_curve, free_heights=free_heights, anchors=anchors, tilt=tilt
     )
     search = _Outline(solver or CmcSolver(domain), points, smooth, sheet, progress)
-    if initial is not None:
-        found = search.leg(wishes, _ON, _continued(initial, wishes.base), max_evaluations)
-    else:
+    if initial is None:
         found = search.straight(wishes, min(max_evaluations, _STRAIGHT))
-        left = max_evaluations - len(found.history)
-        if wishes.is_off(found) and found.status is not FitStatus.CANCELLED and left >= _STRAIGHT:
-            found = search.around(wishes, found, left)
+    else:
+        found = search.leg(wishes, _ON, _continued(initial, wishes.base), min(max_evaluations, _STRAIGHT))
+    left = max_evaluations - len(found.history)
+    if wishes.is_off(found) and found.status is not FitStatus.CANCELLED and left >= _STRAIGHT:
+        found = search.around(wishes, found, left)
     found = replace(found, shift=found.shift + [0.0, 0.0, wishes.base])
     return replace(found, complaints=wishes.complaints(found))
 
