@@ -58,12 +58,12 @@ def _unduloid(slenderness: float, edges: int) -> Module:
 
 
 def _quadrilateral(slenderness: float, edges: int) -> Module:
-    length = 2.0 + 1.6 * slenderness
-    return _titled(modules.node(4, length, max_edge=length / edges))
+    length = 1.65 + 1.4 * slenderness
+    return _titled(modules.node(4, length, bend=0.5, max_edge=length / edges))
 
 
 def _honeycomb(slenderness: float, edges: int) -> Module:
-    length = 1.5 + 2.0 * slenderness
+    length = 1.3 + 1.8 * slenderness
     return _titled(modules.node(3, length, max_edge=length / edges))
 
 
@@ -113,7 +113,7 @@ PRESETS: dict[str, Preset] = {
         "Column Capital",
         "A quarter of a bay between four walls: a column that flares into a vault, a grid of them when completed",
         _capital,
-        4.0,
+        8.0,
         ends=("Column",),
         repeat=(3, 3, 1),
     ),

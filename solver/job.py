@@ -117,7 +117,7 @@ def make_job(data: Mapping[str, object], file: Path) -> Job:
     domain = plan_domain(plan)
     wish = read_fit(root, domain, file.parent, up)
     plan.groups = [_group(table, domain, mesh, sides) for table in root.tables("conditions")]
-    plan.flipped_corners = root.table("default").integers("flipped_corners")
+    plan.flipped_corners = _flipped_corners(root.table("default"), domain)
     output = root.table("output")
     settings = _settings(root, output.text("combinatorics", "primal", among=list(COMBINATORICS)))
     outputs = _outputs(output, file.parent)
@@ -219,6 +219,14 @@ _SHAPE_VALUES: dict[str, Callable[[Table, str], object]] = {
     "outline": lambda table, key: table.rows(key, 2, "points, [[0, 0], [1, 0]]"),
     "holes": _holes,
 }
+
+
+def _flipped_corners(default: Table, domain: Domain) -> list[int]:
+    vertices = default.integers("flipped_corners")
+    for vertex in vertices:
+        if not 0 <= vertex < domain.vertex_count:
+            raise default.fail(f'"flipped_corners": there is no vertex {vertex}; there are {domain.vertex_count}.')
+    return vertices
 
 
 def _group(table: Table, domain: Domain, mesh: MeshData, sides: dict[str, Pairs]) -> Group:

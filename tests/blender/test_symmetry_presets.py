@@ -81,3 +81,12 @@ def test_presets_are_undone_and_refused_in_edit_mode():
     bpy.ops.object.mode_set(mode="EDIT")
     with pytest.raises(RuntimeError, match="Leave edit mode"):
         bpy.ops.cmc.add_module(module="CAPITAL")
+
+
+@pytest.mark.parametrize("slenderness", [0.0, 1.0])
+@pytest.mark.parametrize("name", COPIES)
+def test_the_stockiest_and_the_slenderest_work(name, slenderness):
+    plan = solved(name, slenderness=slenderness, edges=14)
+    assert json.loads(plan.cmc.report)["converged"]
+    assert bpy.ops.cmc.complete(complete_repeat=(1, 1, 1)) == FINISHED
+    assert told(plan)["copies"] == COPIES[name] and told(plan)["relative_gap"] < 2e-3

@@ -193,7 +193,11 @@ def test_a_corner_between_two_mirrors_takes_its_other_normal(tmp_path, more, sig
     assert_allclose(formed.surface.normals[vertex], sign * np.cross(normals["end"], normals["floor"]), atol=1e-9)
 
 
-def test_flipped_corners_are_whole_numbers(tmp_path):
-    path = job_file(tmp_path, 'mesh = "a.stl"', more='[default]\nflipped_corners = ["a"]')
-    with pytest.raises(JobError, match=r'"flipped_corners" must be a list of whole numbers'):
+@pytest.mark.parametrize(("given", "said"), [
+    ('["a"]', r'"flipped_corners" must be a list of whole numbers'),
+    ("[0, 999]", r'"flipped_corners": there is no vertex 999; there are \d+'),
+])  # fmt: skip
+def test_flipped_corners_are_vertices(tmp_path, given, said):
+    path = job_file(tmp_path, 'mesh = "a.stl"', more=f"[default]\nflipped_corners = {given}")
+    with pytest.raises(JobError, match=said):
         load_job(path)
