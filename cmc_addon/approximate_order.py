@@ -28,24 +28,25 @@ class ApproximateOrder(DesignOrder):
 
     def fit(self, frame: Frame, prepared: session.Prepared, progress: Progress, show: Callable[[Fit], None]) -> Fit:
         told = counted(progress)
+        near = self.settings.near if self.settings.match == "POSITION" else 0.0
 
-        def run(earlier: Fit | None, evaluations: int) -> Fit:
+        def run(earlier: Fit | None, near: float, evaluations: int) -> Fit:
             return fit_gauss_map(
                 prepared.solver.domain,
                 frame.inside(self.mesh.positions),
                 self.settings.smoothness,
-                near=self.settings.near if self.settings.match == "POSITION" else 0.0,
+                near=near,
                 max_evaluations=evaluations,
                 initial=earlier,
                 solver=prepared.solver,
                 progress=told,
             )
 
-        first = run(None, _FIRST_LOOK)
-        if first.status is not FitStatus.EVALUATION_LIMIT:
+        first = run(None, 0.0, _FIRST_LOOK)
+        if first.status is FitStatus.CANCELLED or (first.status is FitStatus.CONVERGED and not near):
             return first
         show(first)
-        return run(first, LIMIT)
+        return run(first, near, LIMIT)
 
     def deviation(self, prepared: session.Prepared, points: Array) -> Array:
         return deviation_from(self.mesh.positions, prepared.triangles, points)

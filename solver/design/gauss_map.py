@@ -32,6 +32,8 @@ _LOOK = 0.25
 # Weight of nearness from which on the other weights grow with it, but for that of the tangent planes: where only
 # the places counted, the rim would rattle.
 _NEAR = 100.0
+# Share of the evaluations that the first stage of two may take.
+_FIRST = 0.6
 # Part of the value that a step has to bring to be followed by another: what is nearly CMC comes back at second order.
 _GAIN = 1e-5
 # Square of the Gauss map's variation, as an angle, below which a surface counts as flat.
@@ -74,11 +76,11 @@ def fit_gauss_map(
     search = _Search(wanted, solver or CmcSolver(domain), progress)
     if initial is not None and near and RimOnCurve.label in initial.distances:
         return search.brought_near(initial, max_evaluations)
-    found = search.turned(initial, max_evaluations)
-    left = max_evaluations - len(found.history)
-    if not near or found.status is not FitStatus.CONVERGED or left < 1:
+    share = _FIRST if near else 1.0
+    found = search.turned(initial, max(1, round(share * max_evaluations)))
+    if not near or found.status is FitStatus.CANCELLED:
         return found
-    near_too = search.brought_near(found, left)
+    near_too = search.brought_near(found, max(1, max_evaluations - len(found.history)))
     return replace(near_too, history=found.history + near_too.history)
 
 
