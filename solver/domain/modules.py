@@ -6,6 +6,7 @@ slowly. Where a curved side meets a straight one the polygon of the curve leaves
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -70,48 +71,100 @@ def node(tubes: int, length: float, *, depth: float = 1.0, bend: float = 1.0, ma
     return Module(_shape(outline, max_edge, straight, "floor"), normals)
 
 
-def capital(radius: float, *, bay: float = 1.0, max_edge: float) -> Module:
+def capital(radius: float, *, oculus: float = 0.0, eighth: bool = False, bay: float = 1.0, max_edge: float) -> Module:
     """A quarter of a bay of a grid of columns: half a bay square, less the quarter of a disc from which a column comes.
 
-    Sides: "front", "right", "back", "left", the vertical planes through the axes and half-way between them, and
-    "column", an arc. All corners are right angles. `radius` is a part of half the `bay` in the plan, not in space:
-    thinner plans make slenderer columns. The column's side may be a mirror, in the floor, or touch the floor.
+    Sides: "front", "right", "back", "left", the vertical planes through the axes and half-way between them, "column",
+    an arc, and with an `oculus` another one of that name, about the middle of the bay. An `eighth` ends at a "diagonal"
+    in place of back and left. All corners but that at a middle without oculus are right angles (there an eighth has
+    45°). The radii are parts of half the `bay` in the plan, not in space: thinner plans make slenderer columns.
+
+    The column's side is for a mirror in the floor: a ring that touched the floor would enclose the area of a whole bay.
+    The oculus is for any kind; its normal is that of a flat ceiling, which the surface touches or is orthogonal to.
     """
     a = 0.5 * bay
     if not (0.0 < radius < 1.0 and a > 0.0 and max_edge > 0.0 and np.isfinite([bay, max_edge]).all()):
         raise MeshError("A capital needs a positive bay and largest edge, and a radius between 0 and 1.")
-    r = radius * a
-    arc = _arc(r, 0.5 * np.pi, max_edge)[:-1]
-    outline = np.concatenate([[[r, 0.0], [a, 0.0], [a, a], [0.0, a], [0.0, r]], arc * [1.0, -1.0] + [0.0, r]])
-    straight = {
-        "front": lambda p: p[:, 1],
-        "right": lambda p: p[:, 0] - a,
-        "back": lambda p: p[:, 1] - a,
-        "left": lambda p: p[:, 0],
-    }
-    normals = {
-        "front": np.array([0.0, -1.0, 0.0]),
-        "right": np.array([1.0, 0.0, 0.0]),
-        "back": np.array([0.0, 1.0, 0.0]),
-        "left": np.array([-1.0, 0.0, 0.0]),
-        "column": np.array([0.0, 0.0, -1.0]),
-    }
-    return Module(_shape(outline, max_edge, straight, "column"), normals)
+    if not (0.0 <= oculus < 1.0 and radius + oculus < np.sqrt(2.0)):
+        raise MeshError("The oculus of a capital must be smaller than half a bay, and must not reach its column.")
+    x, y = np.eye(2)
+    last = (x + y) / np.sqrt(2.0) if eighth else y
+    away = -last if eighth else -x
+    middle = _cut_out(a * (x + y), -y, away, oculus * a, max_edge) if oculus else (a * (x + y))[None]
+    column = _cut_out(0.0 * x, last, x, radius * a, max_edge)
+    outline = np.concatenate([column, [a * x], middle, *([] if eighth else [[a * y]])])
+    lines = {"front": (-y, 0.0), "right": (x, a)}
+    lines |= {"diagonal": ((y - x) / np.sqrt(2.0), 0.0)} if eighth else {"back": (y, a), "left": (-x, 0.0)}
+    straight = {name: lambda p, n=n, d=d: p @ n - d for name, (n, d) in lines.items()}
+    normals = {name: np.append(n, 0.0) for name, (n, _) in lines.items()} | {"column": np.array([0.0, 0.0, -1.0])}
+    if oculus:
+        normals["oculus"] = np.array([0.0, 0.0, 1.0])
+
+    def arc_of(middles: Array) -> list[str]:
+        from_column, from_middle = (np.linalg.norm(middles - at, axis=1) / a for at in (0.0 * x, a * (x + y)))
+        in_column = (from_column - radius < from_middle - oculus) | (oculus == 0.0)
+        return ["column" if here else "oculus" for here in in_column]
+
+    return Module(_shape(outline, max_edge, straight, arc_of), normals)
+
+
+def vault(openings: int, foot: float | Sequence[float], *, length: float = 1.0, max_edge: float) -> Module:
+    """A shell that touches walls and stands on a floor (paper, Fig. 9): a polygon whose corners are cut out by arcs.
+
+    Sides: "wall0", "wall1", …, straight, with the outward normal of each, for surfaces that touch a vertical plane
+    there; "foot0", …, the arc before each wall, for mirrors in the floor. The polygon is regular with two units between
+    opposite sides, and `length` times as long along the first wall. Arcs are about the corners, so that all corners of
+    the plan are right angles; their radius is `foot`, one for all or one each, as a part of half a regular side.
+
+    Feet of different radii come out at different heights. Raises `MeshError` where an arc leaves nothing of a wall.
+    """
+    count = openings if openings >= 3 else 0
+    radii = np.full(count, foot, dtype=np.float64) if np.ndim(foot) == 0 else np.asarray(foot, dtype=np.float64)
+    if not (count and radii.shape == (count,) and ((radii > 0.0) & (radii < 1.0)).all()):
+        raise MeshError("A vault needs three openings or more, and a foot between 0 and 1, or one for each of them.")
+    if not (length >= 1.0 and max_edge > 0.0 and np.isfinite([length, max_edge]).all()):
+        raise MeshError("The length of a vault must be 1 or more, its largest edge positive.")
+    half = np.pi / openings
+    angles = 2.0 * half * np.arange(openings) - 0.5 * np.pi - half
+    corners = np.column_stack([length * np.cos(angles), np.sin(angles)]) / np.cos(half)
+    along = np.roll(corners, -1, axis=0) - corners
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    radii = radii * np.tan(half)
+    outline, straight, normals = [], {}, {}
+    for k, (corner, wall, radius) in enumerate(zip(corners, along, radii, strict=True)):
+        outline.append(_cut_out(corner, -along[k - 1], wall, radius, max_edge))
+        out = np.array([wall[1], -wall[0]])
+        straight[f"wall{k}"] = lambda p, corner=corner, out=out: (p - corner) @ out
+        normals |= {f"wall{k}": np.append(out, 0.0), f"foot{k}": np.array([0.0, 0.0, -1.0])}
+
+    def foot_of(middles: Array) -> list[str]:
+        nearest = np.linalg.norm(middles[:, None] - corners, axis=2).argmin(axis=1)
+        return [f"foot{k}" for k in nearest]
+
+    return Module(_shape(np.concatenate(outline), max_edge, straight, foot_of), normals)
+
+
+def _cut_out(corner: Array, back: Array, ahead: Array, radius: float, max_edge: float) -> Array:
+    """The polygon about an arc around a corner, from the ray along `back` to that along `ahead`, both unit vectors."""
+    turn = float(np.arccos(np.clip(back @ ahead, -1.0, 1.0)))
+    arc = np.vstack([[0.0, 0.0], _arc(radius, turn, max_edge)])
+    inwards = (ahead - (back @ ahead) * back) / np.sin(turn)
+    return corner + radius * back + arc[:, :1] * inwards - arc[:, 1:] * back
 
 
 def _arc(radius: float, turn: float, max_edge: float) -> Array:
     """Points (k + 1, 2) of the polygon about an arc that starts at the origin along x and turns left, the start left
     out: corners where tangents meet, and the end, so that its first and last segments are tangent."""
-    count = max(2, int(np.ceil(2.0 * radius * turn / max_edge)))
+    count = max(2, int(np.ceil(radius * turn / max_edge)))
     angles = (np.arange(count) + 0.5) * turn / count
     outer = radius / np.cos(0.5 * turn / count)
     corners = np.column_stack([outer * np.sin(angles), radius - outer * np.cos(angles)])
     return np.vstack([corners, [radius * np.sin(turn), radius * (1.0 - np.cos(turn))]])
 
 
-def _shape(outline: Array, max_edge: float, straight: dict, curved: str) -> Shape:
-    """The meshed plan; edges that are on no straight side are on the curved one."""
-    plan = mesh_plan(outline, max_edge=max_edge)
+def _shape(outline: Array, max_edge: float, straight: dict, curved: str | Callable[[Array], Sequence[str]]) -> Shape:
+    """The meshed plan; edges that are on no straight side are on the curved one, or on that which their middles say."""
+    plan = mesh_plan(outline, max_edge=max_edge, keep=[np.arange(len(outline)).tolist()])
     domain = Domain.from_positions(plan.positions, plan.triangles)
     rim = domain.boundary_edges
     ends = plan.positions[domain.edges[rim]]
@@ -119,5 +172,10 @@ def _shape(outline: Array, max_edge: float, straight: dict, curved: str) -> Shap
     sides = {
         name: rim[(np.abs([far(ends[:, 0]), far(ends[:, 1])]) < near).all(axis=0)] for name, far in straight.items()
     }
-    sides[curved] = np.setdiff1d(rim, np.concatenate(list(sides.values())))
+    rest = np.setdiff1d(rim, np.concatenate(list(sides.values())))
+    if isinstance(curved, str):
+        sides[curved] = rest
+    else:
+        names = np.array(curved(plan.positions[domain.edges[rest]].mean(axis=1)))
+        sides |= {name: rest[names == name] for name in np.unique(names)}
     return Shape(domain, plan.positions, sides)

