@@ -99,6 +99,13 @@ def test_saddles_keep_their_shape(name):
     assert np.nanmedian(np.abs(H / found.surface.mean_curvature - 1)) < 0.5  # of a tenth of the curvature
 
 
+@pytest.mark.parametrize("side", [1, -1])
+def test_of_two_sides_the_nearer_one_is_taken(side):
+    domain, points = over_the_disc(200, lambda x, y: 0.3 * side * (x**2 - 1.3 * y**2))
+    assert abs(cosine(dirichlet_matrix(domain), vertex_normals(domain, points), points)) < 0.2
+    assert fit_gauss_map(domain, points).sign == side
+
+
 def test_a_hypar_roof_over_a_square():
     square = [[-5, -5], [5, -5], [5, 5], [-5, 5]]
     shape = shapes.polygon(square, max_edge=0.8, corner_radius=0.5)
