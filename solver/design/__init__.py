@@ -3,7 +3,8 @@
 from .closing import Closing, close_periods
 from .fit import Fit, FitStatus, Start, fit
 from .gauss_map import fit_gauss_map
-from .moduli import Moduli, hole, tube
+from .holes import hole
+from .moduli import Moduli, tube, tubes
 from .outline import fit_outline
 from .wishes import KNOBS
 
@@ -20,4 +21,5 @@ __all__ = [
     "fit_outline",
     "hole",
     "tube",
+    "tubes",
 ]

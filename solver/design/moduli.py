@@ -12,11 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
-from ..domain.sites import SiteGraph
-from ..errors import ConditionError, MeshError, plural
-from ..gauss.dirichlet import Dirichlet
-from ..gauss.frames import area_vectors, in_space
-from ..gauss.sphere import dot
+from ..errors import ConditionError, plural
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -60,64 +56,6 @@ class Moduli:
         """q, or the nearest that is in range."""
         low, high = np.array(self.ranges).reshape(-1, 2).T
         return np.clip(q, low, high)
-
-
-def hole(domain: Domain, positions: ArrayLike, loop: int, motions: tuple[str, ...] = ("x", "y", "twist")) -> Moduli:
-    """A hole of a plan that moves: `motions` of x, y (parts of the plan's size), twist (radians), size (logarithm).
-
-    positions: (V, 2|3) of the plan, loop: which of `domain.boundary_loops` bounds the hole. The plan around it goes
-    along, the less the nearer to the other loops (harmonically); what is said on the boundary stays. It moves by at
-    most half the plan's size and turns by at most half a turn.
-    """
-    points = in_space(domain, positions)
-    unknown = [name for name in motions if name not in _MOTIONS]
-    if unknown:
-        raise ConditionError(f"There is no motion {unknown[0]!r} of a hole; known are {', '.join(_MOTIONS)}.")
-    if not 0 <= loop < len(domain.boundary_loops):
-        raise ConditionError(f"There is no boundary loop {loop}; the plan has {len(domain.boundary_loops)}.")
-    rim = domain.boundary_vertices.astype(np.int64)
-    graph = SiteGraph.of(domain, "vertices")
-    on_hole = np.isin(rim, domain.boundary_loops[loop]).astype(np.float64)
-    share = Dirichlet(graph, graph.weights, rim).extend(on_hole[:, None])
-    centre = points[domain.boundary_loops[loop]].mean(axis=0)
-    size = float(np.linalg.norm(np.ptp(points, axis=0)))
-
-    ahead = area_vectors(points, domain.faces)
-    i, j = domain.edges.T
-
-    def moved(q: Array) -> Array:
-        goal = points
-        for name, number in zip(motions, q, strict=True):
-            goal = _MOTIONS[name][0](goal, centre, size, float(number))
-        now = points + share * (goal - points)
-        turned = np.flatnonzero(dot(area_vectors(now, domain.faces), ahead)[:, 0] <= 0.0)
-        if turned.size:
-            raise MeshError(f"The hole has moved so far that {plural('face', turned)} turned over.", faces=turned)
-        return np.linalg.norm(now[j] - now[i], axis=1)
-
-    return Moduli(motions, domain, moved, tuple(_MOTIONS[name][1] for name in motions))
-
-
-def _shifted(axis: int) -> Callable[[Array, Array, float, float], Array]:
-    return lambda points, centre, size, number: points + number * size * np.eye(3)[axis]
-
-
-def _twisted(points: Array, centre: Array, size: float, number: float) -> Array:
-    turn = np.array([[np.cos(number), -np.sin(number), 0], [np.sin(number), np.cos(number), 0], [0, 0, 1]])
-    return centre + (points - centre) @ turn.T
-
-
-def _grown(points: Array, centre: Array, size: float, number: float) -> Array:
-    return centre + np.exp(number) * (points - centre)
-
-
-# Each with the range of its number.
-_MOTIONS = {
-    "x": (_shifted(0), (-0.5, 0.5)),
-    "y": (_shifted(1), (-0.5, 0.5)),
-    "twist": (_twisted, (-np.pi, np.pi)),
-    "size": (_grown, (-2.0, 2.0)),
-}
 
 
 def tube(

@@ -1,0 +1,120 @@
+"""Holes of a plan that move: the moduli of a plan with courtyards.
+
+Around a hole the surface closes for certain places of it only (paper, Sec. 5.3.3). A hole moves as it is, shifted,
+turned or scaled, and the plan around it goes along, the less the nearer to the other loops,
+
+    x' = x + Σ_h u_h (M_h(x) - x),   Δu_h = 0,   u_h = 1 on hole h,   u_h = 0 on the other loops.
+
+What is said on the boundary stays; twist, so, is that of the hole against its normals.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..domain.domain import Domain
+from ..domain.sites import SiteGraph
+from ..errors import ConditionError, MeshError, plural
+from ..gauss.dirichlet import Dirichlet
+from ..gauss.frames import area_vectors, in_space
+from ..gauss.sphere import dot
+from .moduli import Moduli
+
+Array = NDArray[np.float64]
+
+MOTIONS = ("x", "y", "twist", "size")
+
+
+def hole(domain: Domain, positions: ArrayLike, loop: int, motions: tuple[str, ...] = ("x", "y", "twist")) -> Moduli:
+    """A hole of a plan that moves: `motions` of x, y (parts of the plan's size), twist (radians), size (logarithm).
+
+    positions: (V, 2|3) of the plan, loop: which of `domain.boundary_loops` bounds the hole. It moves by at most half
+    the plan's size and turns by at most half a turn. Raises `ConditionError` where there is no such loop or motion.
+    """
+    return MovingHoles(domain, positions, [loop], motions).moduli()
+
+
+class MovingHoles:
+    """Some holes of a plan, each of which moves by the same `motions`: q (m,) has them one hole after the other.
+
+    size: of the plan, the length that x and y are parts of. names: of the numbers, those of several holes with the
+    hole before the motion.
+    """
+
+    def __init__(
+        self, domain: Domain, positions: ArrayLike, loops: Sequence[int], motions: Sequence[str] = ("x", "y", "twist")
+    ) -> None:
+        unknown = [name for name in motions if name not in MOTIONS]
+        if unknown:
+            raise ConditionError(f"There is no motion {unknown[0]!r} of a hole; known are {', '.join(MOTIONS)}.")
+        wrong = [loop for loop in loops if not 0 <= loop < len(domain.boundary_loops)]
+        if wrong:
+            raise ConditionError(f"There is no boundary loop {wrong[0]}; the plan has {len(domain.boundary_loops)}.")
+        self.domain = domain
+        self.points = in_space(domain, positions)
+        self.size = float(np.linalg.norm(np.ptp(self.points, axis=0)))
+        self.motions = tuple(motions)
+        self.names = self.motions
+        if len(loops) > 1:
+            self.names = tuple(f"hole {k} {name}" for k in range(1, len(loops) + 1) for name in motions)
+        self._centres = [self.points[domain.boundary_loops[loop]].mean(axis=0) for loop in loops]
+        self._shares = _shares(domain, loops)
+        self._ahead = area_vectors(self.points, domain.faces)
+
+    def positions(self, q: ArrayLike) -> Array:
+        """(V, 3) of the plan whose holes have moved. Raises `MeshError` where faces turn over."""
+        now = self.points.copy()
+        numbers = np.asarray(q, dtype=np.float64).reshape(len(self._centres), len(self.motions))
+        for share, centre, row in zip(self._shares.T, self._centres, numbers.tolist(), strict=True):
+            goal = self.points
+            for name, number in zip(self.motions, row, strict=True):
+                goal = _MOTIONS[name][0](goal, centre, self.size, number)
+            now += share[:, None] * (goal - self.points)
+        turned = np.flatnonzero(dot(area_vectors(now, self.domain.faces), self._ahead)[:, 0] <= 0.0)
+        if turned.size:
+            raise MeshError(f"The hole has moved so far that {plural('face', turned)} turned over.", faces=turned)
+        return now
+
+    def moduli(self) -> Moduli:
+        """Their numbers as moduli of the domain."""
+        i, j = self.domain.edges.T
+
+        def lengths(q: Array) -> Array:
+            now = self.positions(q)
+            return np.linalg.norm(now[j] - now[i], axis=1)
+
+        ranges = tuple(_MOTIONS[name][1] for name in self.motions) * len(self._centres)
+        return Moduli(self.names, self.domain, lengths, ranges)
+
+
+def _shares(domain: Domain, loops: Sequence[int]) -> Array:
+    """u (V, len(loops)): how much each vertex goes along with each hole."""
+    rim = domain.boundary_vertices.astype(np.int64)
+    graph = SiteGraph.of(domain, "vertices")
+    on_hole = [np.isin(rim, domain.boundary_loops[loop]) for loop in loops]
+    return Dirichlet(graph, graph.weights, rim).extend(np.stack(on_hole, axis=1).astype(np.float64))
+
+
+def _shifted(axis: int) -> Callable[[Array, Array, float, float], Array]:
+    return lambda points, centre, size, number: points + number * size * np.eye(3)[axis]
+
+
+def _twisted(points: Array, centre: Array, size: float, number: float) -> Array:
+    turn = np.array([[np.cos(number), -np.sin(number), 0], [np.sin(number), np.cos(number), 0], [0, 0, 1]])
+    return centre + (points - centre) @ turn.T
+
+
+def _grown(points: Array, centre: Array, size: float, number: float) -> Array:
+    return centre + np.exp(number) * (points - centre)
+
+
+# Each with the range of its number.
+_MOTIONS = {
+    "x": (_shifted(0), (-0.5, 0.5)),
+    "y": (_shifted(1), (-0.5, 0.5)),
+    "twist": (_twisted, (-np.pi, np.pi)),
+    "size": (_grown, (-2.0, 2.0)),
+}
