@@ -151,7 +151,7 @@ def _start(solver: CmcSolver, points: Array, wishes: Wishes) -> Start:
     domain = solver.domain
     dirichlet = solver.harmonic.dirichlet(domain.boundary_vertices.astype(np.int64))
     film = dirichlet.solve(domain.vertex_areas[:, None], np.zeros((len(domain.boundary_vertices), 1)))[:, 0]
-    stretch = wishes.size / float(np.linalg.norm(np.ptp(points[:, :2], axis=0)))
+    stretch = _stretch(domain, wishes)
     height = min(wishes.height_of(film * stretch**2, domain.vertex_areas * stretch**2), _STEEPEST * wishes.radius)
     slopes = _rim_slopes(domain, film) * height / (film.max() * stretch)
     conditions = binormal(domain, points, domain.boundary_edges, 0.5 * np.pi - 2.0 * np.arctan(0.5 * slopes))
@@ -162,6 +162,12 @@ def _start(solver: CmcSolver, points: Array, wishes: Wishes) -> Start:
     # the rim of f+ = g + N lies above the mean of g's boundary by the mean of N
     up = np.cos(2.0 * np.arctan(0.5 * slopes)).mean()
     return Start(conditions, 0.5 * radius, centre - [0.0, 0.0, 0.5 * radius * up])
+
+
+def _stretch(domain: Domain, wishes: Wishes) -> float:
+    """How much longer the outer curve is than the domain's own boundary there."""
+    outer = next(k for k, (_, curve) in enumerate(wishes.loops) if curve is wishes.outer)
+    return wishes.outer.length / float(domain.edge_lengths[domain.boundary_loop_edges[outer]].sum())
 
 
 def _rim_slopes(domain: Domain, film: Array) -> Array:

@@ -32,6 +32,13 @@ def test_a_circle_gives_the_exact_cap(rise):
     assert np.abs(miss).max() < 2e-3
 
 
+def test_the_unit_of_the_domain_does_not_matter():
+    shape = shapes.disc(300)
+    found = fit_outline(shape.domain, 500.0 * shape.positions, height=40.0)
+    assert found.met and len(found.history) < 25
+    assert_allclose(1 / found.surface.mean_curvature, (500**2 + 40**2) / 80, rtol=3e-3, atol=0)
+
+
 @pytest.mark.parametrize("rise", [0.05, 0.25, 0.45])
 def test_a_square_keeps_its_outline(rise):
     shape = shapes.polygon([[-1, -1], [1, -1], [1, 1], [-1, 1]], max_edge=0.07, corner_radius=0.2)
