@@ -104,6 +104,8 @@ def arrange(surface: CmcSurface, sides: Sequence[Side], coplanar: Sequence[Seque
 
 
 def _check_names(sides: Sequence[Side], coplanar: Sequence[Sequence[str]]) -> None:
+    if any(isinstance(group, str) for group in coplanar):
+        raise SymmetryError("Sides of one plane are given as lists of names, one list a plane.")
     names = [side.name for side in sides]
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import CmcError, chosen
 from ..gauss.frames import boundary_edges
+from ..linalg import as_numbers
 from .cmc import CmcSurface
 
 Array = NDArray[np.float64]
@@ -27,6 +28,8 @@ Int = NDArray[np.integer]
 _MISSED = 0.1
 # Second singular value of the normals along a mirror, as a part of the first, below which they show no plane.
 _STRAIGHT = 0.05
+# A surface smaller than this part of 1/(2H) is a point, and what is left of its shape is rounding.
+_POINT = 1e-6
 
 
 class SymmetryError(CmcError):
@@ -141,7 +144,8 @@ def side_plane(surface: CmcSurface, side: Side) -> SidePlane:
     """The plane a side of a solved surface lies in, and by how much it misses it.
 
     Raises `ConditionError` on edges that are not on the boundary, `SymmetryError` where the normals along the side are
-    not what its kind says (the normal given is wrong, or the condition was not imposed), or do not show the normal.
+    not what its kind says (the normal given is wrong, or the condition was not imposed), or do not show the normal,
+    and on surfaces that have collapsed to a point.
     """
     chosen(side.kind, RULES, "kind of side")
     rule = RULES[side.kind]
@@ -154,6 +158,11 @@ def side_plane(surface: CmcSurface, side: Side) -> SidePlane:
     missed = _missed(side, rule, N, np.where(_is_end(surface, edges, rows), 0.0, weights), normal)
     centre = weights @ g
     size = surface_size(surface)
+    if size <= _POINT * surface.scale:
+        raise SymmetryError(
+            "The surface is a point, since its normals are the same everywhere; prescribe some that differ, or start "
+            "from an initial map."
+        )
     if normal is None:
         error = float(np.linalg.norm(g - centre, axis=1).max())
         return SidePlane(side.name, side.kind, None, np.nan, centre, error, error / size, missed, rows, weights)
@@ -198,7 +207,7 @@ def _normal(side: Side, rule: Rule, N: Array, weights: Array) -> Array | None:
                 f"The normals along side {side.name!r} do not show the plane of a {side.kind} side; give its normal."
             )
         return normal
-    normal = np.asarray(side.normal, dtype=np.float64)
+    normal = as_numbers(side.normal, f"The normal of side {side.name!r}", SymmetryError)
     length = float(np.linalg.norm(normal)) if normal.shape == (3,) else np.nan
     if not (np.isfinite(length) and length > 1e-9):
         raise SymmetryError(f"The normal of side {side.name!r} must be three numbers, not all zero.")
