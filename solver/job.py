@@ -12,9 +12,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from .close_table import read_close
 from .complete_table import Completing, read_complete
 from .completed_files import completed_report, write_completed
 from .completing import Completed, complete_plan
@@ -28,9 +30,11 @@ from .fitting import Wish, fit_plan
 from .gauss.conditions import KINDS, Parameter
 from .gauss.energies import ENERGIES, energy_on
 from .gauss.methods import METHODS
+from .hole_gaps import hole_gaps
 from .outputs import SHEET_KEYS, write_results
 from .pipeline import Formed, form
 from .plan import SHEETS, Group, Plan, Settings, plan_conditions, plan_domain
+from .plan_closing import Closure, close_plan, closing_report
 from .polygons import triangulate_polygons
 from .selection import Pairs, select
 from .surface.cmc import COMBINATORICS
@@ -54,6 +58,9 @@ ground = "lowest"        # or "rim"; also rotate, flip = true, sheet = "f-"
 # [fit]                  # instead of conditions and a size: the shell whose rim lies on the outline
 # outline = true         # or a closed polyline, "curve.obj"; or approximate = true: the shell nearest to the mesh
 # rise = 0.35            # or height, volume, mean_curvature
+
+# [close]                # over a plan with holes: the shell that closes around them
+# by = "normals"         # or "tilts", "hole", "both"
 
 # [complete]             # the shell and its copies across the conditions of kind "mirror" and "plane"
 # repeat = [3, 3]        # or copies, box, around
@@ -80,7 +87,8 @@ class Job:
 
     mesh: what was drawn, with all it carries. outputs: sheet ("f+", "f-", "g", "gauss") or "report" → file.
     up: the up axis of the mesh files, None for each format's own. wish: what the shell is fitted to, None where it
-    is solved for from conditions. completing: what is wanted of the shell completed by its symmetries, if anything.
+    is solved for from conditions. closure: how it is closed around the holes of the plan, if it shall be. completing:
+    what is wanted of the shell completed by its symmetries, if anything.
     """
 
     path: Path
@@ -91,6 +99,7 @@ class Job:
     up: str | None = None
     wish: Wish | None = None
     completing: Completing | None = None
+    closure: Closure | None = None
 
     @property
     def files(self) -> dict[str, Path]:
@@ -122,35 +131,51 @@ def make_job(data: Mapping[str, object], file: Path) -> Job:
     settings = _settings(root, output.text("combinatorics", "primal", among=list(COMBINATORICS)))
     outputs = _outputs(output, file.parent)
     completing = read_complete(root, plan.groups, file.parent)
+    closure = read_close(root)
     root.finish()
     if wish is None:
         plan_conditions(plan, settings, domain)
-    return Job(file, plan, settings, mesh, outputs, up, wish, completing)
+    return Job(file, plan, settings, mesh, outputs, up, wish, completing, closure)
 
 
 def run_job(job: Job, progress: Callable[[int, float], bool | None] | None = None) -> Formed:
-    """Solve a job or fit its shell, and write its files; raises `CmcError` where that is not possible."""
-    if job.wish is None:
-        formed = form(job.plan, job.settings, progress=progress)
-    else:
-        formed = fit_plan(job.plan, job.wish, progress=progress)
-    completed, failure = _completed(job, formed)
-    told = {} if completed is None else {"completed": completed_report(completed)}
+    """Solve a job, close or fit its shell, and write its files; raises `CmcError` where that is not possible."""
+    formed, plan, told = _shell(job, progress)
+    completed, failure = _completed(job, plan, formed)
+    if completed is not None:
+        told["completed"] = completed_report(completed)
     combinatorics = job.settings.combinatorics
-    write_results(formed, job.plan, job.mesh, job.outputs, up=job.up, combinatorics=combinatorics, more=told)
+    write_results(formed, plan, job.mesh, job.outputs, up=job.up, combinatorics=combinatorics, more=told)
     if failure is not None:
         raise failure
     if completed is not None and job.completing is not None:
-        write_completed(completed, job.completing, job.plan, job.mesh, job.up)
+        write_completed(completed, job.completing, plan, job.mesh, job.up)
     return formed
 
 
-def _completed(job: Job, formed: Formed) -> tuple[Completed | None, CmcError | None]:
+def _shell(job: Job, progress: Callable[[int, float], bool | None] | None) -> tuple[Formed, Plan, dict[str, Any]]:
+    """The shell, the plan it is over, whose holes may have moved, and what the report says besides."""
+    plan, told = job.plan, {}
+    if job.wish is not None:
+        formed = fit_plan(plan, job.wish, progress=progress)
+    elif job.closure is not None:
+        closed = close_plan(plan, job.settings, job.closure, progress=progress)
+        formed, plan = closed.formed, closed.plan
+        told["closing"] = closing_report(closed)
+    else:
+        formed = form(plan, job.settings, progress=progress)
+    gaps = hole_gaps(formed)
+    if gaps:
+        told["holes"] = [gap.to_dict() for gap in gaps]
+    return formed, plan, told
+
+
+def _completed(job: Job, plan: Plan, formed: Formed) -> tuple[Completed | None, CmcError | None]:
     """The completed shell if one is wanted, welded; or why there is none, which is told after the shell is written."""
     if job.completing is None:
         return None, None
     try:
-        completed = complete_plan(job.plan, formed, job.completing.extent, job.settings.sheet)
+        completed = complete_plan(plan, formed, job.completing.extent, job.settings.sheet)
         len(completed.points)
     except CmcError as error:
         return None, error

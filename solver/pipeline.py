@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 Int = NDArray[np.int32]
 Progress = Callable[[int, float], bool | None]
 
-__all__ = ["Formed", "Group", "Plan", "Settings", "finish", "form", "sheet_polygons"]
+__all__ = ["Formed", "Group", "Plan", "Settings", "finish", "form", "form_surface", "sheet_polygons"]
 
 # Share of the shell's area that may overhang, and degrees by which it may, before it is worth a warning: next to a
 # vertical rim the faces of an ordinary mesh lean by a degree or two.
@@ -107,6 +107,13 @@ def form(
         degree=settings.degree,
         progress=progress,
     )
+    return form_surface(plan, settings, surface, solver, intersections=intersections)
+
+
+def form_surface(
+    plan: Plan, settings: Settings, surface: CmcSurface, solver: CmcSolver, *, intersections: bool = True
+) -> Formed:
+    """Size, place and measure a surface over its plan, as `form` does with what it has solved for."""
     _check_shown(surface, settings.sheet)
     plane, similarity = _place(plan, settings, surface)
     return finish(

@@ -69,9 +69,9 @@ class MovingHoles:
         now = self.points.copy()
         numbers = np.asarray(q, dtype=np.float64).reshape(len(self._centres), len(self.motions))
         for share, centre, row in zip(self._shares.T, self._centres, numbers.tolist(), strict=True):
-            goal = self.points
-            for name, number in zip(self.motions, row, strict=True):
-                goal = _MOTIONS[name][0](goal, centre, self.size, number)
+            goal, wanted = self.points, dict(zip(self.motions, row, strict=True))
+            for name in sorted(wanted, key=list(_MOTIONS).index):
+                goal = _MOTIONS[name][0](goal, centre, self.size, wanted[name])
             now += share[:, None] * (goal - self.points)
         turned = np.flatnonzero(dot(area_vectors(now, self.domain.faces), self._ahead)[:, 0] <= 0.0)
         if turned.size:
@@ -111,10 +111,10 @@ def _grown(points: Array, centre: Array, size: float, number: float) -> Array:
     return centre + np.exp(number) * (points - centre)
 
 
-# Each with the range of its number.
+# Each with the range of its number; in this order, since a hole turns and grows about where its centre was.
 _MOTIONS = {
-    "x": (_shifted(0), (-0.5, 0.5)),
-    "y": (_shifted(1), (-0.5, 0.5)),
     "twist": (_twisted, (-np.pi, np.pi)),
     "size": (_grown, (-2.0, 2.0)),
+    "x": (_shifted(0), (-0.5, 0.5)),
+    "y": (_shifted(1), (-0.5, 0.5)),
 }
