@@ -108,6 +108,6 @@ def _runs(domain: Domain, conditions: Conditions, group: Sequence[Side]) -> list
     loose = ~np.isin(columns, held)
     shape = (len(together), domain.vertex_count)
     touching = sp.csr_array((np.ones(loose.sum()), (rows[loose], columns[loose])), shape=shape)
-    pieces: Int = np.asarray(connected_components(touching @ touching.T, directed=False)[1])
-    firsts = np.unique(pieces, return_index=True)[1]
-    return [(group[owner[at]].name, int(together[at]), normals[0]) for at in np.sort(firsts).tolist()]
+    pieces = connected_components(touching @ touching.T, directed=False)[1]
+    firsts = np.sort(np.unique(pieces, return_index=True)[1])
+    return [(group[int(owner[at])].name, int(together[at]), normals[0]) for at in firsts]

@@ -1,0 +1,137 @@
+"""Sides along mirrors that shall lie in one plane: their distance is a period, and is closed like one."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from solver import CmcSolver, ConditionError, Side, close_periods, conditions, shapes, side_plane
+from solver.design import hole, tube
+from solver.design.closing import ClosingStatus
+from solver.design.closing_map import ClosingMap
+from solver.design.relations import Relations
+from tests.solver.closing_plans import elbow, ring
+
+
+def floors(plan):
+    return [[plan.sides["inside"], plan.sides["outside"]]]
+
+
+def length_of(plan, **stretch):
+    return tube(plan.domain, plan.corners, plan.tube, (0, 1), **stretch)
+
+
+def apart(surface, plan):
+    planes = [side_plane(surface, plan.sides[name]) for name in ("inside", "outside")]
+    return planes[1].offset - planes[0].offset
+
+
+def test_two_sides_on_one_mirror_close_by_the_length_of_a_tube():
+    """A tenth of the size apart; then the planes of the surface that was built agree, and those of a new solve, too."""
+    plan = elbow()
+    before = CmcSolver(plan.domain).solve(plan.held, initial=plan.start)
+    size = np.linalg.norm(np.ptp(before.f_plus, axis=0))
+    assert 0.09 < abs(apart(before, plan)) / size < 0.12
+    closing = close_periods(
+        plan.domain, plan.held, by="moduli", moduli=length_of(plan), coplanar=floors(plan), initial=plan.start
+    )
+    assert closing.closed and len(closing.gaps) <= 8 and 0.09 < closing.gaps[0] < 0.12
+    assert list(closing.left) == ["'inside' to 'outside'"] and closing.left["'inside' to 'outside'"] < 1e-8
+    assert abs(apart(closing.surface, plan)) < 1e-8 * size
+    again = CmcSolver(closing.domain).solve(closing.conditions, initial=plan.start, tolerance=1e-11)
+    assert abs(apart(again, plan)) < 1e-8 * size
+    assert 0.5 < closing.area_ratio < 2 and np.exp(closing.moduli[0]) > 1.5
+    assert_allclose(closing.domain.area - plan.domain.area, np.expm1(closing.moduli[0]) / 6, rtol=1e-9)
+
+
+def test_the_distance_of_planes_and_its_derivatives_against_differences():
+    plan = elbow(6)
+    relations = Relations.of(plan.domain, plan.held, floors(plan))
+    closing = ClosingMap(plan.held, relations, length_of(plan))
+    surface = CmcSolver(plan.domain).solve(plan.held, initial=plan.start, tolerance=1e-12)
+    at = lambda q: closing.at(np.array([q]), closing.first, plan.start, 1e-12)  # noqa: E731
+    here = at(0.2)
+    assert_allclose(at(0.0).sums, apart(surface, plan), rtol=0, atol=1e-9)  # downwards, as the planes' normal is
+    difference = (at(0.2 + 1e-4).sums - at(0.2 - 1e-4).sums) / 2e-4
+    assert_allclose(closing.by_moduli(here)[:, 0], difference, rtol=1e-4)
+
+
+def test_a_range_without_a_root_and_one_modulus_too_few_end_with_what_is_left():
+    plan = elbow()
+    given = dict(by="moduli", coplanar=floors(plan), initial=plan.start)
+    short = close_periods(plan.domain, plan.held, moduli=length_of(plan, stretch=(0.5, 1.5)), **given)
+    assert short.status is ClosingStatus.OUT_OF_RANGE and not short.closed
+    assert_allclose(np.exp(short.moduli), 1.5) and "end of their range" in short.message
+    assert short.gaps[-1] < short.gaps[0] and "Left are 'inside' to 'outside': 0.0" in short.message
+    assert_allclose(abs(apart(short.surface, plan)) / short.gaps[-1], 2.8, rtol=0.1)  # the size
+
+
+def arches(edge=0.08, holes=()):
+    """A plan with two feet in the floor, half circles of unequal radii, and tilts along the rest."""
+    angle = np.linspace(0, np.pi, 13)
+    left = np.column_stack([-1.5 + 0.5 * np.sin(angle), 0.5 * np.cos(angle)])
+    right = np.column_stack([1.5 - 0.3 * np.sin(angle), -0.3 * np.cos(angle)])
+    outline = np.vstack([[[-1.5, -1], [1.5, -1]], right, [[1.5, 1], [-1.5, 1]], left])
+    shape = shapes.polygon(outline, holes=holes, max_edge=edge)
+    rim = shape.domain.boundary_edges
+    middles = shape.positions[shape.domain.edges[rim]].mean(axis=1)
+    far = np.hypot(1.5 - np.abs(middles[:, 0]), middles[:, 1])
+    feet = {"a": rim[(far < 0.5) & (middles[:, 0] < 0)], "b": rim[(far < 0.3) & (middles[:, 0] > 0)]}
+    rest = np.setdiff1d(rim, np.concatenate(list(feet.values())))
+    held = conditions.binormal(shape.domain, shape.positions, rest, 0.3)
+    for edges in feet.values():
+        held += conditions.mirror(shape.domain, edges, (0, 0, -1))
+    return shape, held, [Side(name, edges, normal=(0, 0, -1)) for name, edges in feet.items()]
+
+
+WAYS = {
+    "normals": ((), lambda shape: {}),
+    "tilts": ((), lambda shape: {"positions": shape.positions}),
+    "normals, around a courtyard": (([0.3, 0.1],), lambda shape: {}),
+    "both": (([0.3, 0.1],), lambda shape: {"by": "both", "moduli": hole(shape.domain, shape.positions, 1)}),
+}
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_feet_come_to_one_floor_by_the_normals_along_the_rest(way):
+    """Together with the periods around courtyards, and with the least change that does it."""
+    centres, given = WAYS[way]
+    shape, held, feet = arches(holes=[ring(0.3, centre) for centre in centres])
+    closing = close_periods(shape.domain, held, coplanar=[feet], **given(shape))
+    planes = [side_plane(closing.surface, foot) for foot in feet]
+    size = np.linalg.norm(np.ptp(closing.surface.f_plus, axis=0))
+    assert closing.closed and closing.gaps[0] > 0.01 and len(closing.gaps) <= 10
+    assert list(closing.left) == ["period 0"] * len(centres) + ["'a' to 'b'"]
+    assert abs(planes[0].offset - planes[1].offset) < 1e-8 * size
+    assert max(plane.relative for plane in planes) < 1e-9  # normals at the ends of the mirrors stay in their planes
+    assert np.abs(closing.surface.periods).max(initial=0.0) < 1e-7 and not closing.surface.is_open
+    assert closing.turned.max() > 0.01
+
+
+def test_pieces_of_one_side_are_brought_together_and_sides_that_touch_are_one():
+    shape, held, feet = arches()
+    whole = Side("feet", np.concatenate([feet[0].edges, feet[1].edges]))
+    relations = Relations.of(shape.domain, held, [[whole]])
+    assert relations.names == ("'feet' to 'feet'",) and relations.directions.shape == (1, 3)
+    halves = [Side("left", feet[0].edges[:5]), Side("right", feet[0].edges[5:])]
+    with pytest.raises(ConditionError, match="nothing to close"):
+        Relations.of(shape.domain, held, [halves])
+
+
+def test_sides_that_cannot_lie_in_one_plane_are_refused():
+    plan = elbow(6)
+    shape, held, feet = arches(0.2)
+    rest = np.setdiff1d(shape.domain.boundary_edges, np.concatenate([foot.edges for foot in feet]))
+    cases = [
+        (plan.domain, plan.held, [plan.sides["inside"], plan.sides["end"]], "'inside' and 'end'.*not parallel"),
+        (shape.domain, held, [feet[0], Side("rest", rest)], "'rest'.*not all along a mirror"),
+        (shape.domain, held, [feet[0], Side("b", feet[1].edges, "free")], "'b'.*not all along a mirror"),
+    ]
+    for domain, conditions_, group, message in cases:
+        with pytest.raises(ConditionError, match=message):
+            Relations.of(domain, conditions_, [group])
+    with pytest.raises(ConditionError, match="nothing to close"):
+        close_periods(shape.domain, held)
+    with pytest.raises(ConditionError, match="No normals are prescribed"):
+        close_periods(plan.domain, plan.held, coplanar=floors(plan))
