@@ -104,7 +104,11 @@ def test_feet_come_to_one_floor_by_the_normals_along_the_rest(way):
     assert closing.closed and closing.gaps[0] > 0.01 and len(closing.gaps) <= 10
     assert list(closing.left) == ["period 0"] * len(centres) + ["'a' to 'b'"]
     assert abs(planes[0].offset - planes[1].offset) < 1e-8 * size
-    assert max(plane.relative for plane in planes) < 1e-9  # normals at the ends of the mirrors stay in their planes
+    assert max(plane.relative for plane in planes) < 1e-9
+    fixed, normals = closing.conditions.resolve()
+    ends = np.isin(fixed, np.concatenate([shape.domain.edges[foot.edges].ravel() for foot in feet]))
+    assert ends.sum() == 4
+    assert_allclose(normals[ends, 2], 0, rtol=0, atol=1e-12)  # those at the ends of the mirrors stay in the planes
     assert np.abs(closing.surface.periods).max(initial=0.0) < 1e-7 and not closing.surface.is_open
     assert closing.turned.max() > 0.01
 
