@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..solver import pipeline
 from ..solver.errors import CmcError
+from ..solver.hole_gaps import hole_gaps
 from ..solver.plan import SHEETS
 from ..solver.polygon_sheets import PolygonSheet, polygon_sheet
 from . import session, solved
@@ -85,12 +86,16 @@ class Order:
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What the work gave: the surface, placed, where it is cut open, and the faces that its results are to have."""
+    """What the work gave: the surface, placed, where it is cut open, and the faces that its results are to have.
+
+    more: tables to add to the report.
+    """
 
     formed: pipeline.Formed
     prepared: session.Prepared
     combinatorics: str
     cut: Cut | None
+    more: dict = field(default_factory=dict)
     _polygons: dict[str, PolygonSheet] = field(default_factory=dict)
 
     def polygons(self, sheet: str) -> PolygonSheet | None:
@@ -197,6 +202,8 @@ def _report(context: bpy.types.Context, plan: bpy.types.Object, outcome: Outcome
         "unit_scale": context.scene.unit_settings.scale_length,
         "message": outcome.formed.message,
         **outcome.formed.report.to_dict(),
+        "holes": [gap.to_dict() for gap in hole_gaps(outcome.formed)],
+        **outcome.more,
     }
 
 

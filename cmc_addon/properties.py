@@ -34,6 +34,7 @@ from bpy.props import (
 from ..solver.gauss.conditions import KINDS
 from .design_settings import stored_design_annotations
 from .group_list import free_name
+from .periods_settings import stored_period_annotations
 from .settings import setting_annotations
 from .symmetry_settings import stored_complete_annotations
 
@@ -161,6 +162,7 @@ class CmcObject(bpy.types.PropertyGroup):
         **setting_annotations(),
         **stored_design_annotations(),
         **stored_complete_annotations(),
+        **stored_period_annotations(),
         # On a plan. A link counts only while the result's `source` points back (see results.py).
         "f_plus": PointerProperty(name="f+", type=bpy.types.Object, poll=_is_mesh_object),
         "f_minus": PointerProperty(name="f-", type=bpy.types.Object, poll=_is_mesh_object),
@@ -199,6 +201,9 @@ class CmcScene(bpy.types.PropertyGroup):
         **plan_annotations(),
         "show_groups": BoolProperty(
             name="Show Groups", description="Draw the boundary groups of the active plan as coloured lines",
+            default=True),
+        "show_periods": BoolProperty(
+            name="Show Periods", description="Draw the gap around each hole of the active plan as an arrow",
             default=True),
     }
 

@@ -7,6 +7,7 @@ from functools import lru_cache
 import bpy
 
 from .panels import Tab, length_text, plan_to_solve
+from .periods_text import gap_sentence
 
 _LETTER = 7.0  # pixels, of the interface font at scale 1
 
@@ -67,7 +68,8 @@ class CMC_PT_results(ResultPanel, bpy.types.Panel):
     def draw(self, context):
         report = last_report(context)
         shown = report["sheets"][report["sheet"]]
-        paragraph(self.layout, context, report["message"], "CHECKMARK" if report["converged"] else "ERROR")
+        done = report["converged"] and not report.get("is_open")
+        paragraph(self.layout, context, gap_sentence(report) or report["message"], "CHECKMARK" if done else "ERROR")
         numbers(self.layout, size_rows(report, shown))
         for warning in report.get("warnings", ()):
             if warning != report["message"]:

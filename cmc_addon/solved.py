@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,12 @@ def recall(order: Order) -> Outcome | None:
 def latest(name: str) -> tuple[Order, Outcome] | None:
     """The last order of a plan of this name and what it gave, whatever was changed since; for the screen."""
     return next((pair for pair in reversed(_solved.values()) if pair[0].name == name), None)
+
+
+def forget(which: Callable[[Outcome], bool]) -> None:
+    """Drop some outcomes."""
+    for key in [key for key, (_, outcome) in _solved.items() if which(outcome)]:
+        del _solved[key]
 
 
 def _key(order: Order) -> tuple:

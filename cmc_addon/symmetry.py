@@ -19,6 +19,7 @@ from ..solver.completed_files import completed_report
 from ..solver.completing import Completed, Extent, complete_plan
 from ..solver.errors import CmcError
 from ..solver.pipeline import Group, row_curvature
+from ..solver.plan import Plan
 from ..solver.plan_sides import goes_on
 from . import session, solved
 from .forming import Order, Outcome, check_unchanged, deliver, plan_depsgraph, settings_of, take_order
@@ -59,12 +60,16 @@ class CompleteOrder:
         prepared, mesh = outcome.prepared, self.solve.mesh
         plan = self.solve.plan(prepared)
         try:
-            completed = complete_plan(plan, outcome.formed, self.extent, ROLES[self.settings.sheet])
+            completed = self.completed(plan, outcome)
             told = completed_report(completed)
         except CmcError as error:
             raise in_plan_numbers(error, mesh, prepared.triangles, prepared.owners) from error
         cut = whole_mesh(completed, plan, mesh) if self.wanted.complete_as == "MESH" else None
         return CompleteOutcome(outcome, completed, told, cut)
+
+    def completed(self, plan: Plan, outcome: Outcome) -> Completed:
+        """The copies of the shell over a plan."""
+        return complete_plan(plan, outcome.formed, self.extent, ROLES[self.settings.sheet])
 
     def deliver(self, context: bpy.types.Context, plan: bpy.types.Object, outcome: CompleteOutcome) -> list[str]:
         """Write the copies, in the place of those that were made before; returns what the user should be warned of.
@@ -88,10 +93,14 @@ class CompleteOrder:
         hide_completed(plan, False)
         _hide_shell(plan, self.settings.sheet)
         plan.cmc.complete_report = json.dumps(outcome.report, ensure_ascii=False)
+        self.keep(plan)
+        return [*warnings, *outcome.warnings]
+
+    def keep(self, plan: bpy.types.Object) -> None:
+        """Store with the plan what was wanted."""
         for name in COMPLETE_SETTINGS:
             setattr(plan.cmc, name, getattr(self.wanted, name))
         plan.cmc.complete_box = bpy.data.objects.get(self.wanted.box) if self.wanted.box else None
-        return [*warnings, *outcome.warnings]
 
     def _write_mesh(self, context, plan, depsgraph, outcome: CompleteOutcome) -> None:
         completed = outcome.completed

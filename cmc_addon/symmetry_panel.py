@@ -86,7 +86,7 @@ class CMC_PT_symmetry(Tab, bpy.types.Panel):
         row.scale_y = TALL
         row.operator("cmc.complete")
         if plan.cmc.complete_report:
-            numbers(layout, completed_rows(_parsed(plan.cmc.complete_report)))
+            numbers(layout, completed_rows(last_completion(plan.cmc.complete_report)))
 
     def _preview(self, layout, context, plan):
         """How many copies there will be."""
@@ -109,7 +109,7 @@ def wanted_of(plan: bpy.types.Object) -> SimpleNamespace:
 
 
 @lru_cache(maxsize=4)
-def _parsed(text: str) -> dict | None:
+def last_completion(text: str) -> dict | None:
     """A report as it was written; None if somebody else wrote into the property."""
     try:
         found = json.loads(text)

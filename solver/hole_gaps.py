@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from .domain.domain import Domain
 from .domain.topology import Homology
 from .pipeline import Formed
+from .surface.cmc import CmcSurface
 from .surface.sides import surface_size
 
 Array = NDArray[np.float64]
@@ -51,20 +52,30 @@ def hole_gaps(formed: Formed) -> list[HoleGap]:
     if not len(surface.periods):
         return []
     size = similarity.scale * surface_size(surface)
-    periods = similarity.scale * similarity.directions(surface.periods)
+    periods = similarity.scale * similarity.directions(period_vectors(surface))
     points = formed.placed[formed.report.sheet]
-    if len(periods) != len(domain.boundary_loops) - 1:
+    relative = (np.linalg.norm(periods, axis=1) / size).tolist()
+    if _has_handles(domain):
         middle = points.mean(axis=0)
-        return [
-            HoleGap(f"period {k}", period, float(np.linalg.norm(period)) / size, middle)
-            for k, period in enumerate(periods, start=1)
-        ]
-    around = turns_of_loops(Homology.of(domain)) @ periods
+        return [HoleGap(f"period {k + 1}", period, relative[k], middle) for k, period in enumerate(periods)]
     gaps = []
-    for number, loop in enumerate(hole_loops(domain), start=1):
-        at, period = _ends(formed, points, domain.boundary_loops[loop], around[loop])
-        gaps.append(HoleGap(f"hole {number}", period, float(np.linalg.norm(period)) / size, at))
+    for k, loop in enumerate(hole_loops(domain)):
+        at, period = _ends(formed, points, domain.boundary_loops[loop], periods[k])
+        gaps.append(HoleGap(f"hole {k + 1}", period, relative[k], at))
     return gaps
+
+
+def period_vectors(surface: CmcSurface) -> Array:
+    """(k, 3) the periods around the holes, the one with the longest rim first, in the units of the surface; on a plan
+    with handles those around its loops that cannot be contracted."""
+    domain = surface.domain
+    if _has_handles(domain):
+        return surface.periods
+    return turns_of_loops(Homology.of(domain))[hole_loops(domain)] @ surface.periods
+
+
+def _has_handles(domain: Domain) -> bool:
+    return domain.genus > 0
 
 
 def hole_loops(domain: Domain) -> list[int]:

@@ -1,0 +1,71 @@
+"""Periods: under Results, the gaps around the holes of a plan, and the two things to do about them."""
+
+import bpy
+
+from ..solver.errors import CmcError
+from .panels import TALL, hint, plan_to_solve, properties_column
+from .periods import tile_counts
+from .periods_settings import draw_close, draw_tile
+from .periods_text import closing_rows, gap_rows
+from .results_panel import ResultPanel, last_report, numbers, paragraph
+from .symmetry_panel import completed_rows, last_completion
+
+
+class CMC_PT_periods(ResultPanel, bpy.types.Panel):
+    bl_idname = "CMC_PT_periods"
+    bl_label = "Periods"
+    bl_parent_id = "CMC_PT_results"
+
+    @classmethod
+    def poll(cls, context):
+        report = last_report(context)
+        return report is not None and bool(report.get("holes"))
+
+    def draw_header_preset(self, context):
+        self.layout.prop(context.scene.cmc, "show_periods", text="", icon="OVERLAY", emboss=False)
+
+    def draw(self, context):
+        layout, plan, report = self.layout, plan_to_solve(context), last_report(context)
+        numbers(layout, gap_rows(report))
+        numbers(layout, closing_rows(report))
+        column = layout.column()
+        column.enabled = plan.is_editable and not context.window_manager.cmc.running
+        draw_close(properties_column(column), plan.cmc)
+        self._button(column, "cmc.close_periods")
+        if not report.get("is_open"):
+            hint(column, "The shell closes: nothing", "to tile by")
+            return
+        column.separator()
+        draw_tile(properties_column(column), plan.cmc, len(report["holes"]))
+        self._counts(column, context, plan, len(report["holes"]))
+        self._button(column, "cmc.tile_periods")
+        if plan.cmc.complete_report:
+            numbers(layout, completed_rows(last_completion(plan.cmc.complete_report)))
+
+    def _counts(self, layout, context, plan, holes):
+        """How many copies there will be."""
+        try:
+            copies, faces = tile_counts(plan, holes, plan.cmc.tile_repeat)
+        except CmcError as error:
+            paragraph(layout, context, str(error), "ERROR")
+            return
+        numbers(layout, [("Copies", f"{copies:,}"), ("Faces", f"{faces:,}")])
+
+    def _button(self, layout, name):
+        row = layout.row()
+        row.scale_y = TALL
+        row.operator(name)
+
+
+CLASSES = (CMC_PT_periods,)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    for cls in reversed(CLASSES):
+        if cls.is_registered:
+            bpy.utils.unregister_class(cls)

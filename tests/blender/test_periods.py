@@ -1,0 +1,260 @@
+"""Close Periods: in every way, in place, with the layers; what moves; what is said; undo."""
+
+from __future__ import annotations
+
+import json
+
+import bpy
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from .scenes import activate, add_group, boundary_edges, positions, quad_ring, snapshot, values
+
+FINISHED = {"FINISHED"}
+COLUMNS = 32
+
+
+def court(**options):
+    """A round plan around a court that is not in its middle, with a UV layer, a seam and two groups."""
+    plan = quad_ring("Court", rings=5, columns=COLUMNS, inner=1.5, outer=4.0, **options)
+    layer = plan.data.uv_layers.new(name="Drawing")
+    layer.uv.foreach_set("vector", np.random.default_rng(1).random(2 * len(plan.data.loops)).astype(np.float32))
+    for edge in plan.data.edges:
+        edge.use_seam = edge.index % 7 == 0
+    edges = boundary_edges(plan.data)
+    inner = [e for e in edges if max(plan.data.edges[e].vertices) < COLUMNS]
+    add_group(plan, "Court", inner, "BINORMAL", tilt=0.6)
+    add_group(plan, "Street", sorted(set(edges) - set(inner)), "BINORMAL", tilt=0.9)
+    return plan
+
+
+@pytest.fixture
+def plan():
+    made = court()
+    assert bpy.ops.cmc.solve() == FINISHED
+    return made
+
+
+def report(plan) -> dict:
+    return json.loads(plan.cmc.report)
+
+
+def sources_of(mesh) -> np.ndarray:
+    """The plan's vertex that each vertex comes from, if the plan has their numbers as an attribute."""
+    numbered = mesh.attributes.get("source")
+    return np.arange(len(mesh.vertices)) if numbered is None else np.array(values(numbered))
+
+
+def uv_corners(mesh) -> set:
+    """What is at each corner: the plan's vertex by number, and its UV."""
+    sources = sources_of(mesh)
+    drawn = values(mesh.attributes["Drawing"])
+    return {(int(sources[loop.vertex_index]), *np.round(uv, 6)) for loop, uv in zip(mesh.loops, drawn, strict=True)}
+
+
+def seams(mesh) -> set:
+    sources = sources_of(mesh)
+    return {tuple(sorted(sources[list(edge.vertices)].tolist())) for edge in mesh.edges if edge.use_seam}
+
+
+def test_solve_says_that_there_is_a_gap_and_what_to_press(plan, addon):
+    told = report(plan)
+    (hole,) = told["holes"]
+    assert told["is_open"] and hole["name"] == "hole 1" and 0.02 < hole["relative"] < 1.0
+    assert_allclose(hole["length"], told["gap"], rtol=1e-9)
+    text = addon.cmc_addon.periods_text
+    said = text.gap_sentence(told)
+    assert "has a gap of" in said and "Close Periods" in said and "Tile by Periods" in said
+    assert f"{100 * hole['relative']:.2g} %" in said
+    rows = dict(text.gap_rows(told))
+    assert f"{hole['length']:.4g}"[:4] in rows["Hole 1"]
+
+
+def test_the_arrow_leads_from_one_end_of_the_gap_to_the_other(plan, addon):
+    lines = addon.cmc_addon.periods_overlay.arrows(report(plan))
+    assert lines.shape == (5, 2, 3)
+    shell = positions(plan.cmc.f_plus)
+    for end in lines[0]:
+        assert np.linalg.norm(shell - end, axis=1).min() < 1e-4
+    plan.cmc.f_plus.location.x += 2.0
+    bpy.context.view_layer.update()
+    moved = addon.cmc_addon.periods_overlay.placing(plan, report(plan))
+    assert_allclose(moved[:3, 3], [2, 0, 0], atol=1e-6)
+    assert bpy.ops.cmc.close_periods() == FINISHED
+    assert len(addon.cmc_addon.periods_overlay.arrows(report(plan))) == 0
+
+
+def test_a_shell_that_is_cut_open_has_the_layers_of_the_plan():
+    plan = court()
+    count = len(plan.data.vertices)
+    plan.data.attributes.new("source", "INT", "POINT").data.foreach_set("value", np.arange(count))
+    assert bpy.ops.cmc.solve() == FINISHED
+    shell = plan.cmc.f_plus.data
+    assert len(shell.vertices) > count
+    assert uv_corners(shell) == uv_corners(plan.data), "UVs are continuous across the cut"
+    assert seams(shell) == seams(plan.data)
+
+
+@pytest.mark.parametrize("way", ["NORMALS", "TILTS", "HOLE", "BOTH"])
+def test_a_court_closes_in_place(plan, way):
+    shell, drawn = plan.cmc.f_plus, positions(plan)
+    groups = [(g.name, g.kind, g.tilt) for g in plan.data.cmc.groups]
+    material = bpy.data.materials.new("Stone")
+    shell.data.materials.append(material)
+    before = report(plan)["gap"]
+    assert bpy.ops.cmc.close_periods(close_by=way) == FINISHED
+    told = report(plan)
+    assert plan.cmc.f_plus == shell and shell.data.materials[0] == material
+    assert len(shell.data.vertices) == len(plan.data.vertices), "welded"
+    assert len(shell.data.polygons) == len(plan.data.polygons)
+    assert uv_corners(shell.data) == uv_corners(plan.data) and seams(shell.data) == seams(plan.data)
+    closing = told["closing"]
+    assert closing["closed"] and not told["is_open"] and told["gap"] < 1e-7 * before
+    assert plan.cmc.message == closing["message"] and plan.cmc.close_by == way
+    assert [(g.name, g.kind, g.tilt) for g in plan.data.cmc.groups] == groups
+    moved = positions(plan) - drawn
+    if way in ("HOLE", "BOTH"):
+        hole = moved[:COLUMNS]
+        turn = np.radians(closing["moved"]["twist"])
+        shift = np.array([closing["moved"]["x"], closing["moved"]["y"], 0.0])
+        assert_allclose(hole.mean(axis=0), shift, atol=1e-5)
+        assert np.abs(hole - shift).max() < 1.6 * abs(turn) + 1e-4
+        assert not moved[-COLUMNS:].any(), "the outer rim stays"
+        assert np.linalg.norm(shift) > 0.02
+    else:
+        assert not moved.any() and closing["largest_turn"] > 0.5
+    H = np.median(values(shell.data.attributes["cmc_mean_curvature"]))
+    assert_allclose(H, told["mean_curvature"], rtol=0.15)
+
+
+def test_the_panel_tells_what_changed(plan, addon):
+    assert bpy.ops.cmc.close_periods(close_by="BOTH", close_size=True) == FINISHED
+    rows = dict(addon.cmc_addon.periods_text.closing_rows(report(plan)))
+    assert set(rows) == {
+        "Gap before", "Gap now", "Normals turned", "Hole x", "Hole y", "Hole twist", "Hole size", "Steps"}
+    assert "°" in rows["Normals turned"] and rows["Hole size"].startswith("×")
+    assert dict(addon.cmc_addon.periods_text.gap_rows(report(plan)))["Hole 1"] == "Closed"
+    assert addon.cmc_addon.periods_text.gap_sentence(report(plan)) == ""
+
+
+def test_solve_gives_the_shell_with_its_gap_again(plan):
+    before = positions(plan.cmc.f_plus)
+    assert bpy.ops.cmc.close_periods() == FINISHED
+    assert bpy.ops.cmc.solve() == FINISHED
+    assert_allclose(positions(plan.cmc.f_plus), before, atol=1e-4)
+    assert "closing" not in report(plan)
+
+
+def test_it_solves_by_itself_and_keeps_what_was_chosen():
+    plan = court()
+    assert bpy.ops.cmc.close_periods(close_by="TILTS") == FINISHED
+    assert report(plan)["closing"]["closed"] and plan.cmc.close_by == "TILTS"
+    first = report(plan)["closing"]["largest_turn"]
+    activate(plan.cmc.f_plus)
+    assert bpy.ops.cmc.close_periods() == FINISHED, "with the shell active, too"
+    assert_allclose(report(plan)["closing"]["largest_turn"], first, rtol=1e-6)
+
+
+def test_a_plan_that_is_turned_and_moved_closes_by_its_hole():
+    plan = court()
+    plan.location, plan.rotation_euler.z, plan.scale = (5.0, -2.0, 1.0), 0.7, (1.5, 1.5, 1.5)
+    bpy.context.view_layer.update()
+    drawn = positions(plan)
+    assert bpy.ops.cmc.close_periods(close_by="HOLE") == FINISHED
+    closing = report(plan)["closing"]
+    assert closing["closed"]
+    shift = (positions(plan) - drawn)[:COLUMNS].mean(axis=0)
+    assert_allclose(shift[:2], [closing["moved"]["x"], closing["moved"]["y"]], atol=1e-5)
+
+
+def test_a_gap_that_is_left_is_said(plan, addon):
+    """A hole that may only grow does not close it."""
+    assert bpy.ops.cmc.close_periods(
+        close_by="HOLE", close_shift=False, close_twist=False, close_size=True) == FINISHED
+    told = report(plan)
+    assert not told["closing"]["closed"] and told["is_open"]
+    assert len(plan.cmc.f_plus.data.vertices) > len(plan.data.vertices)
+    said = addon.cmc_addon.periods_text.gap_sentence(told)
+    assert said.startswith(told["closing"]["message"]) and "has a gap of" in said
+    assert told["warnings"][0] == told["closing"]["message"]
+
+
+@pytest.mark.parametrize("way", ["NORMALS", "HOLE"])
+def test_undo(plan, way):
+    name = plan.name
+    bpy.ops.ed.undo_push(message="solved")
+    before = snapshot()
+    bpy.ops.cmc.close_periods("EXEC_DEFAULT", True, close_by=way)
+    assert snapshot() != before
+    bpy.ops.ed.undo()
+    assert snapshot() == before
+    activate(bpy.data.objects[name])
+    assert bpy.ops.cmc.tile_periods() == FINISHED, "the shell that is there now is tiled, not the one undone"
+
+
+def refused(said: str, **options) -> None:
+    before = snapshot()
+    with pytest.raises(RuntimeError, match=said):
+        bpy.ops.cmc.close_periods(**options)
+    assert snapshot() == before
+
+
+def test_what_cannot_be_closed_is_said(plan):
+    refused("Say how the holes may move", close_by="HOLE", close_shift=False, close_twist=False)
+    plan.cmc.sites, plan.cmc.energy = "FACES", "MOBIUS"
+    refused("Closing works with normals on vertices")
+
+
+def test_plans_whose_vertices_cannot_be_moved(plan):
+    plan.shape_key_add(name="Basis")
+    refused("has shape keys", close_by="HOLE")
+    plan.shape_key_clear()
+    plan.modifiers.new("Bend", "SIMPLE_DEFORM")
+    plan.cmc.apply_modifiers = True
+    refused("with its modifiers applied", close_by="HOLE")
+    plan.modifiers.clear()
+    bpy.ops.object.mode_set(mode="EDIT")
+    with pytest.raises(RuntimeError, match="is in edit mode"):
+        bpy.ops.cmc.close_periods(close_by="BOTH")
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def test_a_plan_without_a_hole():
+    from .scenes import quad_disc
+
+    quad_disc()
+    refused("neither holes nor handles")
+
+
+def test_esc_leaves_everything_as_it_was(plan, addon):
+    """The work is stopped at its first step."""
+    from types import SimpleNamespace
+
+    operators = addon.cmc_addon.operators.periods
+
+    class Hand(operators.CMC_OT_close_periods.__mro__[1]):
+        bl_label, names = "Close Periods", operators.CLOSE_SETTINGS
+        take = operators.CMC_OT_close_periods.take
+        tell = operators.CMC_OT_close_periods.tell
+        properties = SimpleNamespace(is_property_set=lambda name: False)
+
+        def __init__(self):
+            self.reports = []
+            self._work = self.steps(bpy.context, 0.01)
+
+        def report(self, kind, text):
+            self.reports.append(text)
+
+    before, hand = snapshot(), Hand()
+    tick = SimpleNamespace(type="TIMER", value="NOTHING")
+    assert hand.modal(bpy.context, tick) == {"RUNNING_MODAL"}
+    assert hand.modal(bpy.context, SimpleNamespace(type="ESC", value="PRESS")) == {"CANCELLED"}
+    assert snapshot() == before and hand.reports == ["Close Periods was cancelled; nothing was changed."]
+    again = Hand()
+    run, said = bpy.context.window_manager.cmc, set()
+    while (ended := again.modal(bpy.context, tick)) == {"RUNNING_MODAL"}:
+        said.add(run.message)
+        assert 0.0 <= run.progress < 1.0
+    assert ended == FINISHED and all(text == "" or text.startswith("Step ") for text in said)
+    assert report(plan)["closing"]["closed"]
