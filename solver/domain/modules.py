@@ -80,7 +80,7 @@ def capital(radius: float, *, oculus: float = 0.0, eighth: bool = False, bay: fl
     45°). The radii are parts of half the `bay` in the plan, not in space: thinner plans make slenderer columns.
 
     The column's side is for a mirror in the floor: a ring that touched the floor would enclose the area of a whole bay.
-    The oculus is for any kind; its normal is that of a flat ceiling, which the surface touches or is orthogonal to.
+    The oculus is for a tangent side, with the normal of a flat ceiling, or a free one.
     """
     a = 0.5 * bay
     if not (0.0 < radius < 1.0 and a > 0.0 and max_edge > 0.0 and np.isfinite([bay, max_edge]).all()):

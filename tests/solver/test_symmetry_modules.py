@@ -159,8 +159,8 @@ def test_a_right_angle_in_the_place_of_sixty_degrees_converges_slowly():
     assert_allclose(misses, [1.0, 1.5], atol=0.01)
 
 
-def wrong_angle() -> modules.Module:
-    rectangle, three = modules.node(2, 2.0, max_edge=0.16), modules.node(3, 2.2, max_edge=0.16)
+def wrong_angle(max_edge: float = 0.16) -> modules.Module:
+    rectangle, three = modules.node(2, 2.0, max_edge=max_edge), modules.node(3, 2.2, max_edge=max_edge)
     return modules.Module(rectangle.shape, three.normals)
 
 
