@@ -11,7 +11,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..linalg import as_numbers
 from .arrangement import arrange
+from .cells import compact
 from .cmc import CmcSurface
 from .completion import Completion
 from .copies import Copy, Found, cell, generate, translation
@@ -66,6 +68,8 @@ def complete(
         raise SymmetryError(f'Sheet "{sheet}" has no copies; choose f+ or f-.')
     if box is not None and len(around):
         raise SymmetryError("Copies in a box and around corners exclude each other; choose one of them.")
+    if not (np.isfinite(tolerance) and tolerance > 0.0):
+        raise SymmetryError(f"The tolerance must be a positive part of the surface's size, not {tolerance}.")
     arrangement = arrange(surface, sides, coplanar)
     seams = side_seams(arrangement.planes) + cut_seams(surface)
     if not seams and translations is None:
@@ -75,16 +79,27 @@ def complete(
     steps = [seam.step for seam in seams]
     own = np.zeros((0, 3))
     if box is not None:
-        made = _in_box(surface, sheet, steps, np.asarray(box, dtype=np.float64), frame or Similarity(), within, limit)
+        made = _in_box(surface, sheet, steps, box, frame or Similarity(), within, limit)
     elif len(around):
         made = _around(seams, around, within, limit)
     elif copies is not None:
         made = generate(steps, within, lambda copy: True, limit)[0]
     else:
         made, own = cell(steps, within, _MOST_DIRECTIONS)
+        made = compact(made, own, _seam_sizes(surface, seams), _middles(surface, sheet), arrangement.planes, within)
     vectors = own if translations is None else _vectors(translations)
     made = _repeated(made, vectors, repeat, within, limit)
+    _check_extent(surface, sheet, made)
     return Completion(surface, sheet, made, seams, _neighbours(made, steps, within), own, arrangement)
+
+
+def _check_extent(surface: CmcSurface, sheet: str, made: Sequence[Copy]) -> None:
+    other = "f-" if sheet == "f+" else "f+"
+    for name, needed in ((sheet, True), (other, any(copy.sheet < 0 for copy in made))):
+        if needed and surface.is_degenerate(name):
+            raise SymmetryError(
+                f"Sheet {name} of this surface is a point; choose the other one, and sides across which it stays."
+            )
 
 
 def _limit(copies: int | None) -> int:
@@ -96,8 +111,9 @@ def _limit(copies: int | None) -> int:
 
 
 def _vectors(translations: ArrayLike) -> Array:
-    vectors = np.asarray(translations, dtype=np.float64).reshape(-1, 3)
-    if not np.isfinite(vectors).all() or (np.linalg.norm(vectors, axis=1) == 0.0).any():
+    vectors = np.atleast_2d(as_numbers(translations, "Translations", SymmetryError))
+    good = vectors.ndim == 2 and vectors.shape[1] == 3 and bool(np.isfinite(vectors).all())
+    if not good or (np.linalg.norm(vectors, axis=1) == 0.0).any():
         raise SymmetryError("Translations must be finite vectors (k, 3), none of them zero.")
     return vectors
 
@@ -106,20 +122,20 @@ def _in_box(
     surface: CmcSurface,
     sheet: str,
     steps: Sequence[Copy],
-    box: Array,
+    corners: ArrayLike,
     frame: Similarity,
     tolerance: float,
     limit: int,
 ) -> list[Copy]:
     """Copies whose centre is in the box; the way to them may lead through copies one piece beyond."""
+    box = as_numbers(corners, "The corners of a box", SymmetryError)
     if box.shape != (2, 3) or not (box[0] < box[1]).all():
         raise SymmetryError("A box is given by its lowest and its highest corner, (2, 3), the one below the other.")
-    sign = 1 if sheet == "f+" else -1
-    middles = {s: surface.sheet("f+" if s > 0 else "f-").mean(axis=0) for s in (1, -1)}
+    middles = _middles(surface, sheet)
     beyond = frame.scale * surface_size(surface)
 
     def inside(copy: Copy, margin: float) -> bool:
-        centre = frame.points(copy.points(middles[sign * copy.sheet]))
+        centre = frame.points(copy.points(middles[copy.sheet]))
         return bool((centre >= box[0] - margin).all() and (centre <= box[1] + margin).all())
 
     reached, all_of_them = generate(steps, tolerance, lambda copy: inside(copy, beyond), limit)
@@ -131,10 +147,23 @@ def _in_box(
     return made
 
 
+def _middles(surface: CmcSurface, sheet: str) -> dict[int, Array]:
+    """Of the sheet that copies with sheet 1 show, and of the other one."""
+    other = "f-" if sheet == "f+" else "f+"
+    return {1: surface.sheet(sheet).mean(axis=0), -1: surface.sheet(other).mean(axis=0)}
+
+
+def _seam_sizes(surface: CmcSurface, seams: Sequence[Seam]) -> list[tuple[Copy, float]]:
+    """The step across each seam, and how large the seam is."""
+    return [(seam.step, float(np.linalg.norm(np.ptp(surface.f_plus[seam.here], axis=0)))) for seam in seams]
+
+
 def _around(seams: Sequence[Seam], groups: Sequence[Sequence[str]], tolerance: float, limit: int) -> list[Copy]:
     """The orbit of the piece under the group of the first names, of that orbit under the group of the next, …"""
     steps = {seam.name: seam.step for seam in seams}
     made = [translation(np.zeros(3))]
+    if any(isinstance(names, str) for names in groups):
+        raise SymmetryError("Sides to go around are given as lists of names, one list a group.")
     for names in groups:
         unknown = [name for name in names if name not in steps]
         if unknown:
