@@ -20,6 +20,7 @@ import bpy  # noqa: E402
 import demo  # noqa: E402
 import gallery_design  # noqa: E402
 import gallery_faces  # noqa: E402
+import gallery_modules  # noqa: E402
 import make_assets  # noqa: E402
 import numpy as np  # noqa: E402
 import portrait  # noqa: E402
@@ -141,6 +142,30 @@ def outline(samples: int) -> None:
     studio.render(IMAGES / "outline.png", WIDTH, round(WIDTH / 1.75), samples)
 
 
+def columns(samples: int) -> None:
+    """A roof on columns: the column capital of Add > Mesh > CMC, completed."""
+    gallery_modules.hall()
+    studio.render(IMAGES / "columns.jpg", WIDTH, round(0.44 * WIDTH), samples)
+
+
+def honeycomb(samples: int) -> None:
+    """Three by three units of the honeycomb module (paper, Figure 16)."""
+    gallery_modules.honeycomb()
+    studio.render(IMAGES / "honeycomb.jpg", WIDTH, round(0.44 * WIDTH), samples)
+
+
+def nodoid_cut(samples: int) -> None:
+    """Three periods of a nodoid from instances of a quarter of one half."""
+    gallery_modules.nodoid()
+    studio.render(IMAGES / "nodoid_cut.jpg", WIDTH, round(0.44 * WIDTH), samples)
+
+
+def unduloids(samples: int) -> None:
+    """The family of unduloids (paper, Section 5.3.2)."""
+    gallery_modules.family()
+    studio.render(IMAGES / "unduloids.jpg", WIDTH, round(0.56 * WIDTH), samples)
+
+
 PICTURES: dict[str, Callable[[int], None]] = {
     "pavilion": pavilion,
     "plans": plans_and_shells,
@@ -153,6 +178,10 @@ PICTURES: dict[str, Callable[[int], None]] = {
     "approximation": approximation,
     "centre": centre,
     "outline": outline,
+    "columns": columns,
+    "honeycomb": honeycomb,
+    "nodoid_cut": nodoid_cut,
+    "unduloids": unduloids,
 }
 
 
