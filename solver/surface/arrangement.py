@@ -92,6 +92,7 @@ def arrange(surface: CmcSurface, sides: Sequence[Side], coplanar: Sequence[Seque
     owner = _owners(surface.domain, sides)
     measured = [side_plane(surface, side) for side in sides]
     for plane in measured:
+        _check_one_piece(surface, plane)
         if plane.relative > _PLANAR:
             raise SymmetryError(
                 f"Side {plane.name!r} does not lie in a plane{' or at a point' if plane.normal is None else ''}: it is "
@@ -101,6 +102,18 @@ def arrange(surface: CmcSurface, sides: Sequence[Side], coplanar: Sequence[Seque
     together = [*coplanar, *(corner.sides for corner in corners if corner.order == 1)]
     planes, offsets = _one_plane(measured, together, COPLANAR * surface_size(surface))
     return Arrangement(_centred(planes, corners), measured, offsets, corners)
+
+
+def _check_one_piece(surface: CmcSurface, plane: SidePlane) -> None:
+    """Refuse a side on which a cut ends across which the surface jumps out of the side's plane."""
+    _, first, of_row = np.unique(surface.source[plane.rows], return_index=True, return_inverse=True)
+    jumps = surface.g[plane.rows] - surface.g[plane.rows[first]][of_row.ravel()]
+    out = np.linalg.norm(jumps, axis=1) if plane.normal is None else np.abs(jumps @ plane.normal)
+    if out.max() > COPLANAR * surface_size(surface):
+        raise SymmetryError(
+            f"Side {plane.name!r} lies in two planes, {out.max():.3g} apart, since the surface is cut open and the cut "
+            "ends there; close the period first, or leave out this side."
+        )
 
 
 def _check_names(sides: Sequence[Side], coplanar: Sequence[Sequence[str]]) -> None:

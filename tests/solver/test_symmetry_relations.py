@@ -202,6 +202,12 @@ def test_choices_that_lead_nowhere_are_refused(tube):
         "name": (dict(around=[("bottom", "side")]), "no side 'side'"),
         "times": (dict(repeat=(2, 2)), "1 translations"),
         "vector": (dict(translations=[(0, 0, 0)]), "none of them zero"),
+        "narrow": (dict(tolerance=0), "tolerance must be"),
+        "blurred": (dict(tolerance=np.nan), "tolerance must be"),
+        "letters": (dict(around=["top"]), "lists of names"),
+        "word": (dict(coplanar=["top"]), "lists of names"),
+        "plane vector": (dict(translations=[1, 2]), "vectors"),
+        "written": (dict(box="all"), "numbers in a regular array"),
         "both": (dict(around=[("top",)], box=[(-1, -1, -1), (1, 1, 1)]), "exclude each other"),
     }.values():
         with pytest.raises(SymmetryError, match=message):
@@ -211,6 +217,42 @@ def test_choices_that_lead_nowhere_are_refused(tube):
     with pytest.raises(SymmetryError, match="no translation"):
         complete(surface, sides[:1], repeat=3)
     assert issubclass(SymmetryError, CmcError)
+
+
+def test_a_side_that_a_cut_divides_is_refused():
+    """Four mirrors around a hole along which the normals lean to one side: the period is across one of them."""
+    angle = np.linspace(0, 2 * np.pi, 24, endpoint=False)
+    hole = np.column_stack([1 + 0.4 * np.cos(angle), 1 + 0.4 * np.sin(angle)])
+    plan = shapes.polygon([(0, 0), (2, 0), (2, 2), (0, 2)], holes=[hole], max_edge=0.2)
+    domain, sides, held = plan.domain, [], conditions.Conditions()
+    for k, normal in enumerate([(0, -1, 0), (1, 0, 0), (0, 1, 0), (-1, 0, 0)]):
+        sides.append(Side(f"side{k}", plan.sides[f"side{k}"], normal=normal))
+        held += conditions.mirror(domain, sides[-1].edges, normal)
+    ring = np.concatenate([edges for name, edges in plan.sides.items() if name.startswith("hole")])
+    x = plan.positions[domain.edges[ring]].mean(axis=1)[:, 0] - 1.0
+    surface = solve_cmc(domain, held + conditions.binormal(domain, plan.positions, ring, tilt=0.2 + 1.2 * x))
+    assert surface.is_open
+    parts = [len(set(surface.source[side_plane(surface, side).rows])) for side in sides]
+    divided = [s for s, n in zip(sides, parts, strict=True) if n < len(side_plane(surface, s).rows)]
+    assert len(divided) == 1
+    with pytest.raises(SymmetryError, match=f"'{divided[0].name}' lies in two planes.*close the period"):
+        complete(surface, sides, copies=4)
+    rest = [side for side in sides if side is not divided[0]]
+    mesh = complete(surface, rest, copies=6).mesh
+    assert mesh.is_oriented and mesh.largest_gap < 1e-6
+
+
+def test_points_have_no_copies(eighth):
+    """Constant normals fulfil the conditions of mirrors and free sides; of a sphere f- is its centre."""
+    domain, (left, _, floor) = eighth.surface.domain, eighth.sides
+    nothing = solve_cmc(domain, conditions.fixed(domain, floor.edges, (0, 1, 0)))
+    for side in (Side("left", left.edges, normal=(1, 0, 0)), Side("left", left.edges, "free")):
+        with pytest.raises(SymmetryError, match="surface is a point"):
+            side_plane(nothing, side)
+    with pytest.raises(SymmetryError, match="Sheet f- of this surface is a point"):
+        complete(eighth.surface, eighth.sides, sheet="f-")
+    with pytest.raises(SymmetryError, match="normal of side 'left' must be numbers"):
+        side_plane(eighth.surface, Side("left", left.edges, normal="x"))  # pyright: ignore[reportArgumentType]
 
 
 def test_a_domain_and_its_mirror_image():
