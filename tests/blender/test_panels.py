@@ -76,9 +76,10 @@ class Properties:
 
 
 def panel_class(name):
-    from cmc_formfinding.cmc_addon import boundary_panel, design_panel, panels, results_panel, symmetry_panel
+    from cmc_formfinding import cmc_addon as addon
 
-    for module in (panels, boundary_panel, design_panel, symmetry_panel, results_panel):
+    names = ("panels", "boundary_panel", "design_panel", "symmetry_panel", "results_panel", "periods_panel")
+    for module in (getattr(addon, name) for name in names):
         if hasattr(module, name):
             return getattr(module, name)
     raise LookupError(name)
@@ -86,7 +87,7 @@ def panel_class(name):
 
 PANELS = (
     "CMC_PT_plan", "CMC_PT_boundary", "CMC_PT_shell", "CMC_PT_options", "CMC_PT_advanced", "CMC_PT_design",
-    "CMC_PT_symmetry", "CMC_PT_results", "CMC_PT_checks", "CMC_PT_solver",
+    "CMC_PT_symmetry", "CMC_PT_results", "CMC_PT_checks", "CMC_PT_solver", "CMC_PT_periods",
 )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from .scenes import activate, add_group, boundary_edges, positions, quad_ring, snapshot, values
+from .test_panels import draw
 
 FINISHED = {"FINISHED"}
 COLUMNS = 32
@@ -229,7 +231,6 @@ def test_a_plan_without_a_hole():
 
 def test_esc_leaves_everything_as_it_was(plan, addon):
     """The work is stopped at its first step."""
-    from types import SimpleNamespace
 
     operators = addon.cmc_addon.operators.periods
 
@@ -258,3 +259,21 @@ def test_esc_leaves_everything_as_it_was(plan, addon):
         assert 0.0 <= run.progress < 1.0
     assert ended == FINISHED and all(text == "" or text.startswith("Step ") for text in said)
     assert report(plan)["closing"]["closed"]
+
+
+# --- the panel -----------------------------------------------------------------------------
+
+
+def test_results_and_periods_of_a_gap_and_of_a_closed_shell(plan):
+    said = " ".join(draw("CMC_PT_results").texts)
+    assert "has a gap of" in said and "Close Periods" in said
+    open_panel = draw("CMC_PT_periods")
+    assert open_panel.operators == ["cmc.close_periods", "cmc.tile_periods"]
+    assert {"close_by", "tile_as", "tile_repeat"} <= set(open_panel.props) and "close_shift" not in open_panel.props
+    assert "3" in open_panel.texts and f"{3 * len(plan.data.polygons):,}" in open_panel.texts
+    plan.cmc.close_by = "BOTH"
+    assert {"close_shift", "close_twist", "close_size", "close_weight"} <= set(draw("CMC_PT_periods").props)
+    assert bpy.ops.cmc.close_periods() == FINISHED
+    closed = draw("CMC_PT_periods")
+    assert closed.operators == ["cmc.close_periods"] and "Closed" in closed.texts and "Normals turned" in closed.texts
+    assert "The surface closes" in " ".join(draw("CMC_PT_results").texts)
