@@ -1,4 +1,5 @@
 """Draw the plans of `plans.py` in Blender and write them into assets/: .blend marked as Blender assets, and .obj.
+The modules of Add > Mesh > CMC are written by `make_modules.py`, which this calls at the end.
 
     .venvs/full-4.5/bin/python scripts/make_assets.py
 
@@ -15,6 +16,7 @@ import os
 import sys
 import tempfile
 import uuid
+from collections.abc import Sequence
 from pathlib import Path
 
 import blender_session
@@ -43,16 +45,18 @@ COLOURS = {"Membrane": (0.80, 0.77, 0.72, 1.0), "Glass": (0.35, 0.50, 0.55, 1.0)
 
 
 def main() -> None:
-    write_catalogue()
     for file_name, make in plans.SKETCHES.items():
         sketch = make()
         picture = preview(sketch)
         blender_session.empty_scene()
         plan = draw(sketch)
         write_mesh(ASSETS / f"{file_name}.obj", obj_data(plan))
-        mark(plan, sketch, picture)
+        mark(plan, sketch.description, sketch.tags, picture)
         save(ASSETS / f"{file_name}.blend", plan)
         print(f"{plan.name}: {len(plan.data.polygons)} faces, {len(plan.data.cmc.groups)} boundary groups")
+    import make_modules
+
+    make_modules.main()
 
 
 # --- the plan as an object -----------------------------------------------------------------
@@ -156,19 +160,26 @@ def preview(sketch: plans.Sketch) -> np.ndarray:
     blender_session.empty_scene()
     plan = draw(sketch)
     portrait.stage(plan, portrait.form(plan), sketch.view, aspect=1.0, people=False)
+    return picture_of_scene()
+
+
+def picture_of_scene() -> np.ndarray:
+    """A square picture (height, width, 4) in 0…1, bottom row first, of what the camera sees."""
     with tempfile.TemporaryDirectory() as scratch:
         file = studio.render(Path(scratch) / "preview.png", PREVIEW, PREVIEW, samples=16)
         image = bpy.data.images.load(str(file))
         return np.array(image.pixels[:], dtype=np.float32).reshape(PREVIEW, PREVIEW, 4)
 
 
-def mark(plan: bpy.types.Object, sketch: plans.Sketch, picture: np.ndarray) -> None:
+def mark(
+    plan: bpy.types.Object, description: str, tags: Sequence[str], picture: np.ndarray, catalogue: str = CATALOGUE_ID
+) -> None:
     """Make the plan an asset; picture (height, width, 4) in 0…1, from the bottom up."""
     plan.asset_mark()
     data = plan.asset_data
-    data.description, data.author, data.license = sketch.description, AUTHOR, LICENCE
-    data.catalog_id = CATALOGUE_ID
-    for tag in sketch.tags:
+    data.description, data.author, data.license = description, AUTHOR, LICENCE
+    data.catalog_id = catalogue
+    for tag in tags:
         data.tags.new(tag)
     preview = plan.preview_ensure()
     preview.image_size = picture.shape[1::-1]
@@ -185,13 +196,16 @@ def save(path: Path, plan: bpy.types.Object) -> None:
 
 
 def write_catalogue() -> None:
-    """The asset browser's catalogue: one shelf for the plans."""
+    """The asset browser's catalogue: a shelf for the plans, one for the modules."""
+    import make_modules  # which needs what is here
+
+    shelves = {CATALOGUE_ID: CATALOGUE_PATH, make_modules.CATALOGUE_ID: make_modules.CATALOGUE_PATH}
     lines = [
         "# Catalogues of the asset browser: UUID:path:simple name",
         "",
         "VERSION 1",
         "",
-        f"{CATALOGUE_ID}:{CATALOGUE_PATH}:{CATALOGUE_PATH.replace('/', '-')}",
+        *(f"{identifier}:{path}:{path.replace('/', '-')}" for identifier, path in shelves.items()),
     ]
     CATALOGUE.write_text("\n".join(lines) + "\n", encoding="utf-8")
 

@@ -1,0 +1,86 @@
+"""Write the modules of Add > Mesh > CMC into assets/modules/: .blend marked as Blender assets, .obj, and job files.
+
+`make_assets.py` calls it; by itself it writes the modules only:
+
+    .venvs/full-4.5/bin/python scripts/make_modules.py
+
+A job is for `python -m solver`: it solves the module of the OBJ beside it and completes it as the asset does.
+"""
+
+from __future__ import annotations
+
+import sys
+import uuid
+
+import blender_session
+
+package = blender_session.start()
+
+import bpy  # noqa: E402
+import make_assets  # noqa: E402
+import numpy as np  # noqa: E402
+import portrait  # noqa: E402
+import studio  # noqa: E402
+from cmc_formfinding.cmc_addon.presets import PRESETS, Preset  # noqa: E402
+from cmc_formfinding.solver.files import write_mesh  # noqa: E402
+
+FOLDER = make_assets.ASSETS / "modules"
+CATALOGUE_ID = str(uuid.uuid5(uuid.NAMESPACE_URL, "cmc-formfinding/assets/modules"))
+CATALOGUE_PATH = "CMC Form-Finding/Modules"
+
+
+def main() -> None:
+    FOLDER.mkdir(exist_ok=True)
+    make_assets.write_catalogue()
+    for name, preset in PRESETS.items():
+        picture = preview(name)
+        blender_session.empty_scene()
+        plan = draw(name)
+        write_mesh(FOLDER / f"{name}.obj", make_assets.obj_data(plan))
+        (FOLDER / f"{name}.toml").write_text(job(name, preset, plan), encoding="utf-8")
+        details = f"{preset.description}. Solve, then Complete by Symmetry."
+        make_assets.mark(plan, details, ("module", "symmetry"), picture, CATALOGUE_ID)
+        make_assets.save(FOLDER / f"{name}.blend", plan)
+        print(f"{plan.name}: {len(plan.data.polygons)} faces, {len(plan.data.cmc.groups)} boundary groups")
+
+
+def draw(name: str) -> bpy.types.Object:
+    """The plan of a module, alone in the scene and active."""
+    bpy.context.scene.unit_settings.system = "METRIC"
+    bpy.ops.cmc.add_module(module=name.upper())
+    bpy.context.object.select_set(False)
+    return bpy.context.object
+
+
+def job(name: str, preset: Preset, plan: bpy.types.Object) -> str:
+    """The job file of a module: its conditions are the plan's groups."""
+    lines = [f"# {preset.name}: {preset.description[:1].lower()}{preset.description[1:]}.", "", f'mesh = "{name}.obj"']
+    for group in plan.data.cmc.groups:
+        normal = ", ".join(f"{0.0 if abs(part) < 1e-7 else part:.9g}" for part in group.normal)
+        lines += ["", "[[conditions]]", f'group = "{group.name}"', f'kind = "{group.kind.lower()}"']
+        lines += [f"normal = [{normal}]"]
+    sides = [f'"{group.name}"' for group in plan.data.cmc.groups if group.name not in preset.ends]
+    lines += ["", "[complete]", f"sides = [{', '.join(sides)}]", f"repeat = {list(preset.repeat)}"]
+    lines += [f'mesh = "{name}_completed.obj"', "", "[output]", f'report = "{name}.json"']
+    return "\n".join(lines) + "\n"
+
+
+def preview(name: str) -> np.ndarray:
+    """A picture of the completed module."""
+    blender_session.empty_scene()
+    plan = draw(name)
+    bpy.ops.cmc.solve()
+    bpy.ops.cmc.complete()
+    whole = plan.cmc.completed
+    plan.hide_render = True
+    portrait.paint(whole, studio.checker("Plaster", "Plan", cells=1.0))
+    whole.data.shade_smooth()
+    points = portrait.world_points(whole)
+    studio.add_ground(float(np.ptp(points, axis=0).max()), z=float(points[:, 2].min()))
+    studio.light()
+    portrait.look_at(points, (-62.0, 0.5), 42.0, 1.0)
+    return make_assets.picture_of_scene()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
