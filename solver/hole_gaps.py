@@ -11,7 +11,6 @@ from .domain.domain import Domain
 from .domain.topology import Homology
 from .pipeline import Formed
 from .surface.cmc import CmcSurface
-from .surface.sides import surface_size
 
 Array = NDArray[np.float64]
 
@@ -24,7 +23,8 @@ class HoleGap:
     """name: "hole 1", from the longest boundary loop on, the outer one left out; or "period 1" of a plan with handles.
 
     period (3,), in world units: once around the hole the shell has moved by that. relative: its length as a part of
-    the shell's size. at (3,): where it begins, on the rim of the hole; where the shell is cut open there, at the gap.
+    the size of f+, the diagonal of its box. at (3,): where it begins, on the rim of the hole; where the shell is cut
+    open there, at the gap.
     """
 
     name: str
@@ -51,7 +51,7 @@ def hole_gaps(formed: Formed) -> list[HoleGap]:
     surface, similarity, domain = formed.surface, formed.similarity, formed.surface.domain
     if not len(surface.periods):
         return []
-    size = similarity.scale * surface_size(surface)
+    size = similarity.scale * float(np.linalg.norm(np.ptp(surface.f_plus, axis=0)))
     periods = similarity.scale * similarity.directions(period_vectors(surface))
     points = formed.placed[formed.report.sheet]
     relative = (np.linalg.norm(periods, axis=1) / size).tolist()

@@ -29,8 +29,9 @@ WAYS = {
 """What may change for a shell to close."""
 MOVING = ("hole", "both")
 
-# Degrees that are rounding.
+# Degrees that are rounding; digits of moduli that are not.
 _LEAST_TURN = 1e-6
+_DIGITS = 7
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +81,7 @@ class ClosedShell:
             return {}
         units = {"x": lambda q: q * self.moving.size, "y": lambda q: q * self.moving.size}  # type: ignore[union-attr]
         units |= {"twist": np.degrees, "size": np.exp}
-        numbers = zip(self.closing.names, self.closing.moduli.tolist(), strict=True)
+        numbers = zip(self.closing.names, np.round(self.closing.moduli, _DIGITS).tolist(), strict=True)
         return {name: float(units[name.rpartition(" ")[2]](q)) for name, q in numbers}
 
     @property
@@ -92,11 +93,12 @@ class ClosedShell:
             words[-1] = f"{words[-1][:-1]} and is {_share(closing.gaps[-1])}."
         if turned.max(initial=0.0) > _LEAST_TURN:
             mean = np.sqrt(np.mean(turned**2))
-            words.append(f"Normals along the boundary turned by {turned.max():.1f}° at most, {mean:.1f}° on average.")
-        if self.moved:
-            kinds = {"twist": "{:+.2g}°", "size": "× {:.3g}"}
-            forms = [kinds.get(name.rpartition(" ")[2], "{:+.3g}") for name in self.moved]
-            told = [f"{name} {form.format(q)}" for form, (name, q) in zip(forms, self.moved.items(), strict=True)]
+            words.append(f"Normals along the boundary turned by {turned.max():.1f}° at most (RMS {mean:.1f}°).")
+        kinds = {"twist": "{:+.2g}°", "size": "× {:.3g}"}
+        told = [
+            f"{name} {kinds.get(name.rpartition(' ')[2], '{:+.3g}').format(q)}" for name, q in self.moved.items() if q
+        ]
+        if told:
             words.append(f"Holes moved: {', '.join(told)}.")
         return " ".join(words)
 
