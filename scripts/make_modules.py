@@ -61,7 +61,7 @@ def job(name: str, preset: Preset, plan: bpy.types.Object) -> str:
         lines += [f"normal = [{normal}]"]
     sides = [f'"{group.name}"' for group in plan.data.cmc.groups if group.name not in preset.ends]
     lines += ["", "[complete]", f"sides = [{', '.join(sides)}]", f"repeat = {list(preset.repeat)}"]
-    lines += [f'mesh = "{name}_completed.obj"', "", "[output]", f'report = "{name}.json"']
+    lines += [f'mesh = "../../build/jobs/{name}.obj"', "", "[output]", f'report = "../../build/jobs/{name}.json"']
     return "\n".join(lines) + "\n"
 
 

@@ -38,12 +38,14 @@ def test_the_module_is_an_asset_that_completes_itself(name):
 def test_the_job_does_the_same(name, tmp_path):
     from cmc_formfinding.solver.job import load_job, run_job
 
+    folder, made = tmp_path / "assets" / "modules", tmp_path / "build" / "jobs"
+    folder.mkdir(parents=True)
     for suffix in (".obj", ".toml"):
-        shutil.copy(MODULES[name].with_suffix(suffix), tmp_path)
-    job = load_job(tmp_path / f"{name}.toml")
+        shutil.copy(MODULES[name].with_suffix(suffix), folder)
+    job = load_job(folder / f"{name}.toml")
     assert run_job(job).converged
-    completed = json.loads((tmp_path / f"{name}.json").read_text())["completed"]
+    completed = json.loads((made / f"{name}.json").read_text())["completed"]
     plan = opened(MODULES[name])
     units = int(np.prod(list(plan.cmc.complete_repeat)))
     assert completed["copies"] == units * COPIES[name.upper()] and completed["relative_gap"] < 1e-3
-    assert (tmp_path / f"{name}_completed.obj").stat().st_size > 100_000
+    assert (made / f"{name}.obj").stat().st_size > 100_000

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from solver import job, plan
+from solver.complete_table import KEYS as COMPLETE_KEYS
 from solver.domain.sites import SITES
 from solver.errors import Status
 from solver.fit_table import ANCHOR_KEYS
@@ -70,12 +71,13 @@ def job_keys() -> set[str]:
     placing = {"rotate", "flip", "ground", "sheet", "side"} | set(SIZES) - {"match_plan"} | set(GROUNDS)
     elsewhere = {"default_kind", "default_tilt", "size", "value"}
     solving = {field.name for field in fields(plan.Settings)} - elsewhere
-    tables = {"[shape]", "[[conditions]]", "[default]", "[size]", "[solver]", "[output]", "[fit]"}
+    tables = {"[shape]", "[[conditions]]", "[default]", "[size]", "[solver]", "[output]", "[fit]", "[complete]"}
     files = {*SHEET_KEYS, "report", "mesh", "up"} | tables
     names = {*SITES, *ENERGIES, *METHODS, *COMBINATORICS, *AVERAGINGS}
     words = {*WAYS, *KINDS, *job.SHAPES, "kind", "scale", *plan.SHEETS}
     fitting = {*FIT_KEYS, *ANCHOR_KEYS, "[[fit.anchors]]"} - {"anchors"}
-    return words | parameters | shapes | placing | solving | files | names | fitting
+    completing = {*COMPLETE_KEYS, "flipped_corners"}
+    return words | parameters | shapes | placing | solving | files | names | fitting | completing
 
 
 def test_every_key_of_a_job_is_described():
