@@ -65,6 +65,18 @@ def test_walls_are_touched_and_feet_are_orthogonal_to_the_floor(openings, foot, 
     assert len(self_intersections(surface.f_plus, surface.faces)) == 0
 
 
+@pytest.mark.parametrize("openings", [3, 4, 6])
+def test_where_the_feet_meet_it_is_a_hemisphere(openings):
+    """Radius 1/H = 2, the openings shrunk to points."""
+    piece = vault(openings, 0.97, 0.06)
+    points = piece.surface.f_plus
+    floor = np.mean([complete(piece.surface, [side]).planes[0].offset for side in piece.sides if "foot" in side.name])
+    centre = np.append(points[:, :2].mean(axis=0), -floor)
+    assert_allclose(np.linalg.norm(points - centre, axis=1), 2.0, atol=0.06)
+    openings = [np.ptp(points[np.unique(piece.surface.domain.edges[s.edges])], axis=0) for s in piece.sides[:openings]]
+    assert np.max(openings) < 0.02
+
+
 def test_the_shell_and_its_reflection_in_the_floor():
     piece = vault(4, 0.5, 0.1)
     feet = [side for side in piece.sides if side.kind == "mirror"]
