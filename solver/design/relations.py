@@ -92,13 +92,20 @@ def _runs(domain: Domain, conditions: Conditions, group: Sequence[Side]) -> list
     edges, owners = [], []
     for k, side in enumerate(group):
         chosen = boundary_edges(domain, side.edges)
-        if side.kind != "mirror" or not (chosen.size and planes[chosen].any(axis=1).all()):
-            raise ConditionError(f"Side {side.name!r} cannot be moved into a plane: it is not all along a mirror.")
+        mirrored = planes[chosen].any(axis=1)
+        if not chosen.size or not (mirrored.all() if side.kind == "mirror" else side.kind == "free"):
+            raise ConditionError(
+                f"Side {side.name!r} cannot be moved into a plane: it is not all along a mirror, nor free."
+            )
         edges.append(chosen)
         owners.append(np.full(len(chosen), k))
     together, owner = np.concatenate(edges), np.concatenate(owners)
-    normals = planes[together]
-    odd = np.flatnonzero(~parallel(normals, normals[:1]))
+    along = planes[together].any(axis=1)
+    if not along.any():
+        raise ConditionError("Free sides have no plane of their own; name a mirror in whose plane they are to be.")
+    # on a free side the conjugate is one point, which has a place along any normal
+    normals = np.where(along[:, None], planes[together], planes[together][along][0])
+    odd = np.flatnonzero(~parallel(normals, normals[along][:1]))
     if odd.size:
         names = [group[owner[at]].name for at in (0, odd[0])]
         raise ConditionError(f"Sides {names[0]!r} and {names[1]!r} cannot lie in one plane: they are not parallel.")
