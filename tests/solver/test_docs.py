@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from solver import job, plan
+from solver.close_table import KEYS as CLOSE_KEYS
 from solver.complete_table import KEYS as COMPLETE_KEYS
 from solver.domain.sites import SITES
 from solver.errors import Status
@@ -72,7 +73,7 @@ def job_keys() -> set[str]:
     elsewhere = {"default_kind", "default_tilt", "size", "value"}
     solving = {field.name for field in fields(plan.Settings)} - elsewhere
     tables = {"[shape]", "[[conditions]]", "[default]", "[size]", "[solver]", "[output]", "[fit]", "[complete]"}
-    files = {*SHEET_KEYS, "report", "mesh", "up"} | tables
+    files = {*SHEET_KEYS, "report", "mesh", "up"} | tables | {"[close]", *CLOSE_KEYS}
     names = {*SITES, *ENERGIES, *METHODS, *COMBINATORICS, *AVERAGINGS}
     words = {*WAYS, *KINDS, *job.SHAPES, "kind", "scale", *plan.SHEETS}
     fitting = {*FIT_KEYS, *ANCHOR_KEYS, "[[fit.anchors]]"} - {"anchors"}
