@@ -12,7 +12,7 @@ from typing import TypeVar
 import bpy
 from bpy.app.handlers import persistent
 
-from . import edge_bridge, group_list
+from . import corner_bridge, edge_bridge, group_list
 
 T = TypeVar("T")
 
@@ -27,6 +27,12 @@ def boundary_counts(mesh: bpy.types.Mesh) -> tuple[int, int]:
 def group_lines(mesh: bpy.types.Mesh):
     """Uid of each group -> ends (n, 2, 3) of its boundary edges in the mesh's own coordinates."""
     return _cached(mesh, "lines", lambda: edge_bridge.group_lines(mesh, group_list.uids(mesh)))
+
+
+def mirror_corners(mesh: bpy.types.Mesh) -> list[corner_bridge.Corner]:
+    """The corners between two mirrors."""
+    kinds = ",".join(f"{group.uid}:{group.kind}" for group in mesh.cmc.groups)
+    return _cached(mesh, f"corners {kinds}", lambda: corner_bridge.corners(mesh))
 
 
 def _cached(mesh: bpy.types.Mesh, what: str, make: Callable[[], T]) -> T:

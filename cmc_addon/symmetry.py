@@ -24,11 +24,15 @@ from ..solver.plan_sides import goes_on
 from . import session, solved
 from .forming import Order, Outcome, check_unchanged, deliver, plan_depsgraph, settings_of, take_order
 from .instances import delete_instances, write_instances
+from .mesh_bridge import set_attribute
 from .messages import in_plan_numbers
 from .properties import ROLES
 from .result_bridge import Cut, corners_of
 from .results import Writer, delete_result, hide_completed, result_of, write_report
 from .symmetry_settings import COMPLETE_SETTINGS
+
+COPY_ATTRIBUTE = "cmc_copy"
+"""Attribute of the faces of one welded mesh: which copy they are of, 0 the shell itself."""
 
 # Of the box of an object: what has no extent is given this much, relative to the largest.
 _THIN = 1e-6
@@ -106,7 +110,11 @@ class CompleteOrder:
         completed = outcome.completed
         writer = Writer(context, plan, depsgraph, self.solve.mesh, outcome.cut)
         writer.write("COMPLETED", completed.points, completed.normals, outcome.curvature)
-        write_report(result_of(plan, "COMPLETED"), outcome.report)
+        result = result_of(plan, "COMPLETED")
+        each = len(result.data.polygons) // completed.copy_count
+        numbers = np.repeat(np.arange(completed.copy_count, dtype=np.int32), each)
+        set_attribute(result.data, COPY_ATTRIBUTE, "INT", "FACE", numbers)
+        write_report(result, outcome.report)
 
 
 @dataclass(frozen=True, eq=False)

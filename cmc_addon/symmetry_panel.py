@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import bpy
 
 from ..solver.errors import CmcError
-from .corner_bridge import corners
+from .mesh_cache import mirror_corners
 from .panels import TALL, Tab, hint, length_text, plan_to_solve, properties_column
 from .presets import PRESETS
 from .results_panel import last_report, numbers, paragraph
@@ -34,7 +34,7 @@ def draw_group(layout: bpy.types.UILayout, context: bpy.types.Context, mesh: bpy
 
 def _draw_corners(layout, mesh, group) -> None:
     names = {other.uid: other.name for other in mesh.cmc.groups}
-    for corner in corners(mesh):
+    for corner in mirror_corners(mesh):
         normal = corner.normal(mesh)
         if group.uid not in corner.uids or normal is None:
             continue

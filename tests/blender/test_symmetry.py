@@ -7,6 +7,7 @@ import json
 import bpy
 import numpy as np
 import pytest
+from mathutils.bvhtree import BVHTree
 from numpy.testing import assert_allclose
 
 from .completions import FINISHED, faces_of, farthest, is_oriented, module, solved, told
@@ -29,6 +30,17 @@ def test_the_mesh_lies_where_the_shell_is_and_repeats_it():
     assert farthest(below, whole) < 1e-4
 
 
+def test_a_patch_of_honeycomb_goes_through_itself_nowhere():
+    """By Blender's own test: no two triangles overlap that have no vertex in common."""
+    plan = solved("HONEYCOMB", edges=14)
+    assert bpy.ops.cmc.complete() == FINISHED
+    mesh = plan.cmc.completed.data
+    faces = faces_of(mesh)
+    tree = BVHTree.FromPolygons([v.co for v in mesh.vertices], faces)
+    pairs = [(a, b) for a, b in tree.overlap(tree) if a < b and not set(faces[a]) & set(faces[b])]
+    assert len(faces) > 30_000 and pairs == []
+
+
 def test_layers_materials_and_weights_are_on_every_copy():
     plan = module("CAPITAL")
     mesh = plan.data
@@ -42,6 +54,7 @@ def test_layers_materials_and_weights_are_on_every_copy():
     whole, count = plan.cmc.completed.data, len(mesh.polygons)
     ages = np.array(values(whole.attributes["age"]))
     assert_allclose(ages.reshape(4, count), np.tile(np.arange(count), (4, 1)))
+    assert values(whole.attributes["cmc_copy"]) == np.repeat(np.arange(4), count).tolist()
     assert [slot.material.name for slot in plan.cmc.completed.material_slots] == ["Stone", "Glass"]
     assert [polygon.material_index for polygon in whole.polygons][:count] == [p.material_index for p in mesh.polygons]
     warmth, drawn = (np.array(values(m.attributes["Plan"])) for m in (whole, mesh))
@@ -240,3 +253,16 @@ def test_edit_mode_is_refused():
     bpy.ops.object.mode_set(mode="EDIT")
     with pytest.raises(RuntimeError, match="Leave edit mode"):
         bpy.ops.cmc.complete()
+
+
+def test_jobs_that_are_completed_are_not_for_blender(tmp_path):
+    from cmc_formfinding.cmc_addon.batch_files import open_input
+    from cmc_formfinding.solver.errors import JobError
+
+    path = tmp_path / "job.toml"
+    mirror = '[[conditions]]\nside = "left"\nkind = "mirror"\nnormal = [-1, 0, 0]\n'
+    path.write_text('[shape]\nkind = "strip"\nwidth = 2\nheight = 1\ncolumns = 6\n' + mirror)
+    open_input(path)
+    path.write_text(path.read_text() + '[complete]\nmesh = "a.obj"\n')
+    with pytest.raises(JobError, match=r"has a \[complete\], which is not run in Blender"):
+        open_input(path)
