@@ -21,6 +21,7 @@ from ..solver.errors import CmcError
 from ..solver.pipeline import Group, row_curvature
 from ..solver.plan import Plan
 from ..solver.plan_sides import goes_on
+from ..solver.surface.sides import surface_size
 from . import session, solved
 from .forming import Order, Outcome, check_unchanged, deliver, plan_depsgraph, settings_of, take_order
 from .instances import delete_instances, write_instances
@@ -65,7 +66,7 @@ class CompleteOrder:
         plan = self.solve.plan(prepared)
         try:
             completed = self.completed(plan, outcome)
-            told = completed_report(completed)
+            told = completed_report(completed, welded=self.wanted.complete_as == "MESH")
         except CmcError as error:
             raise in_plan_numbers(error, mesh, prepared.triangles, prepared.owners) from error
         cut = whole_mesh(completed, plan, mesh) if self.wanted.complete_as == "MESH" else None
@@ -149,14 +150,14 @@ class CompleteOutcome:
     @property
     def warnings(self) -> list[str]:
         """What did not come out as it is meant to be."""
-        notes = [] if self.converged else [self.outcome.message]
+        notes, scale = [] if self.converged else [self.outcome.message], self.outcome.formed.similarity.scale
         if self.report["relative_gap"] > _WIDE:
             notes.append(
                 f"Seams were up to {self.completed.largest_gap:.2g} apart, {100 * self.report['relative_gap']:.2g} % "
                 "of the shell's size; they were closed, but a finer mesh, or a plan with the corner angles of the "
                 "surface, makes them meet by themselves."
             )
-        if self.completed.largest_offset > _WIDE * np.linalg.norm(np.ptp(self.completed.points, axis=0)):
+        if self.completed.largest_offset > _WIDE * surface_size(self.outcome.formed.surface) * scale:
             notes.append(f"Sides that share a plane came out up to {self.completed.largest_offset:.2g} apart.")
         return notes
 

@@ -28,20 +28,24 @@ def write_completed(
         _write_instances(completed, wanted.instances, plan, mesh, up)
 
 
-def completed_report(completed: Completed) -> dict[str, Any]:
-    """What there is to know about the copies, as plain data; lengths are those of the placed shell."""
-    mesh = completed.completion.mesh
-    return {
+def completed_report(completed: Completed, *, welded: bool = True) -> dict[str, Any]:
+    """What there is to know about the copies, as plain data; lengths are those of the placed shell.
+
+    welded: False leaves out what is known of the welded mesh only, which then is not made.
+    """
+    told = {
         "copies": completed.copy_count,
         "sheets": {name: completed.sheets.count(name) for name in sorted(set(completed.sheets))},
         "triangles": completed.face_count,
-        "vertices": len(mesh.vertices),
         "largest_gap": completed.largest_gap,
-        "relative_gap": mesh.largest_gap,
+        "relative_gap": completed.relative_gap,
         "largest_offset": completed.largest_offset,
-        "is_closed": mesh.is_closed,
         "lattice": plain(completed.lattice),
     }
+    if welded:
+        mesh = completed.completion.mesh
+        told |= {"vertices": len(mesh.vertices), "is_closed": mesh.is_closed}
+    return told
 
 
 def completed_mesh(completed: Completed, plan: Plan, mesh: MeshData, *, triangles: bool = False) -> MeshData:

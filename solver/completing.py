@@ -90,9 +90,13 @@ class Completed:
 
     @property
     def largest_gap(self) -> float:
-        """How far apart neighbours were before they were welded, at most; a length in world units."""
-        gaps = [gap.largest for gap in self.completion.mesh.gaps]
-        return self.formed.similarity.scale * max(gaps, default=0.0)
+        """How far apart neighbours were before their seams were closed, at most; a length in world units."""
+        return self.formed.similarity.scale * max((gap.largest for gap in self.completion.gaps), default=0.0)
+
+    @property
+    def relative_gap(self) -> float:
+        """The same as a part of the shell's size."""
+        return max((gap.relative for gap in self.completion.gaps), default=0.0)
 
     @property
     def largest_offset(self) -> float:
@@ -110,7 +114,7 @@ class Completed:
 
     def summary(self) -> str:
         """Copies, faces and the gap in a sentence."""
-        count, relative = self.copy_count, self.completion.mesh.largest_gap
+        count, relative = self.copy_count, self.relative_gap
         copies = f"{count} {'copy' if count == 1 else 'copies'}, {self.face_count} triangles"
         return f"{copies}; seams were up to {self.largest_gap:.2g} apart ({100 * relative:.2g} % of the shell's size)."
 
