@@ -28,7 +28,7 @@ from .periods_settings import CLOSE_SETTINGS, TILE_SETTINGS, closure_of, may_mov
 from .properties import ROLES
 from .result_bridge import find_cut
 from .results import wanted_roles
-from .symmetry import CompleteOrder
+from .symmetry import CompleteOrder, CompleteOutcome
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,12 +135,24 @@ def take_closing(context: bpy.types.Context, plan: bpy.types.Object, wanted: Sim
 class TileOrder(CompleteOrder):
     """Copies by periods; wanted has `TILE_SETTINGS`, and what they are as `complete_as`."""
 
+    def work(self, progress: session.Progress) -> TileOutcome:
+        found = super().work(progress)
+        return TileOutcome(found.outcome, found.completed, found.report, found.cut)
+
     def completed(self, plan: Plan, outcome: Outcome) -> Completed:
         return tile_plan(outcome.formed, self.wanted.tile_repeat, ROLES[self.settings.sheet])
 
     def keep(self, plan: bpy.types.Object) -> None:
         for name in TILE_SETTINGS:
             setattr(plan.cmc, name, getattr(self.wanted, name))
+
+
+class TileOutcome(CompleteOutcome):
+    """The copies; the gap, across which they go on, is nothing to be warned of."""
+
+    @property
+    def converged(self) -> bool:
+        return self.outcome.formed.report.converged
 
 
 def take_tiling(context: bpy.types.Context, plan: bpy.types.Object, wanted: SimpleNamespace) -> TileOrder:

@@ -128,6 +128,13 @@ def test_a_job_that_fits_is_refused(tmp_path, capsys):
     assert "has a [fit]" in capsys.readouterr().err
 
 
+def test_a_job_that_closes_is_refused(tmp_path, capsys):
+    path = tmp_path / "close.toml"
+    path.write_text('[shape]\nkind = "annulus"\ninner = 0.4\nouter = 1.0\nn = 100\n\n[close]\n')
+    assert cli.run([str(path), "--output", str(tmp_path / "out")]) == 1
+    assert "has a [close]" in capsys.readouterr().err
+
+
 def test_the_input_is_not_written(hall, tmp_path):
     before = hall.read_bytes()
     assert cli.run([str(hall), "--output", str(tmp_path)]) == 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -38,6 +39,30 @@ def test_three_periods_as_one_mesh(plan):
     assert done["copies"] == 3 and done["relative_gap"] < 1e-9, "the seam joins by itself"
     assert plan.cmc.f_plus.hide_viewport and not whole.hide_viewport
     assert tuple(plan.cmc.tile_repeat) == (3, 1, 1) and plan.cmc.tile_as == "MESH"
+
+
+def test_copies_are_told_and_the_gap_is_no_warning(plan, addon):
+    hand = hand_for(addon.cmc_addon.operators.periods)
+    assert hand.execute(bpy.context) == FINISHED
+    ((kind, text),) = hand.reports
+    assert kind == {"INFO"} and "3 copies" in text and "does not close" not in text
+
+
+def hand_for(operators):
+    """Stands for the operator that Blender makes."""
+    operator = operators.CMC_OT_tile_periods
+
+    class Made(operators.Periodic):
+        bl_label, names, take, tell = operator.bl_label, operator.names, operator.take, operator.tell
+        properties = SimpleNamespace(is_property_set=lambda name: False)
+
+        def __init__(self):
+            self.reports = []
+
+        def report(self, kind, text):
+            self.reports.append((kind, text))
+
+    return Made()
 
 
 def test_layers_go_over_the_cuts():
