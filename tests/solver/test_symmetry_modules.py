@@ -70,7 +70,7 @@ def test_corners_of_the_plans_are_those_of_the_surface(make):
         assert_allclose(piece.surface.normals[corner.vertex], N, atol=1e-9)
 
 
-@pytest.mark.parametrize("c", [-0.9, -0.7, -0.5, -0.3, -0.1])
+@pytest.mark.parametrize("c", [-0.9, -0.5, -0.1])
 def test_a_quarter_of_a_tube_is_an_unduloid(c):
     """Four mirrors and a rectangle of the right shape: nothing else is said. Radii 1 ∓ √(1+c), period 4 E(1+c)."""
     errors = []
@@ -183,10 +183,10 @@ def test_impossible_plans_are_refused(wrong):
 def test_sides_of_a_module_are_its_boundary():
     for module in (
         modules.node(3, 2.2, max_edge=0.2),
-        modules.capital(0.3, max_edge=0.1),
-        modules.capital(0.3, oculus=0.5, max_edge=0.1),
-        modules.capital(0.3, oculus=0.5, eighth=True, max_edge=0.1),
-        modules.vault(5, (0.2, 0.3, 0.4, 0.5, 0.6), length=1.5, max_edge=0.1),
+        modules.capital(0.3, max_edge=0.2),
+        modules.capital(0.3, oculus=0.5, max_edge=0.2),
+        modules.capital(0.3, oculus=0.5, eighth=True, max_edge=0.2),
+        modules.vault(5, (0.2, 0.3, 0.4, 0.5, 0.6), length=1.5, max_edge=0.3),
     ):
         edges = np.concatenate(list(module.shape.sides.values()))
         assert_array_equal(np.sort(edges), module.shape.domain.boundary_edges)
