@@ -121,7 +121,8 @@ class ClosingSteps:
         directions = tangent_directions(rim) if self.axes is None else [normalize(np.cross(self.axes, rim))]
         lines, held = self.map.lines(rim)
         directions = [np.where(held[:, None], lines if k == 0 else 0.0, d) for k, d in enumerate(directions)]
-        basis = sp.csc_array(sp.hstack([sp.block_diag(d[:, :, None]) for d in directions]))
+        rows, starts = np.arange(rim.size), np.arange(0, rim.size + 1, 3)
+        basis = sp.csc_array(sp.hstack([sp.csc_array((d.ravel(), rows, starts)) for d in directions]))
         basis.eliminate_zeros()
         return sp.csr_array(basis[:, np.flatnonzero(np.diff(basis.indptr))])
 
