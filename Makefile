@@ -52,6 +52,7 @@ gallery: .venv/ready
 	$(PYTHON) scripts/measure_fits.py --write
 	$(PYTHON) scripts/measure_approximation.py --write
 	$(PYTHON) scripts/measure_symmetry.py --write
+	$(PYTHON) scripts/measure_periods.py --write
 	$(PYTHON) scripts/render_gallery.py
 
 # What was made from the sources; the environments stay.

@@ -79,7 +79,7 @@ class ClosingSteps:
         tolerance = float(np.clip(0.01 * place.gap**2, _TIGHT, _LOOSE))
         at_end = False
         for _ in range(_HALVINGS):
-            rim = exp(place.rim, length * turn)
+            rim = place.rim if self.by == "moduli" else exp(place.rim, length * turn)
             start = place.reached.N + place.extension.spread(rim - place.rim)
             q = self.map.moduli.clipped(place.q + length * change)
             at_end |= bool((q != place.q + length * change).any())

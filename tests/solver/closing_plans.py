@@ -1,4 +1,4 @@
-"""Plans whose surfaces do not close by themselves: courtyards, three holes, a piece of a ring of tubes."""
+"""Plans whose surfaces do not close by themselves: courtyards, three holes, half a tube between mirrors."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from solver import Conditions, Domain, Side, conditions, shapes
+from tests.solver.pieces import unduloid_normals
 
 COURTYARDS = {
     "one hole": (1.2, [(0.4, (0.25, 0.1))], (50, 35)),
@@ -33,67 +34,44 @@ def courtyard(edge: float, name: str = "one hole") -> tuple[shapes.Shape, Condit
 
 
 @dataclass(frozen=True, eq=False)
-class Elbow:
-    """A piece of a closed ring of tubes with spokes, between mirrors, on an L-shaped plan (see `elbow`).
+class HalfTube:
+    """Half of an unduloid between the two halves of a plane, which part of its domain is stretched (see `half_tube`).
 
-    corners: (F, 3, 2) of the faces. tube: the faces of the part of the ring that may be stretched, along y. start: (V,
-    3) normals to begin with.
+    corners: (F, 3, 2) of the faces. tube: those of the half that is `stretch` times too long, along x. held: normals of
+    the unduloid along the lower and the upper side, mirrors along the left and the right one.
     """
 
     domain: Domain
     corners: np.ndarray
     tube: np.ndarray
     held: Conditions
-    sides: dict[str, Side]
-    start: np.ndarray
+    left: Side
+    right: Side
 
 
-def elbow(columns: int = 12, spokes: int = 12, length: float = 1 / 6, spoke: float = 1 / 4) -> Elbow:
-    """The upper half of half a node of the ring, between the plane of its spoke and that across the ring's tube.
+def half_tube(columns: int = 16, stretch: float = 1.35, c: float = -0.4, height: float = 2.0) -> HalfTube:
+    """A rectangle of angles t from 0 to π, those in the first half stretched, by lengths s along an unduloid (MATH §7).
 
-    The plan is a unit square, a strip of the length of the `spoke` to its right, and one of the `length` of the ring's
-    tube above, both a whole number of columns. Mirrors: "axis", the plane of the spoke; "end", across it; "ring",
-    across the tube, at 180° / spokes from the axis; and the floor, twice: "outside" and "inside" of the ring. These
-    come out at different heights.
+    Its left and right side lie in the plane through the axis exactly where the stretch is undone, on every mesh, since
+    that is symmetric then. Columns are even in number.
     """
-    points, faces = _grid(columns, length, spoke)
+    rows = max(2, round(height * columns / np.pi))
+    i, j = (a.ravel() for a in np.meshgrid(np.arange(columns), np.arange(rows), indexing="ij"))
+    lower, right, both, upper = ((i + k) * (rows + 1) + j + m for k, m in ((0, 0), (1, 0), (1, 1), (0, 1)))
+    rising, falling = [lower, right, both, lower, both, upper], [lower, right, upper, right, both, upper]
+    even = ((i + j) % 2 == 0)[:, None]
+    faces = np.where(even, np.column_stack(rising), np.column_stack(falling)).reshape(-1, 3)
+    axes = np.linspace(0, np.pi, columns + 1), np.linspace(0, height, rows + 1)
+    t, s = (a.ravel() for a in np.meshgrid(*axes, indexing="ij"))
+    points = np.column_stack([t + (stretch - 1) * np.minimum(t, np.pi / 2), s])
     domain = Domain.from_positions(points, faces)
     rim = domain.boundary_edges
-    x, y = points[domain.edges[rim]].mean(axis=1).T
-    edges = {"axis": rim[y < 1e-9], "end": rim[x > points[:, 0].max() - 1e-9]}
-    edges |= {"ring": rim[y > points[:, 1].max() - 1e-9], "inside": rim[x < 1e-9]}
-    edges["outside"] = np.setdiff1d(rim, np.concatenate(list(edges.values())))
-    half = np.pi / spokes
-    normals = {"axis": (0, -1, 0), "end": (1, 0, 0), "ring": (-np.sin(half), np.cos(half), 0)}
-    normals |= {"inside": (0, 0, -1), "outside": (0, 0, -1)}
-    held = Conditions()
-    for name, normal in normals.items():
-        held += conditions.mirror(domain, edges[name], normal)
-    sides = {name: Side(name, edges[name], normal=normals[name]) for name in edges}
-    corners = points[domain.faces]
-    tube = np.flatnonzero(corners[:, :, 1].mean(axis=1) > 1)
-    return Elbow(domain, corners, tube, held, sides, _bent(points, half))
-
-
-def _grid(columns: int, length: float, spoke: float) -> tuple[np.ndarray, np.ndarray]:
-    """Right triangles with alternating diagonals."""
-    across, up = columns + round(columns * spoke), columns + round(columns * length)
-    i, j = (a.ravel() for a in np.meshgrid(np.arange(across), np.arange(up), indexing="ij"))
-    inside = (i < columns) | (j < columns)
-    i, j = i[inside], j[inside]
-    a, b, c, d = ((i + k) * (up + 1) + j + m for k, m in ((0, 0), (1, 0), (1, 1), (0, 1)))
-    even = ((i + j) % 2 == 0)[:, None]
-    halves = np.where(even, np.column_stack([a, b, c, a, c, d]), np.column_stack([a, b, d, b, c, d]))
-    used, faces = np.unique(halves, return_inverse=True)
-    return np.column_stack([used // (up + 1), used % (up + 1)]) / columns, faces.reshape(-1, 3)
-
-
-def _bent(points: np.ndarray, half: float) -> np.ndarray:
-    """Normals (V, 3) of two round tubes that blend into each other along the diagonal."""
-    x, y = np.clip(points, 0, 1).T[:, :, None]
-    out, up, aside = np.array([np.cos(half), np.sin(half), 0]), np.array([0, 0, 1]), np.array([0, 1, 0])
-    ring = np.sin(np.pi * x) * up - np.cos(np.pi * x) * out
-    spoke = np.cos(0.5 * np.pi * y) * up + np.sin(0.5 * np.pi * y) * aside
-    share = np.clip(0.5 + 0.5 * (points[:, :1] - points[:, 1:]), 0, 1)
-    N = share * spoke + (1 - share) * ring
-    return N / np.linalg.norm(N, axis=1)[:, None]
+    middle = t[domain.edges[rim]].mean(axis=1)
+    sides = {"left": rim[middle < 1e-9], "right": rim[middle > np.pi - 1e-9]}
+    along = np.unique(domain.edges[np.setdiff1d(rim, np.concatenate(list(sides.values())))])
+    held = conditions.fixed_at(domain, along, unduloid_normals(c, np.column_stack([t, s]))[along])
+    for edges in sides.values():
+        held += conditions.mirror(domain, edges, (0, 1, 0))
+    tube = np.flatnonzero(t[faces].mean(axis=1) < np.pi / 2)
+    mirrors = [Side(name, edges, normal=(0, 1, 0)) for name, edges in sides.items()]
+    return HalfTube(domain, points[faces], tube, held, *mirrors)
