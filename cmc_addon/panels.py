@@ -177,6 +177,7 @@ class CMC_PT_options(Tab, bpy.types.Panel):
     bl_label = "Options"
     bl_parent_id = "CMC_PT_shell"
     bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 1
 
     @classmethod
     def poll(cls, context):

@@ -23,7 +23,7 @@ def draw_group(layout: bpy.types.UILayout, context: bpy.types.Context, mesh: bpy
         row = layout.row(align=True)
         for plane in ("X", "Y", "Z"):
             row.operator("cmc.group_plane", text=plane).plane = plane
-        row.operator("cmc.group_plane", text="From Edges").plane = "EDGES"
+        row.operator("cmc.group_plane", text="Edges").plane = "EDGES"
         row.operator("cmc.group_plane", text="", icon="ARROW_LEFTRIGHT").plane = "FLIP"
     if group.kind == "MIRROR":
         _draw_corners(layout, mesh, group)
@@ -68,8 +68,7 @@ class CMC_PT_symmetry(Tab, bpy.types.Panel):
     bl_idname = "CMC_PT_symmetry"
     bl_label = "Symmetry"
     bl_parent_id = "CMC_PT_shell"
-    bl_options = {"DEFAULT_CLOSED"}
-    bl_order = 3
+    bl_order = 0  # before the options: where there are mirrors, this comes after Solve
 
     @classmethod
     def poll(cls, context):

@@ -11,6 +11,7 @@ from .scenes import activate, positions
 
 
 def test_instances_meet_and_are_where_the_mesh_is():
+    bpy.context.scene.cursor.location = (7.0, -3.0, 2.0)
     for name in ("HONEYCOMB", "NODOID"):
         plan = solved(name)
         assert bpy.ops.cmc.complete(complete_repeat=(2, 1, 1)) == FINISHED
