@@ -4,8 +4,18 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from solver import CmcSolver, ConditionError, Domain, HarmonicSolver, complete, conditions, mean_curvature_of, shapes
-from solver.design import close_periods, hole, tube
+from solver import (
+    CmcSolver,
+    ConditionError,
+    Domain,
+    HarmonicSolver,
+    MeshError,
+    complete,
+    conditions,
+    mean_curvature_of,
+    shapes,
+)
+from solver.design import close_periods, hole, tube, tubes
 from solver.design.adjoint import Extension
 from solver.design.closing import ClosingStatus
 from solver.domain.topology import Homology
@@ -194,14 +204,43 @@ def test_a_tube_that_is_stretched():
         tube(shape.domain, corners, lower, (1, 1))
 
 
-def test_what_cannot_close_ends_with_what_is_left():
-    """One modulus does not close three components; a size that does not help ends the search."""
+def test_several_tubes_that_are_stretched():
+    """Each part by its own number, none of them taken twice; weights change as differences say."""
+    shape = shapes.cylinder(2 * np.pi, 2.0, 16)
+    corners = unrolled(shape, 2 * np.pi)
+    upper = corners[:, :, 1].mean(axis=1) > 1.0
+    parts = {"low": (np.flatnonzero(~upper), (0, 1)), "high": (np.flatnonzero(upper), (0, 2))}
+    moduli = tubes(shape.domain, corners, parts)
+    q = np.log([0.5, 1.5])
+    stretched = moduli.domain(q)
+    halves = [stretched.face_areas[faces].sum() for faces, _ in parts.values()]
+    assert_allclose(halves, np.exp(q) * 0.5 * shape.domain.area, rtol=1e-12)
+    assert moduli.names == ("low", "high") and moduli.weights(q).shape == (len(shape.domain.edges), 2)
+    assert_allclose(moduli.clipped(np.array([9.0, -9.0])), np.log([20, 0.05]))
+    with pytest.raises(ConditionError, match="'high' has faces of another"):
+        tubes(shape.domain, corners, parts | {"high": (np.flatnonzero(corners[:, :, 1].max(axis=1) > 0.9), (0, 1))})
+
+
+def test_a_hole_that_moves_too_far_turns_faces_over():
+    shape, _ = courtyard(0.2)
+    moduli = hole(shape.domain, shape.positions, 1)
+    i, j = shape.domain.edges.T
+    near = moduli.lengths(np.array([0.02, 0.01, 0.1]))
+    assert_allclose(near, np.linalg.norm(shape.positions[j] - shape.positions[i], axis=1), rtol=0.5)
+    with pytest.raises(MeshError, match="turned over"):
+        moduli.domain(np.array([0.5, 0.0, 0.0]))
+
+
+@pytest.mark.parametrize("motion", ["x", "size"])
+def test_what_cannot_close_ends_with_what_is_left(motion):
+    """One modulus does not close three components: what it reaches is closed, and the rest is told."""
     shape, rim = courtyard(0.16)
-    closing = close_periods(
-        shape.domain, rim, by="moduli", moduli=hole(shape.domain, shape.positions, 1, ("size",)), max_steps=6
-    )
-    assert not closing.closed and closing.status in (ClosingStatus.RANK_DEFICIENT, ClosingStatus.STEP_LIMIT)
+    moduli = hole(shape.domain, shape.positions, 1, (motion,))
+    closing = close_periods(shape.domain, rim, by="moduli", moduli=moduli)
+    assert not closing.closed and closing.status is ClosingStatus.RANK_DEFICIENT
+    assert closing.rank == 1 and "Only 1 of their components" in closing.message
     assert closing.gaps[-1] > 1e-3 and closing.surface.is_open and "The gap was" in closing.message
+    assert closing.left == {"period 0": closing.gaps[-1]} and "Left are period 0: 0.0" in closing.message
 
 
 def test_wrong_wishes_are_refused():
