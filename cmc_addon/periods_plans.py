@@ -20,7 +20,7 @@ _NARROWEST = 0.05
 @dataclass(frozen=True, eq=False)
 class StartPlan:
     """points (V, 3) of a domain, uvs (F, 3, 2) of its corners, edges that are seams of these (n,), sides: name → edges,
-    the kind of condition on each and its parameters."""
+    the kind of condition on each and its parameters, settings of `Object.cmc`."""
 
     name: str
     domain: Domain
@@ -29,6 +29,7 @@ class StartPlan:
     sides: dict[str, NDArray[np.integer]]
     kinds: dict[str, tuple[str, dict[str, float]]]
     seams: NDArray[np.integer] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    settings: dict[str, object] = field(default_factory=dict)
 
 
 def annulus(size: float, hole: float, offset: float, columns: int) -> StartPlan:
@@ -62,7 +63,8 @@ def cylinder(size: float, height: float, columns: int) -> StartPlan:
     uvs[across, :, 0] += np.where(uvs[across, :, 0] < 0.5 * around, around, 0.0)
     sides = {"Bottom": shape.sides["bottom"], "Top": shape.sides["top"]}
     kinds = {name: ("twisted", {"m": 1.0}) for name in sides}
-    return StartPlan("Cylinder Strip", domain, points, uvs, sides, kinds, _seams(domain, uvs))
+    settings = {"size": "SPAN", "span": 2.0 * size}  # its ends are no outlines that could be matched
+    return StartPlan("Cylinder Strip", domain, points, uvs, sides, kinds, _seams(domain, uvs), settings)
 
 
 def _seams(domain: Domain, uvs: Array) -> NDArray[np.integer]:

@@ -16,6 +16,7 @@ from .hole_gaps import hole_loops
 from .measure.report import plain
 from .pipeline import Formed, form_surface
 from .plan import Plan, Settings, plan_conditions, plan_domain
+from .surface.placement import plan_plane, rim_weights
 from .surface.solve import CmcSolver
 
 Array = NDArray[np.float64]
@@ -32,6 +33,8 @@ MOVING = ("hole", "both")
 # Degrees that are rounding; digits of moduli that are not.
 _LEAST_TURN = 1e-6
 _DIGITS = 7
+# Cosine of the slope up to which a plan counts as level enough for its holes to move.
+_LEVEL = 0.9
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,6 +185,9 @@ def _moving(plan: Plan, domain: Domain, closure: Closure) -> MovingHoles | None:
     if wrong or not loops:
         count = f"{len(loops)} hole{'s' * (len(loops) != 1)}"
         raise JobError(f"The plan has {count}" + (f"; there is no hole {wrong[0]}." if wrong else " that could move."))
+    vertices, weights = rim_weights(plan.positions, domain.edges[domain.boundary_edges])
+    if abs(plan_plane(plan.positions, domain.faces, vertices, weights).normal[2]) < _LEVEL:
+        raise JobError("Holes move level, and this plan is too steep for that; close by the normals.")
     return MovingHoles(domain, plan.positions, [loops[number - 1] for number in numbers], closure.move)
 
 

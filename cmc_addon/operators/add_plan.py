@@ -99,6 +99,8 @@ def new_plan(context: bpy.types.Context, start: StartPlan) -> bpy.types.Object:
     plan = bpy.data.objects.new(start.name, mesh)
     plan.location = context.scene.cursor.location
     context.collection.objects.link(plan)
+    for key, value in start.settings.items():
+        setattr(plan.cmc, key, value)
     return plan
 
 

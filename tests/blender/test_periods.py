@@ -222,6 +222,23 @@ def test_plans_whose_vertices_cannot_be_moved(plan):
     bpy.ops.object.mode_set(mode="OBJECT")
 
 
+def test_a_wall_closes_by_its_normals_only(plan):
+    plan.rotation_euler.x = np.pi / 2
+    bpy.context.view_layer.update()
+    refused("Holes move level", close_by="BOTH")
+    assert bpy.ops.cmc.close_periods(close_by="NORMALS") == FINISHED
+    assert report(plan)["closing"]["closed"]
+
+
+def test_in_edit_mode_and_after_tiling(plan):
+    assert bpy.ops.cmc.tile_periods() == FINISHED and plan.cmc.f_plus.hide_viewport
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert bpy.ops.cmc.close_periods() == FINISHED
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert report(plan)["closing"]["closed"]
+    assert not plan.cmc.f_plus.hide_viewport and plan.cmc.completed.hide_viewport
+
+
 def test_a_plan_without_a_hole():
     from .scenes import quad_disc
 
