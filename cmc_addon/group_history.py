@@ -62,7 +62,7 @@ def _uids(mesh: bpy.types.Mesh) -> tuple[int, ...]:
 
 
 def _values(group) -> dict:
-    names = ("uid", "kind", *kind_parameters(group.kind), "name")
+    names = ("uid", "kind", *kind_parameters(group.kind), "across", "name")
     return {name: value if isinstance(value := getattr(group, name), (str, int, float)) else tuple(value)
             for name in names}
 

@@ -169,7 +169,7 @@ def _counterpart(mesh: bpy.types.Mesh, group):
     found = mesh.cmc.groups.get(group.name)
     if found is None:
         found = group_list.add(mesh, group.name)
-        found.kind = group.kind
+        found.kind, found.across = group.kind, group.across
         for name in kind_parameters(group.kind):
             setattr(found, name, getattr(group, name))
     return found

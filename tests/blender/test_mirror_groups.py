@@ -98,6 +98,21 @@ def test_a_corner_that_is_flipped_is_solved_so():
     assert_allclose(normals(plan)[vertex], natural, atol=1e-6)
 
 
+def test_mesh_plan_takes_mirrors_over():
+    """Their normals, and where the completed shell is to end."""
+    bpy.ops.mesh.primitive_plane_add(size=4.0)
+    outline = bpy.context.object
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.cmc.group_add(name="Walls", kind="MIRROR", normal=(0.0, 1.0, 0.0), assign=True)
+    outline.data.cmc.groups["Walls"].across = "OFF"
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.ops.cmc.mesh_plan(edge_length=0.5, round_corners=False)
+    group = bpy.context.object.data.cmc.groups["Walls"]
+    assert bpy.context.object != outline
+    assert (group.kind, tuple(group.normal), group.across) == ("MIRROR", (0.0, 1.0, 0.0), "OFF")
+
+
 def test_where_no_mirrors_meet_there_is_nothing_to_flip():
     plan = module("CAPITAL")
     inside = next(v.index for v in plan.data.vertices if v.index not in corners(plan))

@@ -61,6 +61,8 @@ def test_the_menu_offers_every_preset():
     drawn = []
 
     class Layout:
+        operator_context = "INVOKE_DEFAULT"
+
         def operator(self, name, text):
             drawn.append(text)
             return type("Properties", (), {})()
