@@ -18,6 +18,7 @@ from solver import (
 from solver.design import close_periods, hole, tube, tubes
 from solver.design.adjoint import Extension
 from solver.design.closing import ClosingStatus
+from solver.design.closing_steps import boundary_product
 from solver.domain.topology import Homology
 from solver.surface.periods import harmonic_forms, integrals
 from tests.solver.closing_plans import courtyard
@@ -45,6 +46,24 @@ def test_a_courtyard_closes_in_a_few_steps_on_every_mesh(way):
     turned = [c.turned.max() for c in found]
     assert_allclose(turned[0], turned[1], rtol=0.1, atol=1e-9)
     assert_allclose(found[0].moduli, found[1].moduli, rtol=0.1, atol=2e-3)
+
+
+def test_a_weight_slides_from_normals_to_moduli():
+    """Of κ |q|² + |δN|²_W each weight reaches less than the results for other weights would have."""
+    shape, rim = courtyard(0.2)
+    fixed, before = rim.resolve()
+    product = boundary_product(shape.domain, fixed)
+    moves, shifts = [], []
+    weights = (100.0, 1.0, 0.01)
+    for weight in weights:
+        moduli = hole(shape.domain, shape.positions, 1)
+        closing = close_periods(shape.domain, rim, by="both", moduli=moduli, weight=weight)
+        turn = (closing.conditions.resolve()[1] - before).ravel()
+        moves.append(turn @ (product @ turn))
+        shifts.append(closing.moduli @ closing.moduli)
+    assert moves[0] > 2 * moves[1] > 4 * moves[2] and shifts[2] > shifts[1] > 100 * shifts[0]
+    cost = np.array(moves) + np.outer(weights, shifts)
+    assert (np.argmin(cost, axis=1) == [0, 1, 2]).all()
 
 
 def test_tilts_turn_about_the_tangent_of_the_boundary():
