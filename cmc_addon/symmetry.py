@@ -7,6 +7,7 @@ brought up to date as Solve does it.
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 from types import SimpleNamespace
@@ -22,6 +23,7 @@ from ..solver.pipeline import Group, row_curvature
 from ..solver.plan import Plan
 from ..solver.plan_sides import goes_on
 from ..solver.surface.sides import surface_size
+from ..solver.surface.symmetry import TooManyError
 from . import session, solved
 from .forming import Order, Outcome, check_unchanged, deliver, plan_depsgraph, settings_of, take_order
 from .instances import delete_instances, write_instances
@@ -35,6 +37,10 @@ from .symmetry_settings import COMPLETE_SETTINGS
 COPY_ATTRIBUTE = "cmc_copy"
 """Attribute of the faces of one welded mesh: which copy they are of, 0 the shell itself."""
 
+# No finite group of a shell has as many copies as this.
+_LARGEST_GROUP = 200
+# Copies in a box are counted up to this many for the screen.
+_COUNTED = 400
 # Of the box of an object: what has no extent is given this much, relative to the largest.
 _THIN = 1e-6
 
@@ -208,28 +214,46 @@ def _box(name: str) -> NDArray[np.float64]:
     return np.array([low - margin, high + margin])
 
 
-def counts(plan: bpy.types.Object, wanted: SimpleNamespace) -> tuple[int, int] | None:
-    """Copies and faces that a completion would have now, None before the first solve. Raises `CmcError`."""
+def counts(plan: bpy.types.Object, wanted: SimpleNamespace) -> tuple[int, bool] | None:
+    """How many copies a completion would have now, and whether there are more than that; None before the first solve.
+
+    Quick enough for the screen: units are multiplied, and copies in a box counted up to a limit. Raises `CmcError`.
+    """
     known = solved.latest(plan.name)
     if known is None:
         return None
     extent = extent_of(plan, wanted)
-    box = None if extent.box is None else tuple(map(tuple, extent.box.tolist()))
-    copies = _count(known[1], known[0], tuple(extent.sides or ()), extent.copies, box, extent.repeat)
-    if isinstance(copies, CmcError):
-        raise copies
-    return copies, copies * len(plan.data.polygons)
+    sides = tuple(extent.sides or ())
+    if extent.copies is not None:
+        found, _ = _count(*known, sides, min(extent.copies, _LARGEST_GROUP), None)
+        return (extent.copies if found == _LARGEST_GROUP else found), False
+    if extent.box is not None:
+        found, _ = _count(*known, sides, None, tuple(map(tuple, extent.box.tolist())))
+        return min(found, _COUNTED), found > _COUNTED
+    unit, directions = _count(*known, sides, None, None)
+    return unit * math.prod(wanted.complete_repeat[:directions]), False
+
+
+def _count(order: Order, outcome: Outcome, *which) -> tuple[int, int]:
+    """Copies, and the directions in which they repeat."""
+    found = _counted(order, outcome, *which)
+    if isinstance(found, CmcError):
+        raise found
+    return found
 
 
 @lru_cache(maxsize=8)
-def _count(outcome: Outcome, order: Order, sides, copies, box, repeat) -> int | CmcError:
-    """The number of copies, or why there are none; both are worth keeping between redraws."""
-    extent = Extent(sides, copies, None if box is None else np.array(box), repeat=repeat)
+def _counted(order: Order, outcome: Outcome, sides, copies, box) -> tuple[int, int] | CmcError:
+    """The same, or why there are none; both are worth keeping between redraws."""
+    limit = copies if box is None else _COUNTED
+    extent = Extent(sides, limit, None if box is None else np.array(box))
     try:
         found = complete_plan(order.plan(outcome.prepared), outcome.formed, extent, ROLES[order.settings.sheet])
+    except TooManyError:
+        return _COUNTED + 1, 0
     except CmcError as error:
         return error
-    return found.copy_count
+    return found.copy_count, len(found.completion.lattice)
 
 
 def whole_mesh(completed: Completed, plan, mesh) -> Cut:
@@ -263,4 +287,4 @@ def register() -> None:
 
 
 def unregister() -> None:
-    _count.cache_clear()
+    _counted.cache_clear()

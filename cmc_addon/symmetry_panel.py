@@ -97,7 +97,10 @@ class CMC_PT_symmetry(Tab, bpy.types.Panel):
         if found is None:
             hint(layout, "Solve to see how many copies", "there will be")
         else:
-            numbers(layout, [("Copies", f"{found[0]:,}"), ("Faces", f"{found[1]:,}")])
+            copies, more = found
+            than = "more than " if more else ""
+            faces = copies * len(plan.data.polygons)
+            numbers(layout, [("Copies", f"{than}{copies:,}"), ("Faces", f"{than}{faces:,}")])
 
 
 def wanted_of(plan: bpy.types.Object) -> SimpleNamespace:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,7 +15,7 @@ from .pipeline import Formed, placed_normals, sheet_polygons
 from .plan import Plan
 from .plan_sides import plan_sides
 from .surface.completion import Completion
-from .surface.symmetry import complete
+from .surface.symmetry import MOST_COPIES, complete
 
 Array = NDArray[np.float64]
 Int = NDArray[np.int64]
@@ -167,6 +168,9 @@ def complete_plan(plan: Plan, formed: Formed, extent: Extent, sheet: str = "f+")
         times = [extent.repeat] * known if isinstance(extent.repeat, int) else list(extent.repeat)[:known]
         if len(times) < known:
             raise JobError(f"The copies repeat in {known} directions; say how often along each of them.")
+        if len(found.copies) * math.prod(times) > MOST_COPIES:
+            count = len(found.copies) * math.prod(times)
+            raise JobError(f"There would be {count} copies, and {MOST_COPIES} are the most; repeat them less often.")
         if max(times, default=1) > 1:
             found = complete(surface, sides, sheet=sheet, repeat=times, **choice)  # type: ignore[arg-type]
     return Completed(formed, found)

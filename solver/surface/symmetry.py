@@ -32,6 +32,10 @@ _MOST_DIRECTIONS = 512
 _NARROW = 0.2
 
 
+class TooManyError(SymmetryError):
+    """More copies than there may be."""
+
+
 def complete(
     surface: CmcSurface,
     sides: Sequence[Side] = (),
@@ -143,7 +147,7 @@ def _in_box(
     if not made:
         raise SymmetryError("No copy has its centre in the box; move the box to the surface, or make it larger.")
     if not all_of_them:
-        raise SymmetryError(f"There are more than {limit} copies in the box; make it smaller.")
+        raise TooManyError(f"There are more than {limit} copies in the box; make it smaller.")
     return made
 
 

@@ -11,7 +11,7 @@ from mathutils.bvhtree import BVHTree
 from numpy.testing import assert_allclose
 
 from .completions import FINISHED, faces_of, farthest, is_oriented, module, solved, told
-from .scenes import activate, positions, snapshot, values
+from .scenes import activate, add_group, mesh_object, positions, snapshot, values
 
 # --- one mesh ----------------------------------------------------------------------------------
 
@@ -67,6 +67,27 @@ def test_layers_materials_and_weights_are_on_every_copy():
     assert len(values(whole.attributes["cmc_normal"])) == len(whole.vertices)
     H = json.loads(plan.cmc.report)["mean_curvature"]
     assert_allclose(np.median(values(whole.attributes["cmc_mean_curvature"])), H, rtol=0.1)
+
+
+def test_quads_stay_quads():
+    """A quarter of an unduloid as a grid of quads, cut along any diagonal."""
+    columns, rows, length = 14, 6, 3.4
+    x, y = np.meshgrid(np.linspace(0.0, length, columns + 1), np.linspace(0.0, 1.0, rows + 1))
+    points = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
+    first = (np.arange(rows)[:, None] * (columns + 1) + np.arange(columns)).ravel()
+    quads = np.column_stack([first, first + 1, first + columns + 2, first + columns + 1])
+    plan = mesh_object("Grid", points, quads.tolist())
+    walls = {"Axis": (0, -1, 0), "Floor": (0, 0, -1), "Start": (-1, 0, 0), "End": (1, 0, 0)}
+    ends = np.array([[points[v] for v in edge.vertices] for edge in plan.data.edges])
+    inside = {"Axis": ends[:, :, 1] < 1e-6, "Floor": ends[:, :, 1] > 1 - 1e-6,
+              "Start": ends[:, :, 0] < 1e-6, "End": ends[:, :, 0] > length - 1e-6}  # fmt: skip
+    for name, normal in walls.items():
+        add_group(plan, name, np.flatnonzero(inside[name].all(axis=1)), "MIRROR", normal=normal)
+    assert bpy.ops.cmc.complete() == FINISHED
+    whole = plan.cmc.completed.data
+    assert told(plan)["copies"] == 8 and len(whole.polygons) == 8 * len(quads)
+    assert {len(polygon.vertices) for polygon in whole.polygons} == {4} and is_oriented(whole)
+    assert len(whole.vertices) == (2 * columns + 1) * 4 * rows
 
 
 def test_uv_corners_stay_with_their_vertices():
@@ -145,11 +166,35 @@ def test_the_panel_knows_the_counts_before_it_runs():
     plan = module("HONEYCOMB")
     assert counts(plan, wanted_of(plan)) is None
     assert bpy.ops.cmc.solve() == FINISHED
-    assert counts(plan, wanted_of(plan)) == (216, 216 * len(plan.data.polygons))
-    plan.cmc.complete_extent, plan.cmc.complete_count = "COUNT", 50
-    assert counts(plan, wanted_of(plan)) == (50, 50 * len(plan.data.polygons))
+    assert counts(plan, wanted_of(plan)) == (216, False)
+    plan.cmc.complete_extent, plan.cmc.complete_count = "COUNT", 19_000
+    assert counts(plan, wanted_of(plan)) == (19_000, False)
+    plan.cmc.complete_count = 50
+    assert counts(plan, wanted_of(plan)) == (50, False)
     assert bpy.ops.cmc.complete() == FINISHED
     assert len(plan.cmc.completed.data.polygons) == 50 * len(plan.data.polygons)
+    bpy.ops.mesh.primitive_cube_add(size=20.0)
+    plan.cmc.complete_extent, plan.cmc.complete_box = "BOX", bpy.context.object
+    activate(plan)
+    inside, more = counts(plan, wanted_of(plan))
+    assert bpy.ops.cmc.complete() == FINISHED
+    assert not more and inside == told(plan)["copies"] > 10
+    plan.cmc.complete_box.scale = (20.0, 20.0, 20.0)
+    bpy.context.view_layer.update()
+    assert counts(plan, wanted_of(plan)) == (400, True)
+
+
+def test_a_finite_group_has_no_more_copies_than_it_has():
+    """A corner of three mirrors: eight, however many are asked for."""
+    from cmc_formfinding.cmc_addon.symmetry import counts
+    from cmc_formfinding.cmc_addon.symmetry_panel import wanted_of
+
+    plan = solved("UNDULOID")
+    plan.data.cmc.groups["End"].across = "OFF"
+    plan.cmc.complete_extent, plan.cmc.complete_count = "COUNT", 5000
+    assert counts(plan, wanted_of(plan)) == (8, False)
+    assert bpy.ops.cmc.complete() == FINISHED
+    assert told(plan)["copies"] == 8
 
 
 def test_a_side_that_ends_the_shell():

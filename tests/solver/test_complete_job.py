@@ -193,6 +193,12 @@ def test_a_corner_between_two_mirrors_takes_its_other_normal(tmp_path, more, sig
     assert_allclose(formed.surface.normals[vertex], sign * np.cross(normals["end"], normals["floor"]), atol=1e-9)
 
 
+def test_more_copies_than_are_ever_made_are_refused_at_once(tmp_path):
+    job = load_job(job_file(tmp_path, 'mesh = "a.obj"\nrepeat = 1000000000'))
+    with pytest.raises(JobError, match="There would be 8000000000 copies, and 20000 are the most"):
+        run_job(job)
+
+
 @pytest.mark.parametrize(("given", "said"), [
     ('["a"]', r'"flipped_corners" must be a list of whole numbers'),
     ("[0, 999]", r'"flipped_corners": there is no vertex 999; there are \d+'),
