@@ -16,6 +16,7 @@ class CMC_PT_periods(ResultPanel, bpy.types.Panel):
     bl_idname = "CMC_PT_periods"
     bl_label = "Periods"
     bl_parent_id = "CMC_PT_results"
+    bl_order = 0
 
     @classmethod
     def poll(cls, context):

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 
 from .panels import length_text
 
@@ -27,6 +28,12 @@ def gap_text(hole: Mapping) -> str:
     return f"{length_text(hole['length'])} ({share_text(hole['relative'])} of its size)"
 
 
+def vector_text(vector: Sequence[float], length: float) -> str:
+    """Its parts with as many decimals as its length has three digits with."""
+    decimals = max(0, 2 - math.floor(math.log10(length))) if length > 0.0 else 0
+    return "({}, {}, {})".format(*(f"{round(x, decimals) + 0.0:.{decimals}f}" for x in vector))
+
+
 def share_text(part: float) -> str:
     return f"{100 * part:.2g} %"
 
@@ -40,7 +47,7 @@ def gap_rows(report: Mapping) -> list[tuple[str, str]]:
             rows.append((name, "Closed"))
             continue
         rows.append((name, f"{length_text(hole['length'])} ({share_text(hole['relative'])})"))
-        rows.append(("", "({:.3g}, {:.3g}, {:.3g})".format(*hole["period"])))
+        rows.append(("", vector_text(hole["period"], hole["length"])))
     return rows
 
 

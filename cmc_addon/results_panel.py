@@ -98,6 +98,7 @@ class CMC_PT_checks(ResultPanel, bpy.types.Panel):
     bl_idname = "CMC_PT_checks"
     bl_label = "Checks"
     bl_parent_id = "CMC_PT_results"
+    bl_order = 1  # below Periods
 
     def draw(self, context):
         report = last_report(context)
@@ -128,6 +129,7 @@ class CMC_PT_solver(ResultPanel, bpy.types.Panel):
     bl_idname = "CMC_PT_solver"
     bl_label = "Solver"
     bl_parent_id = "CMC_PT_results"
+    bl_order = 2
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):

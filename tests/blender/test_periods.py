@@ -71,6 +71,8 @@ def test_solve_says_that_there_is_a_gap_and_what_to_press(plan, addon):
     assert f"{100 * hole['relative']:.2g} %" in said
     rows = dict(text.gap_rows(told))
     assert f"{hole['length']:.4g}"[:4] in rows["Hole 1"]
+    assert text.vector_text([6.67e-5, -2.309, -2.7e-9], 2.309) == "(0.00, -2.31, 0.00)"
+    assert text.vector_text([0.0123, 123.4, 0.0], 123.4) == "(0, 123, 0)"
 
 
 def test_the_arrow_leads_from_one_end_of_the_gap_to_the_other(plan, addon):
