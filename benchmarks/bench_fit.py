@@ -37,7 +37,8 @@ def test_fit_to_an_outline(name, capsys):
     solver = CmcSolver(shape.domain)
     before = fit_outline(shape.domain, points, rise=0.25, solver=solver)
     works = {f"rise {rise:g}, from positions": lambda rise=rise: fitted(rise) for rise in (0.05, 0.25, 0.45)}
-    works["rise 0.25 to 0.3, going on"] = lambda: fit_outline(shape.domain, points, rise=0.3, initial=before, solver=solver)
+    on = {"initial": before, "solver": solver}
+    works["rise 0.25 to 0.3, going on"] = lambda: fit_outline(shape.domain, points, rise=0.3, **on)
     unit, found = ratios(works, cold)
     with capsys.disabled():
         print(f"\n{name}, {len(points)} vertices; one cold solve {unit:.3f} s")
