@@ -20,7 +20,7 @@ from .dirichlet import Dirichlet
 from .energies import energy_on
 from .great_circles import side_normals
 from .initial import harmonic_start, leaning, wound_start
-from .methods import METHODS
+from .methods import METHODS, Method
 from .minimise import Iterate, Progress
 from .prescribed import Conditions
 from .problem import EnergyProblem, equal_laplacian
@@ -101,7 +101,7 @@ class HarmonicSolver:
         *,
         side: int = +1,
         degree: float | None = None,
-        method: str = "newton",
+        method: str | Method = "newton",
         tolerance: float = 1e-6,
         max_iterations: int | None = None,
         progress: Progress | None = None,
@@ -110,12 +110,14 @@ class HarmonicSolver:
 
         `side` ±1 chooses between the two sides of data that lie in one plane, and of corners between mirrors (see
         `conditions.mirror`); `degree` asks for a homotopy class.
-        method: a name in `METHODS`; max_iterations: of its steps, by default as many as suit it.
+        method: a name in `METHODS`, or one that is made; max_iterations: of its steps, by default as many as suit it.
         There may be many harmonic maps for the same boundary: the result is the one reached, to be judged by its
         energy, degree and status. Raises `ConditionError` when everything is fixed, or nothing is (not even by two
         mirrors that meet) and there is no initial map to start from.
         """
-        chosen(method, METHODS, "method")
+        if not isinstance(method, Method):
+            chosen(method, METHODS, "method")
+            method = METHODS[method]
         _check_number(tolerance, "tolerance")
         if max_iterations is not None:
             _check_number(max_iterations, "largest number of iterations")
@@ -139,7 +141,7 @@ class HarmonicSolver:
         limit = {} if max_iterations is None else {"max_iterations": max_iterations}
         dirichlet = self.dirichlet(admissible.fixed)
         problem = EnergyProblem(self.graph, self.energy, dirichlet, self._laplacian, admissible.mirrors)
-        found = METHODS[method].of(problem, start, tolerance=tolerance, progress=progress, **limit)
+        found = method.of(problem, start, tolerance=tolerance, progress=progress, **limit)
         normals = admissible.pin(found.N)  # steps of length zero leave rounding
         return HarmonicMap(
             normals,

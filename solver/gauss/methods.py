@@ -9,6 +9,7 @@ from .flow import flow
 from .gauss_seidel import gauss_seidel
 from .lagrange import lagrange
 from .minimise import Minimum, newton
+from .saddles import climb
 
 
 @dataclass(frozen=True)
@@ -25,4 +26,5 @@ METHODS = {
     "flow": Method("Gradient flow", "The paper's H¹ gradient flow: steady, tens to hundreds of steps", flow),
     "gauss_seidel": Method("Gauss-Seidel", "Average the neighbours again and again: simple and slow", gauss_seidel),
     "lagrange": Method("Lagrange-Newton", "The paper's system with multipliers: a slow reference", lagrange),
+    "saddle": Method("Saddle", "Up along one unstable mode, down along all others: maps that are no minimisers", climb),
 }

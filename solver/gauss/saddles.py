@@ -1,0 +1,113 @@
+"""Critical maps that are no minimisers: up along a few unstable modes and down along all others, then Newton's method.
+
+A Newton step goes to where the gradient vanishes, whatever is up and down. Written in the eigenvectors v_i of the
+Hessian in the H¹ product, H v_i = λ_i K v_i, it is -Σ v_i <v_i, G> / λ_i: down where λ_i > 0, up where λ_i < 0. Of the
+negative ones the lowest `index` stay as they are and the others change sign, so that the map climbs along the modes it
+may climb along and nowhere else. Near the saddle nothing changes sign and the steps are Newton's.
+
+Directions in which all stays the same are left out of a step by bordering its matrix (a phase condition each):
+rotations of the sphere that respect the conditions, always; and what the caller knows, such as translations of a flat
+domain. Those are symmetries of the mesh only roughly: where most of the gradient is along them, the map
+moves along them, too, downwards.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .minimise import Minimum, Progress, Step, descend, longest
+from .problem import EnergyProblem, Point
+from .sphere import exp
+from .symmetries import Fields, free_rotations
+from .tangent import TangentSystem
+
+Array = NDArray[np.float64]
+
+# Radians by which a step turns a normal at most.
+_LARGEST_ROTATION = 0.5
+# The same where the map moves along given null fields.
+_LARGEST_DRIFT = 0.1
+# Residual from which on a step has to lower it, and above which eigenvalues count as no smaller than the floor.
+_NEAR = 0.2
+_FLOOR = 0.1
+# Residual below which it may move along given null fields.
+_NEARLY = 1.0
+_HALVINGS = 8
+_FALLING = 0.99
+# Where a step would leave more than this part of the gradient along the given null fields, the map moves there.
+_LEFT = 0.3
+
+
+def climb(
+    problem: EnergyProblem,
+    N: Array,
+    *,
+    tolerance: float,
+    max_iterations: int = 100,
+    progress: Progress | None = None,
+    index: int | None = 1,
+    null: Fields | None = None,
+) -> Minimum:
+    """A critical map of that index, or of a smaller one, from N (S, 3); the nearest of any index if None.
+
+    null: N ↦ fields (k, S, 3) along which the energy hardly changes (see `symmetries.translations`). They do not count
+    in the index.
+    """
+    axes = free_rotations(problem, N)
+
+    def take_step(point: Point) -> Step | int:
+        system = TangentSystem.of(problem, point)
+        turns = np.cross(axes[:, None, :], point.N)
+        exact = gauge = system.orthonormal(system.coordinates(turns))
+        if null is not None:
+            gauge = system.orthonormal(system.coordinates(np.concatenate([turns, null(point.N)])))
+        direction, left = system.solve(-system.gradient, gauge)
+        drift = None
+        if point.residual < _NEARLY and np.linalg.norm(left) > _LEFT * system.dual_norm(system.gradient):
+            drift = system.solve(-system.gradient, exact)[0] - direction
+        if index is not None:
+            floor = _FLOOR if point.residual > _NEAR else 0.0
+            direction = direction + _turned(system, gauge, index, floor)
+        if drift is None:
+            return _advance(problem, point, system.in_space(direction))
+        uphill = index is not None and drift @ system.gradient > 0.0
+        return _drift(problem, point, system.in_space(direction - drift if uphill else direction + drift))
+
+    return descend(problem, N, take_step, tolerance=tolerance, max_iterations=max_iterations, progress=progress)
+
+
+def _turned(system: TangentSystem, gauge: Array, index: int, floor: float) -> Array:
+    """What turns Newton's step (n,) downhill along all negative modes but the lowest `index`, and shortens it along
+    modes with |λ| below the floor."""
+    count = index + 3
+    values, modes = system.lowest(count, gauge)
+    while values[-1] < floor and len(values) == count:
+        count *= 2
+        values, modes = system.lowest(count, gauge)
+    signs = np.where((np.arange(len(values)) < index) & (values < 0.0), -1.0, 1.0)
+    wanted = signs * np.maximum(np.abs(values), floor)
+    return modes @ ((modes.T @ system.gradient) * (1.0 / values - 1.0 / wanted))
+
+
+def _advance(problem: EnergyProblem, point: Point, direction: Array) -> Step | int:
+    """The step, no longer than it may be; near a critical map as long as it lowers the residual."""
+    size = longest(direction)
+    if not np.isfinite(size):
+        return 1
+    length = min(1.0, _LARGEST_ROTATION / max(size, 1e-300))
+    for _ in range(_HALVINGS):
+        trial = problem.at(exp(point.N, length * direction))
+        if point.residual > _NEAR or trial.residual < _FALLING * point.residual:
+            return Step(trial, 1, length)
+        length *= 0.5
+    return 1
+
+
+def _drift(problem: EnergyProblem, point: Point, direction: Array) -> Step | int:
+    """A step along null fields, on which the residual may rise for a while."""
+    size = longest(direction)
+    if not np.isfinite(size):
+        return 1
+    length = min(1.0, _LARGEST_DRIFT / max(size, 1e-300))
+    return Step(problem.at(exp(point.N, length * direction)), 2, length)

@@ -1,0 +1,69 @@
+"""The map of a whole domain from that of a piece: what a surface does across its sides, its normals do, too.
+
+A copy (R, t, s) of a surface shows the sheet s with the normals s R N, and its domain is turned over where R reverses
+orientation. Glued by adjacency the copies of the domain are the domain of the completed surface, and the copies of the
+normals a map on it: harmonic wherever N is, since the sum over the links of a vertex on a side is that of the piece
+and of its images. A minimiser on the piece is a critical point on the whole, as a rule no minimiser there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..domain.domain import Domain
+from ..domain.gluing import glued_domain
+from ..errors import ConditionError
+from .completion import Completion
+
+Array = NDArray[np.float64]
+
+# Normals of two copies at a common vertex may differ by this much: they are given to so many digits.
+_SAME = 1e-5
+
+
+@dataclass(frozen=True, eq=False)
+class Whole:
+    """domain: of all copies. normals: (V, 3) the map on it. members: (K, n) the vertex of each row of each copy."""
+
+    domain: Domain
+    normals: Array
+    members: NDArray[np.int64]
+
+
+def whole(completion: Completion) -> Whole:
+    """The domain of the copies of a completion, and the Gauss map on it (paper, Appendix G).
+
+    Where no copy is missing and the surface closes the domain is closed; else sides without a neighbour are its
+    boundary. Raises `ConditionError` where the surface is cut open, has its normals at faces or on another
+    triangulation, and where copies do not agree about a common normal.
+    """
+    surface = completion.surface
+    if surface.is_open or not surface.graph.at_vertices or surface.graph.domain is not surface.domain:
+        raise ConditionError(
+            "The map of the whole needs a piece in one sheet with its normals at the vertices of its own mesh; solve "
+            'with sites="vertices" and delaunay=False, and close its periods first.'
+        )
+    domain, copies = surface.domain, completion.copies
+    seams = []
+    rim = domain.boundary_edges
+    for j, seam in enumerate(completion.seams):
+        edges = rim[np.isin(domain.edges[rim], seam.here).all(axis=1)]
+        for k in np.flatnonzero(completion.neighbours[:, j] >= 0).tolist():
+            other = int(completion.neighbours[k, j])
+            if k < other:
+                seams.append((k, other, edges))
+    joined = glued_domain(domain, [copy.flipped for copy in copies], seams)
+    members = completion.members
+    images = np.stack([copy.sheet * surface.normals @ copy.linear.T for copy in copies])
+    normals = np.zeros((joined.vertex_count, 3))
+    normals[members] = images
+    off = np.abs(images - normals[members]).max()
+    if off > _SAME:
+        raise ConditionError(
+            f"Copies of the surface do not agree about the normals along their sides, which differ by {off:.1e}; "
+            "solve with the conditions that belong to the sides, to a smaller tolerance."
+        )
+    return Whole(joined, normals, members)

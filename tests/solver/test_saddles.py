@@ -1,0 +1,141 @@
+"""Saddles and their order, the ring of Figure 16, two solutions for one boundary (Theorem D.1)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from solver import (
+    CmcSolver,
+    ConditionError,
+    Conditions,
+    HarmonicSolver,
+    MeshError,
+    Status,
+    complete,
+    conditions,
+    shapes,
+    side_plane,
+)
+from solver.domain import modules
+from solver.domain.topology import Homology
+from solver.gauss.saddle_maps import flat_axis, modes_of, problem_of, saddle
+from solver.gauss.symmetries import free_rotations, translations
+from solver.gauss.tangent import TangentSystem
+from solver.surface.whole import whole
+from tests.solver.pieces import between_mirrors
+
+E_X, E_Y, E_Z = np.eye(3)
+
+
+def outward_disc(n=300):
+    disc = shapes.disc(n)
+    return disc, conditions.binormal(disc.domain, disc.positions, disc.domain.boundary_edges)
+
+
+def test_the_flat_map_of_outward_normals_is_a_saddle_between_two_hemispheres():
+    """Up along the mode that lifts it to either side."""
+    disc, held = outward_disc()
+    solver = HarmonicSolver(disc.domain)
+    up = solver.solve(held, tolerance=1e-9)
+    flat = up.normals * [1, 1, 0] + 0.02 * np.random.default_rng(0).standard_normal(up.normals.shape)
+    flat[:, :2] += 1e-3
+    found = saddle(solver, held, flat, tolerance=1e-9)
+    assert found.status is Status.COLLAPSED and found.residual < 1e-9
+    assert_allclose(np.abs(flat_axis(found.normals)), E_Z, rtol=0, atol=1e-6)
+    assert found.energy > 1.5 * up.energy and modes_of(solver, held, found.normals).index == 1
+    assert modes_of(solver, held, up.normals).index == 0
+    down = saddle(solver, held, flat, index=0, tolerance=1e-9)
+    assert_allclose(down.energy, up.energy, rtol=1e-10, atol=0)
+
+
+@pytest.mark.parametrize(("sites", "energy"), [("vertices", "cotan"), ("faces", "mobius")])
+def test_the_matrix_is_the_hessian(sites, energy):
+    disc, held = outward_disc(60)
+    solver = HarmonicSolver(disc.domain, sites, energy)
+    problem = problem_of(solver, held)
+    point = problem.at(solver.solve(held).normals)
+    system = TangentSystem.of(problem, point)
+    d = np.random.default_rng(0).standard_normal(len(system.gradient))
+    by_hand = problem.hessian(point)(system.in_space(d))
+    assert_allclose(system.in_space(system.H @ d), by_hand, rtol=0, atol=1e-10)
+    values = np.linalg.eigvals(np.linalg.solve(system.K.toarray(), system.H.toarray())).real
+    assert_allclose(system.lowest(3, np.zeros((len(d), 0)))[0], np.sort(values)[:3], rtol=0, atol=1e-7)
+    assert system.below(0.4) == (values < 0.4).sum()
+
+
+def test_rotations_that_respect_the_conditions():
+    disc, held = outward_disc(60)
+    solver, N = HarmonicSolver(disc.domain), np.tile(E_Z, (disc.domain.vertex_count, 1))
+    rim = disc.domain.boundary_edges
+    assert len(free_rotations(problem_of(solver, Conditions()), N)) == 3
+    assert_allclose(np.abs(free_rotations(problem_of(solver, conditions.fixed(disc.domain, rim, E_Z)), N)), [E_Z])
+    assert_allclose(np.abs(free_rotations(problem_of(solver, conditions.mirror(disc.domain, rim, E_X)), N)), [E_X])
+    assert not len(free_rotations(problem_of(solver, held), solver.solve(held).normals))
+
+
+def test_translations_of_flat_domains():
+    torus = shapes.torus(3.0, 2.0, 40)
+    x, y = torus.positions.T * [[2 * np.pi / 3.0], [np.pi]]
+    N = np.column_stack([np.cos(x), np.sin(x), np.sin(y)])
+    fields = translations(torus.domain)(N)
+    assert fields.shape == (2, torus.domain.vertex_count, 3)
+    speeds = np.sort(np.linalg.norm(fields[:, :, :2], axis=2).mean(axis=1))
+    assert_allclose(np.sum(speeds**2), (2 * np.pi / 3.0) ** 2, rtol=0.02, atol=0)
+    tube = shapes.cylinder(3.0, 1.0, 12).domain
+    assert len(translations(tube)(np.ones((tube.vertex_count, 3)))) == 1
+    with pytest.raises(MeshError, match="flat"):
+        translations(shapes.sphere(100).domain)
+    with pytest.raises(MeshError, match="straight"):
+        translations(shapes.disc(60).domain)
+
+
+def test_a_wrong_index_is_refused():
+    disc, held = outward_disc(60)
+    with pytest.raises(ConditionError, match="whole number"):
+        saddle(HarmonicSolver(disc.domain), held, np.ones((disc.domain.vertex_count, 3)), index=-1)
+
+
+def test_two_solutions_for_one_boundary():
+    """The small cap and the large bubble over a circle, normals tilted by 45°: together a sphere (Theorem D.1)."""
+    disc = shapes.disc(4000)
+    held = conditions.binormal(disc.domain, disc.positions, disc.domain.boundary_edges, tilt=0.25 * np.pi)
+    solver = HarmonicSolver(disc.domain)
+    small = solver.solve(held)
+    large = solver.solve(held, degree=small.degree - 1.0)
+    assert small.status is large.status is Status.CONVERGED
+    parts = (0.5 * (1 - np.cos(0.25 * np.pi)), 0.5 * (1 + np.cos(0.25 * np.pi)))
+    assert_allclose([small.degree, large.degree], [parts[0], -parts[1]], rtol=0, atol=2e-3)
+    assert_allclose([small.energy, large.energy], 4 * np.pi * np.array(parts), rtol=0.02, atol=0)
+    assert modes_of(solver, held, large.normals).negative == 0
+
+
+def test_the_ring_of_the_honeycomb():
+    """Figure 16: 72 copies of the quadrilateral around one hexagon, genus one with six boundaries, seven periods."""
+    piece = between_mirrors(modules.node(3, 2.4, max_edge=0.3), tolerance=1e-12)
+    planes = {side.name: side_plane(piece.surface, side) for side in piece.sides}
+    walls = [planes[name] for name in ("axis", "bisector", "floor")]
+    node = np.linalg.solve([wall.normal for wall in walls], [wall.offset for wall in walls])
+    edge = 2.0 * (planes["end"].offset - node @ E_X)
+    centre = node + edge * np.array([0.5, np.sqrt(0.75), 0.0])
+    reach = edge * np.array([1.52, 1.35, 1.0])  # half a tube beyond the nodes, no more
+    completion = complete(piece.surface, piece.sides, box=[centre - reach, centre + reach])
+    ring = whole(completion)
+    domain, N = ring.domain, ring.normals
+    assert len(completion.copies) == 72
+    assert (domain.euler_characteristic, domain.genus, len(domain.boundary_loops)) == (-6, 1, 6)
+    homology = Homology.of(domain)
+    tau = domain.cotan_weights[:, None] * np.cross(*N[domain.edges.T])
+    assert len(homology.generators) == 7
+    assert_allclose(homology.loops.T @ tau, 0, rtol=0, atol=1e-10)
+    held = conditions.Conditions()
+    for loop in domain.boundary_loop_edges:
+        across = np.linalg.svd(N[np.unique(domain.edges[loop])])[2][-1]
+        held += conditions.mirror(domain, loop, across)
+    solver = HarmonicSolver(domain)
+    point = problem_of(solver, held).at(N)
+    assert_allclose(point.residual, 0, rtol=0, atol=1e-9)
+    assert_allclose(point.energy, 72 * piece.surface.harmonic.energy, rtol=1e-12, atol=0)
+    assert (modes_of(solver, held, N).values < -0.05).sum() == 12
+    assert CmcSolver(domain).solve(held, N).periods.shape == (7, 3)
