@@ -12,12 +12,7 @@ into a scene: its boundary groups come along, and Solve forms a shell over it.
 
 from __future__ import annotations
 
-import os
 import sys
-import tempfile
-import uuid
-from collections.abc import Sequence
-from pathlib import Path
 
 import blender_session
 import plans
@@ -25,22 +20,15 @@ import plans
 package = blender_session.start()
 
 import bpy  # noqa: E402
+import make_modules  # noqa: E402
 import numpy as np  # noqa: E402
 import portrait  # noqa: E402
-import studio  # noqa: E402
+from asset_files import ASSETS, mark, obj_data, picture_of_scene, save  # noqa: E402
 from cmc_formfinding.cmc_addon import group_list, mesh_bridge  # noqa: E402
 from cmc_formfinding.cmc_addon.edge_bridge import repair_selection  # noqa: E402
 from cmc_formfinding.cmc_addon.outline_bridge import write_boundary_groups  # noqa: E402
-from cmc_formfinding.solver.files import MeshData, write_mesh  # noqa: E402
+from cmc_formfinding.solver.files import write_mesh  # noqa: E402
 
-ASSETS = blender_session.ROOT / "assets"
-CATALOGUE = ASSETS / "blender_assets.cats.txt"
-# The catalogue's identifier only has to be always the same one.
-CATALOGUE_ID = str(uuid.uuid5(uuid.NAMESPACE_URL, "cmc-formfinding/assets/plans"))
-CATALOGUE_PATH = "CMC Form-Finding/Plans"
-AUTHOR = "CMC Form-Finding"
-LICENCE = "GPL-3.0-or-later"
-PREVIEW = 192  # pixels
 COLOURS = {"Membrane": (0.80, 0.77, 0.72, 1.0), "Glass": (0.35, 0.50, 0.55, 1.0)}
 
 
@@ -51,11 +39,9 @@ def main() -> None:
         blender_session.empty_scene()
         plan = draw(sketch)
         write_mesh(ASSETS / f"{file_name}.obj", obj_data(plan))
-        mark(plan, sketch.description, sketch.tags, picture)
+        mark(plan, sketch.description, sketch.tags, picture, "plans")
         save(ASSETS / f"{file_name}.blend", plan)
         print(f"{plan.name}: {len(plan.data.polygons)} faces, {len(plan.data.cmc.groups)} boundary groups")
-    import make_modules
-
     make_modules.main()
 
 
@@ -134,80 +120,12 @@ def _cycle(count: int) -> np.ndarray:
     return np.column_stack([k, (k + 1) % count])
 
 
-# --- files ---------------------------------------------------------------------------------
-
-
-def obj_data(plan: bpy.types.Object) -> MeshData:
-    """The plan as an OBJ knows it: polygons, the first UV layer, materials, boundary groups as polylines."""
-    mesh = plan.data
-    read = mesh_bridge.read_plan(plan)
-    uv = np.array([item.vector[:] for item in mesh.uv_layers[0].uv], dtype=np.float64)
-    starts = [polygon.loop_start for polygon in mesh.polygons][1:]
-    rows, inverse = np.unique(uv, axis=0, return_inverse=True)
-    slots = [material.name for material in mesh.materials]
-    return MeshData(
-        positions=read.positions,
-        polygons=read.polygons(),
-        uvs=rows,
-        uv_corners=np.split(inverse.ravel().astype(np.int32), starts),
-        materials=[slots[polygon.material_index] for polygon in mesh.polygons] if slots else [],
-        edge_groups={group.name: read.edges[read.groups == group.uid] for group in mesh.cmc.groups},
-    )
-
-
 def preview(sketch: plans.Sketch) -> np.ndarray:
     """A picture (height, width, 4) in 0…1, bottom row first, of the shell over a plan."""
     blender_session.empty_scene()
     plan = draw(sketch)
     portrait.stage(plan, portrait.form(plan), sketch.view, aspect=1.0, people=False)
     return picture_of_scene()
-
-
-def picture_of_scene() -> np.ndarray:
-    """A square picture (height, width, 4) in 0…1, bottom row first, of what the camera sees."""
-    with tempfile.TemporaryDirectory() as scratch:
-        file = studio.render(Path(scratch) / "preview.png", PREVIEW, PREVIEW, samples=16)
-        image = bpy.data.images.load(str(file))
-        return np.array(image.pixels[:], dtype=np.float32).reshape(PREVIEW, PREVIEW, 4)
-
-
-def mark(
-    plan: bpy.types.Object, description: str, tags: Sequence[str], picture: np.ndarray, catalogue: str = CATALOGUE_ID
-) -> None:
-    """Make the plan an asset; picture (height, width, 4) in 0…1, from the bottom up."""
-    plan.asset_mark()
-    data = plan.asset_data
-    data.description, data.author, data.license = description, AUTHOR, LICENCE
-    data.catalog_id = catalogue
-    for tag in tags:
-        data.tags.new(tag)
-    preview = plan.preview_ensure()
-    preview.image_size = picture.shape[1::-1]
-    preview.image_pixels_float.foreach_set(picture.astype(np.float32).ravel())
-
-
-def save(path: Path, plan: bpy.types.Object) -> None:
-    """Write a .blend that holds this object and what it needs, in a scene of its own."""
-    with tempfile.TemporaryDirectory(prefix=".assets-", dir=path.parent) as scratch:
-        temporary = str(Path(scratch) / path.name)
-        bpy.data.orphans_purge(do_local_ids=True, do_linked_ids=True, do_recursive=True)
-        bpy.ops.wm.save_as_mainfile(filepath=temporary, compress=True, copy=True, check_existing=False)
-        os.replace(temporary, path)
-
-
-def write_catalogue() -> None:
-    """The asset browser's catalogue: a shelf for the plans, one for the modules."""
-    import make_modules  # which needs what is here
-
-    shelves = {CATALOGUE_ID: CATALOGUE_PATH, make_modules.CATALOGUE_ID: make_modules.CATALOGUE_PATH}
-    lines = [
-        "# Catalogues of the asset browser: UUID:path:simple name",
-        "",
-        "VERSION 1",
-        "",
-        *(f"{identifier}:{path}:{path.replace('/', '-')}" for identifier, path in shelves.items()),
-    ]
-    CATALOGUE.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -10,37 +10,34 @@ A job is for `python -m solver`: it solves the module of the OBJ beside it and c
 from __future__ import annotations
 
 import sys
-import uuid
 
 import blender_session
 
 package = blender_session.start()
 
+import asset_files  # noqa: E402
 import bpy  # noqa: E402
-import make_assets  # noqa: E402
 import numpy as np  # noqa: E402
 import portrait  # noqa: E402
 import studio  # noqa: E402
 from cmc_formfinding.cmc_addon.presets import PRESETS, Preset  # noqa: E402
 from cmc_formfinding.solver.files import write_mesh  # noqa: E402
 
-FOLDER = make_assets.ASSETS / "modules"
-CATALOGUE_ID = str(uuid.uuid5(uuid.NAMESPACE_URL, "cmc-formfinding/assets/modules"))
-CATALOGUE_PATH = "CMC Form-Finding/Modules"
+FOLDER = asset_files.ASSETS / "modules"
 
 
 def main() -> None:
     FOLDER.mkdir(exist_ok=True)
-    make_assets.write_catalogue()
+    asset_files.write_catalogue()
     for name, preset in PRESETS.items():
         picture = preview(name)
         blender_session.empty_scene()
         plan = draw(name)
-        write_mesh(FOLDER / f"{name}.obj", make_assets.obj_data(plan))
+        write_mesh(FOLDER / f"{name}.obj", asset_files.obj_data(plan))
         (FOLDER / f"{name}.toml").write_text(job(name, preset, plan), encoding="utf-8")
         details = f"{preset.description}. Solve, then Complete by Symmetry."
-        make_assets.mark(plan, details, ("module", "symmetry"), picture, CATALOGUE_ID)
-        make_assets.save(FOLDER / f"{name}.blend", plan)
+        asset_files.mark(plan, details, ("module", "symmetry"), picture, "modules")
+        asset_files.save(FOLDER / f"{name}.blend", plan)
         print(f"{plan.name}: {len(plan.data.polygons)} faces, {len(plan.data.cmc.groups)} boundary groups")
 
 
@@ -79,7 +76,7 @@ def preview(name: str) -> np.ndarray:
     studio.add_ground(float(np.ptp(points, axis=0).max()), z=float(points[:, 2].min()))
     studio.light()
     portrait.look_at(points, (-62.0, 0.5), 42.0, 1.0)
-    return make_assets.picture_of_scene()
+    return asset_files.picture_of_scene()
 
 
 if __name__ == "__main__":
