@@ -7,9 +7,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from solver import Conditions, HarmonicSolver, Status, complete
-from solver.gauss.balance import imbalance
+from solver.gauss.balance import BALANCED, imbalance, moment_gradients
 from solver.gauss.saddle_maps import flat_axis, modes_of, problem_of, saddle
-from solver.gauss.sphere import normalize
+from solver.gauss.sphere import exp, inner, normalize
 from solver.gauss.symmetries import translations
 from solver.surface.whole import whole
 from tests.solver.exact import rates
@@ -62,3 +62,25 @@ def test_the_jittered_cylinder_has_a_saddle_of_index_one():
     fallen = solver.solve(held, start)
     assert fallen.energy < 9 and np.abs(fallen.normals[:, 2]).max() < 1e-6
     assert flat_axis(fallen.normals) is not None and flat_axis(found.normals) is None
+
+
+def test_balanced_descent_does_not_end_at_a_constant():
+    """From near the saddle: minimising collapses, among balanced maps it ends at a great circle, covered evenly
+    (Sec. 5.3.4)."""
+    closing, sides, _ = closed_quarter(120, 8, 1.7)
+    torus = whole(complete(closing.surface, sides))
+    solver, random = HarmonicSolver(torus.domain), np.random.default_rng(0)
+    problem = problem_of(solver, Conditions())
+    noise = random.standard_normal(torus.normals.shape)
+    smooth = problem.dirichlet.precondition(problem.graph.areas[:, None] * noise)
+    start = normalize(torus.normals + 0.1 * smooth / np.abs(smooth).max())
+    assert solver.solve(Conditions(), start).status is Status.COLLAPSED
+    found = solver.solve(Conditions(), start, method=BALANCED)
+    assert found.status is Status.CONVERGED and found.energy > 1.0
+    assert flat_axis(found.normals) is not None
+    assert_allclose(imbalance(problem, found.normals), 0, rtol=0, atol=1e-10)
+    point = problem.at(start)
+    d = problem.project(start, noise)
+    ahead, back = (problem.at(exp(start, t * d)) for t in (1e-5, -1e-5))
+    change = sum(s * p.energy * imbalance(problem, p.N) for s, p in ((1, ahead), (-1, back))) / 2e-5
+    assert_allclose(change, [inner(a, d) for a in moment_gradients(problem, point)], rtol=1e-5, atol=1e-5)
