@@ -11,12 +11,14 @@ from .errors import CmcError, ConditionError, JobError, MeshError, Status
 from .gauss import conditions
 from .gauss.conditions import Conditions
 from .gauss.harmonic import HarmonicMap, HarmonicSolver
+from .gauss.saddle_maps import modes_of, saddle
 from .measure import conformal_distortion, mean_curvature_of, report
 from .surface.cmc import CmcSurface
 from .surface.periods import periods
 from .surface.sides import Side, side_plane
 from .surface.solve import CmcSolver, solve_cmc
 from .surface.symmetry import complete
+from .surface.whole import whole
 
 __version__ = "0.1.0"
 
@@ -42,9 +44,12 @@ __all__ = [
     "fit_gauss_map",
     "fit_outline",
     "mean_curvature_of",
+    "modes_of",
     "periods",
     "report",
+    "saddle",
     "shapes",
     "side_plane",
     "solve_cmc",
+    "whole",
 ]
