@@ -80,6 +80,7 @@ def test_scripts_in_the_documentation_run():
     exec(compile(example, "docs/blender.md", "exec"), names)
     assert names["shell"].name == "Hall Plan f+"
     assert names["plan"].cmc.fit["cmc_met"] and bpy.data.objects["Dome"].cmc.fit is None
+    assert json.loads(bpy.context.object.cmc.report)["closing"]["closed"]
     assert np.isclose(json.loads(names["plan"].cmc.report)["sheets"]["f+"]["span"], 18.0)
 
 
