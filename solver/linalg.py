@@ -14,7 +14,7 @@ import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse.linalg import splu
 
-from .errors import CmcError
+from .errors import CmcError, ConditionError
 
 Array = NDArray[np.float64]
 Sparse = Any  # scipy.sparse ships no types
@@ -34,6 +34,14 @@ def as_numbers(values: ArrayLike, what: str, error: type[CmcError]) -> Array:
         return np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError):
         raise error(f"{what} must be numbers in a regular array.") from None
+
+
+def check_number(value: Any, what: str, least: float = 0.0, *, positive: bool = False) -> None:
+    """Raise `ConditionError`, naming `what`, on what is no finite number, below `least`, or zero where `positive`."""
+    is_number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
+    if not is_number or not np.isfinite(value) or value < least or (positive and value <= 0.0):
+        kind = "positive number" if positive else "finite number" if least < 0.0 else f"number of {least:g} or more"
+        raise ConditionError(f"The {what} must be a {kind}, not {value!r}.")
 
 
 def sum_rows(rows: NDArray[np.integer], values: Array, count: int) -> Array:

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..domain.domain import Domain
 from ..errors import ConditionError, chosen
 from ..gauss.conditions import Conditions
+from ..linalg import check_number
 from ..surface.cmc import CmcSurface
 from ..surface.sides import Side
 from ..surface.solve import CmcSolver
@@ -131,6 +132,9 @@ def close_periods(
     that do not exist, and where nothing may change.
     """
     chosen(by, dict.fromkeys(WAYS), "way to close")
+    check_number(weight, "weight of moduli", positive=True)
+    check_number(tolerance, "tolerance")
+    check_number(max_steps, "largest number of steps")
     if (moduli is None) != (by == "normals"):
         raise ConditionError(f'Closing by "{by}" {"needs" if moduli is None else "does not take"} moduli.')
     if not conditions.vertices.size and by != "moduli":

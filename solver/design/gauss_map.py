@@ -13,7 +13,7 @@ from ..errors import ConditionError
 from ..gauss.conditions import Conditions, gauss_map
 from ..gauss.frames import area_vectors, in_space, unit_rows
 from ..gauss.sphere import inner
-from ..linalg import sum_rows
+from ..linalg import check_number, sum_rows
 from ..surface.placement import procrustes
 from ..surface.solve import CmcSolver
 from .curves import Curve
@@ -70,8 +70,7 @@ def fit_gauss_map(
     `ConditionError` on weights that are no numbers from 0 on, and on flat surfaces.
     """
     for name, weight in (("regularisation", regularisation), ("likeness", likeness), ("weight of nearness", near)):
-        if not (np.isfinite(weight) and weight >= 0.0):
-            raise ConditionError(f"The {name} must be a number from 0 on, not {weight}.")
+        check_number(weight, name)
     wanted = _Wanted.of(domain, in_space(domain, positions), regularisation, likeness, near)
     search = _Search(wanted, solver or CmcSolver(domain), progress)
     if initial is not None and near and RimOnCurve.label in initial.distances:

@@ -50,7 +50,7 @@ class MovingHoles:
         unknown = [name for name in motions if name not in MOTIONS]
         if unknown:
             raise ConditionError(f"There is no motion {unknown[0]!r} of a hole; known are {', '.join(MOTIONS)}.")
-        wrong = [loop for loop in loops if not 0 <= loop < len(domain.boundary_loops)]
+        wrong = [loop for loop in loops if loop not in range(len(domain.boundary_loops))]
         if wrong:
             raise ConditionError(f"There is no boundary loop {wrong[0]}; the plan has {len(domain.boundary_loops)}.")
         self.domain = domain

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
 from ..errors import ConditionError, plural
+from ..linalg import as_numbers
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -82,7 +83,9 @@ def tubes(
     stretch: tuple[float, float] = (0.05, 20.0),
 ) -> Moduli:
     """Several parts, each of which is stretched along an axis of its own: name → (faces, axis) as in `tube`."""
-    flat = np.asarray(corners, dtype=np.float64)
+    flat = as_numbers(corners, "Corners", ConditionError)
+    if flat.shape not in ((len(domain.faces), 3, 2), (len(domain.faces), 3, 3)):
+        raise ConditionError(f"Corners must have shape ({len(domain.faces)}, 3, 2 or 3), not {flat.shape}.")
     taken = np.zeros(len(domain.faces), dtype=bool)
     chosen = []
     for name, (faces, axis) in parts.items():

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..domain.domain import Domain
 from ..gauss.conditions import binormal
 from ..gauss.frames import in_space
+from ..linalg import check_number
 from ..surface.solve import CmcSolver
 from .fit import Fit, FitStatus, Progress, Start, fit
 from .wishes import Wishes
@@ -81,6 +82,8 @@ def fit_outline(
     and the message says what to change. Raises `ConditionError` on wishes that contradict each other or make no sense.
     """
     points = in_space(domain, positions)
+    check_number(smooth, "weight of calm boundary normals")
+    check_number(max_evaluations, "largest number of evaluations", 1)
     knobs = {"rise": rise, "height": height, "volume": volume, "mean_curvature": mean_curvature}
     wishes = Wishes.of(
         domain, points, curve, knobs, on_curve=on_curve, free_heights=free_heights, anchors=anchors, tilt=tilt

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
 from ..errors import ConditionError
-from ..linalg import as_numbers
+from ..linalg import as_numbers, check_number
 from .curves import Curve
 from .fit import Fit
 from .target import Target
@@ -174,8 +174,13 @@ class Wishes:
 def _check(domain: Domain, tilt: tuple[float, float] | None) -> None:
     if len(domain.boundary_loops) == 0 or domain.genus:
         raise ConditionError("Fitting to an outline needs a plan: a mesh with a boundary and without handles.")
-    if tilt is not None and not -0.5 * np.pi <= tilt[0] < tilt[1] <= 0.5 * np.pi:
-        least, most = np.degrees(tilt)
+    if tilt is None:
+        return
+    bounds = as_numbers(tilt, "The bounds on the tilt", ConditionError)
+    if bounds.shape != (2,):
+        raise ConditionError("The bounds on the tilt are two angles, the least and the most.")
+    if not -0.5 * np.pi <= bounds[0] < bounds[1] <= 0.5 * np.pi:
+        least, most = np.degrees(bounds)
         raise ConditionError(f"Tilts lie between -90° and 90°, the least below the most, not {least:g}° and {most:g}°.")
 
 
@@ -184,8 +189,7 @@ def _chosen(knobs: dict[str, float | None]) -> tuple[str, float]:
     if len(chosen) > 1:
         raise ConditionError(f"Give one of {' and '.join(chosen)}, not both: one number chooses the surface.")
     knob, number = next(iter(chosen.items()), ("rise", _RISE))
-    if not (np.isfinite(number) and number > 0.0):
-        raise ConditionError(f"The {KNOBS[knob].label.lower()} must be a positive number, not {number}.")
+    check_number(number, KNOBS[knob].label.lower(), positive=True)
     return knob, float(number)
 
 
@@ -195,12 +199,20 @@ def _lines(domain: Domain, points: Array, given: ArrayLike | Sequence[ArrayLike]
     outer = int(np.argmax([abs(_area(line)) for line in lines]))
     if given is None:
         return lines, outer
-    if not isinstance(given, (list, tuple)) or np.ndim(given[0]) < 2:
+    if not isinstance(given, (list, tuple)) or not _are_lines(given):
         lines[outer] = _as_curve(given)  # pyright: ignore[reportArgumentType]
         return lines, outer
     if len(given) != len(lines):
         raise ConditionError(f"The plan has {len(lines)} boundary loops; {len(given)} curves cannot be theirs.")
     return [_as_curve(line) for line in given], outer
+
+
+def _are_lines(given: Sequence[ArrayLike]) -> bool:
+    """Whether these are lines, and not the points of one."""
+    try:
+        return len(given) > 0 and np.ndim(given[0]) >= 2
+    except ValueError:  # the first one is ragged, so it is no point
+        return True
 
 
 def _as_curve(given: ArrayLike) -> Array:
@@ -221,12 +233,17 @@ def _area(line: Array) -> float:
 def _supports(domain: Domain, anchors: tuple[ArrayLike, ArrayLike, ArrayLike] | None, base: float) -> Supports | None:
     if anchors is None:
         return None
-    vertices, places, weights = (np.asarray(part) for part in anchors)
+    numbers = [as_numbers(part, "Vertices, places and weights of anchors", ConditionError) for part in anchors]
+    if len(numbers) != 3:
+        raise ConditionError("Anchors are vertices (k,), places (k, 3) and weights (k,).")
+    vertices, places, weights = numbers
     if vertices.ndim != 1 or places.shape != (len(vertices), 3) or weights.shape != vertices.shape:
         raise ConditionError("Anchors are vertices (k,), places (k, 3) and weights (k,).")
-    bad = vertices[(vertices < 0) | (vertices >= domain.vertex_count)]
+    bad = vertices[~np.isin(vertices, np.arange(domain.vertex_count))]
     if bad.size:
-        raise ConditionError(f"There is no vertex {bad[0]} to anchor.", vertices=bad)
+        raise ConditionError(f"There is no vertex {bad[0]:g} to anchor.", vertices=bad)
+    if not (np.isfinite(places).all() and np.isfinite(weights).all() and (weights > 0.0).all()):
+        raise ConditionError("Places of anchors must be finite, and their weights positive.")
     return Supports(vertices.astype(np.int64), places.astype(np.float64) - [0.0, 0.0, base], weights.astype(np.float64))
 
 

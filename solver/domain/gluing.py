@@ -17,7 +17,6 @@ from ..errors import MeshError, plural
 from .domain import Domain
 
 Int = NDArray[np.integer]
-Bool = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..domain.domain import Domain
 from ..domain.sites import SiteGraph
 from ..errors import ConditionError, Status, chosen
-from ..linalg import as_numbers
+from ..linalg import as_numbers, check_number
 from . import sphere
 from .admissible import Admissible, resolved
 from .dirichlet import Dirichlet
@@ -118,9 +118,9 @@ class HarmonicSolver:
         if not isinstance(method, Method):
             chosen(method, METHODS, "method")
             method = METHODS[method]
-        _check_number(tolerance, "tolerance")
+        check_number(tolerance, "tolerance")
         if max_iterations is not None:
-            _check_number(max_iterations, "largest number of iterations")
+            check_number(max_iterations, "largest number of iterations")
         if side not in (1, -1):
             raise ConditionError(f"The side must be +1 or -1, not {side}.")
         admissible = resolved(conditions, self.graph, side)
@@ -136,7 +136,7 @@ class HarmonicSolver:
             admissible = admissible.facing(given)
             held, start = np.union1d(admissible.fixed, admissible.mirrors.sites), admissible.pin(given)
         if degree is not None:
-            _check_number(degree, "degree", -np.inf)
+            check_number(degree, "degree", -np.inf)
             start = admissible.pin(wound_start(self.dirichlet(held), start, degree))
         limit = {} if max_iterations is None else {"max_iterations": max_iterations}
         dirichlet = self.dirichlet(admissible.fixed)
@@ -195,13 +195,6 @@ class HarmonicSolver:
             return Status.COLLAPSED
         torn = c[~(is_fixed[i] & is_fixed[j])].min(initial=1.0) < 0.0
         return Status.UNDER_RESOLVED if torn else status
-
-
-def _check_number(value: object, what: str, least: float = 0.0) -> None:
-    """Refuse what is no finite number, or below `least`."""
-    if not isinstance(value, (int, float, np.number)) or not np.isfinite(value) or value < least:
-        kind = "finite number" if least < 0.0 else f"number of {least:g} or more"
-        raise ConditionError(f"The {what} must be a {kind}, not {value!r}.")
 
 
 def _as_unit(initial: ArrayLike, graph: SiteGraph) -> Array:

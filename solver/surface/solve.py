@@ -227,4 +227,5 @@ def _longest(periods: Array) -> float:
 def _diameter(graph: SiteGraph, N: Array, g: Array) -> float:
     """Diagonal of the larger of the two sheets, roughly: from the conjugate and the normals at the corners."""
     sites, cells = graph.incidence
-    return max(float(np.linalg.norm(np.ptp(g[cells] + s * N[sites], axis=0))) for s in (1, -1))
+    there, normals = g[cells].T, N[sites].T  # extents of whole rows are found several times faster than of columns
+    return max(float(np.linalg.norm([np.ptp(row) for row in there + s * normals])) for s in (1, -1))

@@ -74,6 +74,8 @@ def complete(
         raise SymmetryError("Copies in a box and around corners exclude each other; choose one of them.")
     if not (np.isfinite(tolerance) and tolerance > 0.0):
         raise SymmetryError(f"The tolerance must be a positive part of the surface's size, not {tolerance}.")
+    if isinstance(sides, Side):
+        raise SymmetryError("The sides to go on across are a list; put the one side into one.")
     arrangement = arrange(surface, sides, coplanar)
     seams = side_seams(arrangement.planes) + cut_seams(surface)
     if not seams and translations is None:
