@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 
 from .flow import flow
 from .gauss_seidel import gauss_seidel
@@ -27,4 +28,9 @@ METHODS = {
     "gauss_seidel": Method("Gauss-Seidel", "Average the neighbours again and again: simple and slow", gauss_seidel),
     "lagrange": Method("Lagrange-Newton", "The paper's system with multipliers: a slow reference", lagrange),
     "saddle": Method("Saddle", "Up along one unstable mode, down along all others: maps that are no minimisers", climb),
+    "critical": Method(
+        "Nearest critical",
+        "To the nearest map at which nothing pulls, up or down, from a map to start from",
+        partial(climb, index=None),
+    ),
 }

@@ -16,7 +16,7 @@ from .methods import Method
 from .minimise import Progress
 from .problem import EnergyProblem
 from .saddles import climb
-from .symmetries import Fields, free_rotations
+from .symmetries import Fields, drifts, free_rotations
 from .tangent import TangentSystem
 
 Array = NDArray[np.float64]
@@ -58,8 +58,8 @@ def saddle(
     along all others, then Newton's method with a direct factorisation (paper, Sec. 5.3.3 and 5.3.4).
 
     index: the most negative modes that the map may have; with None, Newton's method alone, to the nearest critical
-    map of any index. null: fields along which nothing should change, `symmetries.translations(domain)` of a flat
-    domain. Free rotations of the sphere are found. The status is COLLAPSED where the map fell into a plane that the
+    map of any index. null: fields along which nothing should change; free rotations of the sphere and translations of a
+    flat domain are found. The status is COLLAPSED where the map fell into a plane that the
     initial one was not in.
     """
     if index is not None and not (isinstance(index, (int, np.integer)) and index >= 0):
@@ -99,12 +99,13 @@ def modes_of(
     """Index and null modes of a map (S, 3), which should be critical, under its boundary conditions.
 
     How many modes there are to look at say the signs of the pivots of H - tolerance · K (Sylvester's law of inertia);
-    Lanczos' method finds them. null: fields along which the energy hardly changes. Modes that are mostly along these,
-    or along free rotations, are null whatever the sign of their λ.
+    Lanczos' method finds them. null: fields along which the energy hardly changes; `symmetries.drifts` unless given.
+    Modes that are mostly along these, or along free rotations, are null whatever the sign of their λ.
     """
     problem = problem_of(solver, conditions)
     system = TangentSystem.of(problem, problem.at(normals))
     turns = np.cross(free_rotations(problem, normals)[:, None, :], normals)
+    null = null or drifts(problem, normals)
     fields = turns if null is None else np.concatenate([turns, null(normals)])
     gauge = system.orthonormal(system.coordinates(fields))
     values, vectors = system.lowest(max(count, system.below(tolerance)), np.zeros((len(system.gradient), 0)))

@@ -6,9 +6,8 @@ negative ones the lowest `index` stay as they are and the others change sign, so
 may climb along and nowhere else. Near the saddle nothing changes sign and the steps are Newton's.
 
 Directions in which all stays the same are left out of a step by bordering its matrix (a phase condition each):
-rotations of the sphere that respect the conditions, always; and what the caller knows, such as translations of a flat
-domain. Those are symmetries of the mesh only roughly: where most of the gradient is along them, the map
-moves along them, too, downwards.
+rotations of the sphere that respect the conditions, and translations of a flat domain. The latter are symmetries of the
+mesh only roughly: where most of the gradient is along them, the map moves along them, too, downwards.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ from numpy.typing import NDArray
 from .minimise import Minimum, Progress, Step, descend, longest
 from .problem import EnergyProblem, Point
 from .sphere import exp
-from .symmetries import Fields, free_rotations
+from .symmetries import Fields, drifts, free_rotations
 from .tangent import TangentSystem
 
 Array = NDArray[np.float64]
@@ -51,10 +50,11 @@ def climb(
 ) -> Minimum:
     """A critical map of that index, or of a smaller one, from N (S, 3); the nearest of any index if None.
 
-    null: N ↦ fields (k, S, 3) along which the energy hardly changes (see `symmetries.translations`). They do not count
-    in the index.
+    null: N ↦ fields (k, S, 3) along which the energy hardly changes; `symmetries.drifts` unless given. They do not
+    count in the index.
     """
     axes = free_rotations(problem, N)
+    null = null or drifts(problem, N)
 
     def take_step(point: Point) -> Step | int:
         system = TangentSystem.of(problem, point)

@@ -35,6 +35,24 @@ def free_rotations(problem: EnergyProblem, N: Array) -> Array:
     return axes.T[values <= _UNMOVED**2 * max(len(held), 1)]
 
 
+def drifts(problem: EnergyProblem, N: Array) -> Fields | None:
+    """The translations of a flat domain, where normals at vertices are held alike all along its boundary; else None.
+
+    They leave the energy as it is, but for the mesh. N: (S, 3) with the fixed normals.
+    """
+    graph = problem.graph
+    if not graph.at_vertices:
+        return None
+    rim = graph.domain.edges[graph.domain.boundary_edges]
+    held = rim[np.isin(rim, problem.dirichlet.fixed).all(axis=1)]
+    if np.abs(N[held[:, 0]] - N[held[:, 1]]).max(initial=0.0) > _UNMOVED:
+        return None
+    try:
+        return translations(graph.domain)
+    except MeshError:
+        return None
+
+
 def translations(domain: Domain) -> Fields:
     """N (V, 3) ↦ its derivatives (k, V, 3) along the translations of a flat domain: k = 2 on a torus, 1 on a cylinder.
 
