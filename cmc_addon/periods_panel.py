@@ -3,7 +3,7 @@
 import bpy
 
 from ..solver.errors import CmcError
-from .operators.add_plan import in_add_menu
+from .operators.add_plan import first_in_add_menu, in_add_menu
 from .panels import TALL, hint, plan_to_solve, properties_column
 from .periods import tile_counts
 from .periods_settings import draw_close, draw_tile
@@ -65,12 +65,14 @@ CLASSES = (CMC_PT_periods,)
 def register() -> None:
     for cls in CLASSES:
         bpy.utils.register_class(cls)
+    bpy.types.CMC_MT_add.prepend(first_in_add_menu)
     bpy.types.CMC_MT_add.append(in_add_menu)
 
 
 def unregister() -> None:
     if hasattr(bpy.types, "CMC_MT_add"):
         bpy.types.CMC_MT_add.remove(in_add_menu)
+        bpy.types.CMC_MT_add.remove(first_in_add_menu)
     for cls in reversed(CLASSES):
         if cls.is_registered:
             bpy.utils.unregister_class(cls)

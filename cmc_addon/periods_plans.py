@@ -20,7 +20,8 @@ _NARROWEST = 0.05
 @dataclass(frozen=True, eq=False)
 class StartPlan:
     """points (V, 3) of a domain, uvs (F, 3, 2) of its corners, edges that are seams of these (n,), sides: name → edges,
-    the kind of condition on each and its parameters, settings of `Object.cmc`."""
+    the kind of condition on each and its parameters, settings of `Object.cmc`. remesh: Mesh Plan makes it finer in
+    place, from its own rim."""
 
     name: str
     domain: Domain
@@ -30,6 +31,7 @@ class StartPlan:
     kinds: dict[str, tuple[str, dict[str, float]]]
     seams: NDArray[np.integer] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     settings: dict[str, object] = field(default_factory=dict)
+    remesh: bool = False
 
 
 def annulus(size: float, hole: float, offset: float, columns: int) -> StartPlan:

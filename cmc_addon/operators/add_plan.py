@@ -1,4 +1,4 @@
-"""Add > Mesh > CMC: plans with a hole, whose shells have a gap to be closed or tiled."""
+"""Add > Mesh > CMC: ordinary plans, ready for Solve; and plans with a hole, whose shells have a gap."""
 
 import bpy
 import numpy as np
@@ -11,27 +11,59 @@ from ..outline_bridge import write_boundary_groups
 from ..periods_bridge import mark_seams
 from ..periods_plans import StartPlan, annulus, cylinder
 from ..result_bridge import build_polygons
+from ..start_plans import court, l_shape, rectangle, round_plan
 
-SHAPES = [
+ORDINARY = [
+    ("RECTANGLE", "Rectangle", "A rectangular plan with rounded corners: Solve makes its shell, Fit to Outline one "
+     "whose rim is on the outline"),
+    ("ROUND", "Round", "A round plan: its shell is a piece of a sphere"),
+    ("L_SHAPE", "L-Shaped", "Two wings at a right angle, with rounded corners"),
+    ("COURT", "Court", "A rectangular plan around a round court in its middle, around which the shell closes"),
+]
+"""Plans that need nothing else."""
+
+WITH_GAP = [
     ("ANNULUS", "Annulus", "A round plan around a court that is not in its middle: Solve, then Close Periods"),
     ("CYLINDER", "Cylinder Strip", "A tube whose normals wind along both ends: Solve, then Tile by Periods makes a "
      "strip as long as wanted"),
 ]
-_ROWS = {"ANNULUS": ("size", "hole", "offset", "columns"), "CYLINDER": ("size", "height", "columns")}
+"""Plans whose shells have a gap."""
+
+_MAKE = {
+    "RECTANGLE": (rectangle, ("size", "width", "columns")),
+    "ROUND": (round_plan, ("size", "columns")),
+    "L_SHAPE": (l_shape, ("size", "width", "columns")),
+    "COURT": (court, ("size", "width", "hole", "columns")),
+    "ANNULUS": (annulus, ("size", "hole", "offset", "columns")),
+    "CYLINDER": (cylinder, ("size", "height", "columns")),
+}
+"""Shape → what makes it, and the settings that it takes, in this order."""
+
+_OWN = {
+    "RECTANGLE": {"size": 10.0, "width": 0.65, "columns": 40},
+    "ROUND": {"size": 10.0, "columns": 40},
+    "L_SHAPE": {"size": 10.0, "width": 0.45, "columns": 40},
+    "COURT": {"size": 12.0, "width": 0.8, "hole": 0.35, "columns": 40},
+}
+"""What a shape has where the call says nothing and it is not the property's default."""
 
 
 class CMC_OT_add_plan(bpy.types.Operator):
-    """Add a plan with a hole and its boundary groups"""
+    """Add a meshed plan with its boundary groups: all that Solve needs"""
 
     bl_idname = "cmc.add_plan"
-    bl_label = "Add Plan with a Hole"
+    bl_label = "Add CMC Plan"
     bl_options = {"REGISTER", "UNDO"}
 
-    shape: EnumProperty(name="Shape", items=SHAPES)
+    shape: EnumProperty(name="Shape", description="What is added", items=ORDINARY + WITH_GAP)
     size: FloatProperty(
-        name="Size", description="Outer diameter", default=8.0, min=1e-3, subtype="DISTANCE", options={"SKIP_SAVE"})
+        name="Size", description="Length of the plan, or its outer diameter",
+        default=8.0, min=1e-3, subtype="DISTANCE", options={"SKIP_SAVE"})
+    width: FloatProperty(
+        name="Width", description="Depth of the plan, or of its wings, as a part of its length",
+        default=0.65, min=0.05, max=1.0, subtype="FACTOR", options={"SKIP_SAVE"})
     hole: FloatProperty(
-        name="Hole", description="Diameter of the court as a part of the outer one",
+        name="Hole", description="Diameter of the court as a part of the plan's width",
         default=0.35, min=0.05, max=0.9, subtype="FACTOR", options={"SKIP_SAVE"})
     offset: FloatProperty(
         name="Offset", description="How far the court is from the middle, as a part of the radius",
@@ -40,7 +72,7 @@ class CMC_OT_add_plan(bpy.types.Operator):
         name="Height", description="Height of the tube as a part of its diameter",
         default=0.5, min=0.05, max=20.0, soft_max=3.0, options={"SKIP_SAVE"})
     columns: IntProperty(
-        name="Edges", description="Edges along the outer rim: more are finer",
+        name="Edges", description="Edges along the length of the plan, or around its outer rim: more are finer",
         default=64, min=12, max=1000, soft_max=200, options={"SKIP_SAVE"})
 
     @classmethod
@@ -55,11 +87,12 @@ class CMC_OT_add_plan(bpy.types.Operator):
         return cls.bl_rna.properties["shape"].enum_items[properties.shape].description
 
     def execute(self, context):
+        make, names = _MAKE[self.shape]
+        for name, value in _OWN.get(self.shape, {}).items():
+            if not self.properties.is_property_set(name):
+                setattr(self, name, value)
         try:
-            if self.shape == "ANNULUS":
-                start = annulus(self.size, self.hole, self.offset, self.columns)
-            else:
-                start = cylinder(self.size, self.height, self.columns)
+            start = make(*(getattr(self, name) for name in names))
         except CmcError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -73,7 +106,7 @@ class CMC_OT_add_plan(bpy.types.Operator):
     def draw(self, context):
         column = self.layout.column()
         column.use_property_split = True
-        for name in ("shape", *_ROWS[self.shape]):
+        for name in ("shape", *_MAKE[self.shape][1]):
             column.prop(self, name)
 
 
@@ -99,16 +132,27 @@ def new_plan(context: bpy.types.Context, start: StartPlan) -> bpy.types.Object:
     plan = bpy.data.objects.new(start.name, mesh)
     plan.location = context.scene.cursor.location
     context.collection.objects.link(plan)
+    plan.cmc.meshed = start.remesh
     for key, value in start.settings.items():
         setattr(plan.cmc, key, value)
     return plan
 
 
+def first_in_add_menu(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
+    """Rows above those of the modules."""
+    draw_shapes(menu.layout, ORDINARY)
+    menu.layout.separator()
+
+
 def in_add_menu(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
     """Rows below those of the modules."""
     menu.layout.separator()
-    for identifier, label, _ in SHAPES:
-        menu.layout.operator("cmc.add_plan", text=label).shape = identifier
+    draw_shapes(menu.layout, WITH_GAP)
+
+
+def draw_shapes(layout: bpy.types.UILayout, shapes) -> None:
+    for identifier, label, _ in shapes:
+        layout.operator("cmc.add_plan", text=label).shape = identifier
 
 
 CLASSES = (CMC_OT_add_plan,)

@@ -67,10 +67,14 @@ def test_the_menu_offers_every_preset():
             drawn.append(text)
             return type("Properties", (), {})()
 
+        def separator(self):
+            drawn.append("---")
+
     from cmc_formfinding.cmc_addon.symmetry_panel import CMC_MT_add
 
     CMC_MT_add.draw(type("Menu", (), {"layout": Layout()})(), bpy.context)
-    assert drawn == ["Nodoid", "Unduloid", "Mirror Quadrilateral", "Honeycomb Module", "Column Capital"]
+    assert drawn[:5] == ["Rectangle", "Round", "L-Shaped", "Court", "---"], "plans that need nothing else come first"
+    assert drawn[5:10] == ["Nodoid", "Unduloid", "Mirror Quadrilateral", "Honeycomb Module", "Column Capital"]
 
 
 def test_presets_are_undone_and_refused_in_edit_mode():

@@ -1,0 +1,77 @@
+"""Ordinary plans of Add > Mesh > CMC: Add, Solve, Fit to Outline with nothing set in between."""
+
+from __future__ import annotations
+
+import json
+
+import bpy
+import numpy as np
+import pytest
+
+FINISHED = {"FINISHED"}
+SHAPES = ["RECTANGLE", "ROUND", "L_SHAPE", "COURT"]
+
+
+def report(plan) -> dict:
+    return json.loads(plan.cmc.report)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_solve_needs_nothing_else(shape):
+    assert bpy.ops.cmc.add_plan(shape=shape, columns=24) == FINISHED
+    plan = bpy.context.object
+    assert plan.select_get() and [group.name for group in plan.data.cmc.groups] == ["Rim"]
+    assert bpy.ops.cmc.solve() == FINISHED
+    told = report(plan)
+    shown = told["sheets"][told["sheet"]]
+    assert told["converged"] and not told["is_open"] and shown["overhang"]["area_share"] == 0.0
+    assert not shown["intersections"]["count"]
+    assert 0.1 * shown["span"] < shown["rise"] < 0.35 * shown["span"]
+
+
+def test_the_round_plan_has_a_cap_of_a_sphere_on_its_outline():
+    """A cap that leaves its rim at 45° is (√2 - 1)/2 of its span high, and H = √2 over its span."""
+    bpy.ops.cmc.add_plan(shape="ROUND", columns=32)
+    bpy.ops.cmc.solve()
+    told = report(bpy.context.object)
+    shown = told["sheets"][told["sheet"]]
+    np.testing.assert_allclose(shown["rise"], 0.5 * (np.sqrt(2.0) - 1.0) * shown["span"], rtol=0.01)
+    np.testing.assert_allclose(told["mean_curvature"] * shown["span"], np.sqrt(2.0), rtol=0.01)
+    assert shown["outline"]["max"] < 0.005 * shown["span"]
+
+
+@pytest.mark.parametrize("shape", ["RECTANGLE", "ROUND"])
+def test_fit_to_outline_needs_nothing_else(shape):
+    bpy.ops.cmc.add_plan(shape=shape, columns=16)
+    assert bpy.ops.cmc.fit_outline() == FINISHED
+    plan = bpy.context.object
+    assert json.loads(plan.cmc.design_report)["met"] and plan.cmc.fit is not None
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_sizes_are_metres_and_every_rim_edge_is_in_the_group(shape):
+    bpy.ops.cmc.add_plan(shape=shape, columns=16, size=5.0)
+    plan = bpy.context.object
+    assert abs(max(plan.dimensions) - 5.0) < 0.02
+    mesh = plan.data
+    faces = np.bincount([loop.edge_index for loop in mesh.loops], minlength=len(mesh.edges))
+    groups = np.array([item.value for item in mesh.attributes["cmc_group"].data])
+    assert ((groups == 1) == (faces == 1)).all()
+
+
+def test_mesh_plan_makes_it_finer_in_place():
+    bpy.ops.cmc.add_plan(columns=16)
+    plan = bpy.context.object
+    before = len(plan.data.polygons)
+    assert plan.name == "Rectangle"
+    assert bpy.ops.cmc.mesh_plan(edge_length=0.3) == FINISHED
+    assert bpy.context.object == plan and len(plan.data.polygons) > 2 * before
+    assert [group.name for group in plan.data.cmc.groups] == ["Rim"]
+
+
+def test_they_come_first_in_the_menu():
+    from cmc_formfinding.cmc_addon.operators import add_plan
+
+    bpy.ops.cmc.add_plan()
+    assert bpy.context.object.name == "Rectangle"
+    assert bpy.types.CMC_MT_add.draw._draw_funcs[0] == add_plan.first_in_add_menu
