@@ -12,7 +12,14 @@ from .gauss import conditions
 from .gauss.conditions import Conditions
 from .gauss.harmonic import HarmonicMap, HarmonicSolver
 from .gauss.saddle_maps import modes_of, saddle
-from .measure import conformal_distortion, mean_curvature_of, report
+from .measure import (
+    conformal_distortion,
+    gauss_curvature_of,
+    mean_curvature_of,
+    principal_curvatures,
+    report,
+    vertex_principal_curvatures,
+)
 from .surface.cmc import CmcSurface
 from .surface.periods import periods
 from .surface.sides import Side, side_plane
@@ -43,13 +50,16 @@ __all__ = [
     "fit",
     "fit_gauss_map",
     "fit_outline",
+    "gauss_curvature_of",
     "mean_curvature_of",
     "modes_of",
     "periods",
+    "principal_curvatures",
     "report",
     "saddle",
     "shapes",
     "side_plane",
     "solve_cmc",
+    "vertex_principal_curvatures",
     "whole",
 ]

@@ -7,8 +7,10 @@ from .curvature import (
     mean_curvature_of,
     principal_curvatures,
     shape_operator,
+    vertex_gauss_curvature,
     vertex_mean_curvature,
 )
+from .directions import VertexCurvatures, vertex_principal_curvatures
 from .distortion import conformal_distortion, distortion_energy, distortion_of_layout
 from .extent import boundary_sides, face_normals, leans, overhanging_faces
 from .intersections import self_intersections
@@ -21,6 +23,7 @@ from .sheet import (
     OverhangReport,
     SheetReport,
 )
+from .vertex_means import vertex_means
 
 __all__ = [
     "CurvatureReport",
@@ -31,6 +34,7 @@ __all__ = [
     "PrincipalCurvatures",
     "Report",
     "SheetReport",
+    "VertexCurvatures",
     "boundary_sides",
     "conformal_distortion",
     "distortion_energy",
@@ -45,5 +49,8 @@ __all__ = [
     "report",
     "self_intersections",
     "shape_operator",
+    "vertex_gauss_curvature",
     "vertex_mean_curvature",
+    "vertex_means",
+    "vertex_principal_curvatures",
 ]

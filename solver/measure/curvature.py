@@ -25,10 +25,10 @@ from .arrays import (
     dot,
     double_areas,
     edge_vectors,
-    face_areas_in_space,
     points_in_space,
     triangles_of,
 )
+from .vertex_means import vertex_means
 
 
 class PrincipalCurvatures(NamedTuple):
@@ -150,13 +150,9 @@ def vertex_mean_curvature(vertices: ArrayLike, faces: ArrayLike, normals: ArrayL
     Arguments and errors as `mean_curvature_of`. At the boundary it is the mean over the faces that are there.
     Degenerate faces do not count; a vertex that has no others gives nan.
     """
-    points = points_in_space(vertices)
-    triangles = triangles_of(faces, len(points))
-    values = mean_curvature_of(points, triangles, normals)
-    weights = np.where(np.isfinite(values), face_areas_in_space(points, triangles), 0.0)
-    products = np.where(weights > 0, weights * np.nan_to_num(values), 0.0)
-    corners, count = triangles.ravel(), len(points)
-    total = np.bincount(corners, np.repeat(weights, 3), minlength=count)
-    mean = np.full(count, np.nan)
-    np.divide(np.bincount(corners, np.repeat(products, 3), minlength=count), total, out=mean, where=total > 0)
-    return mean
+    return vertex_means(mean_curvature_of(vertices, faces, normals), vertices, faces)
+
+
+def vertex_gauss_curvature(vertices: ArrayLike, faces: ArrayLike, normals: ArrayLike) -> Array:
+    """Gauss curvature at the vertices (n,), in 1/length²; all else as `vertex_mean_curvature`."""
+    return vertex_means(gauss_curvature_of(vertices, faces, normals), vertices, faces)
