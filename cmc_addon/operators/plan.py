@@ -19,15 +19,19 @@ a group of that name already there keeps its kind and angle. Groups made on the 
 are as long as the outline says nothing about that place.
 """
 
+from functools import partial
+
 import bpy
 import numpy as np
 from mathutils import Matrix
 
 from ...solver.domain.mesher import PlanMesh, mesh_plan
 from ...solver.errors import CmcError, MeshError
-from .. import group_list, outline_bridge
+from .. import group_list, outline_bridge, session
 from ..outline import Outline, check_count, default_corner_radius, default_edge_length, explained, is_flat, make_outline
 from ..properties import PLAN_SETTINGS, kind_parameters, plan_annotations
+from ..readiness import RUNNING
+from .working import Working, by_uid
 
 
 def outline_of(ob: bpy.types.Object) -> bpy.types.Object:
@@ -45,19 +49,20 @@ def plan_of(ob: bpy.types.Object) -> bpy.types.Object | None:
     return None
 
 
-class CMC_OT_mesh_plan(bpy.types.Operator):
+class CMC_OT_mesh_plan(Working, bpy.types.Operator):
     """Make a mesh of well-shaped triangles inside the outline, or update the one made before"""
 
     bl_idname = "cmc.mesh_plan"
     bl_label = "Mesh Plan"
-    bl_options = {"REGISTER", "UNDO"}
 
     __annotations__ = plan_annotations({"SKIP_SAVE"})
 
     @classmethod
     def poll(cls, context):
         ob = context.object
-        if ob is None or ob.type not in {"MESH", "CURVE"}:
+        if context.window_manager.cmc.running:
+            cls.poll_message_set(RUNNING)
+        elif ob is None or ob.type not in {"MESH", "CURVE"}:
             cls.poll_message_set("Select an outline: a mesh or a closed curve")
         elif ob.cmc.role != "NONE":
             cls.poll_message_set("This is a result; select the outline or the plan it comes from")
@@ -69,15 +74,21 @@ class CMC_OT_mesh_plan(bpy.types.Operator):
             return True
         return False
 
-    def execute(self, context):
+    def about(self, context):
+        return outline_of(context.object)
+
+    def steps(self, context, wait):
         context.view_layer.update()  # a script may have moved the outline just now
-        ob = context.object
+        uid = context.object.session_uid
         self._take_settings(context.scene.cmc)
-        try:
-            outline, meshed = self._mesh(outline_of(ob))
-        except CmcError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        outline = make_outline(outline_bridge.read_wire(outline_of(context.object)))
+        work = partial(_mesh, outline, self.edge_length, self.corner_radius if self.round_corners else None)
+        meshed = yield from session.steps(lambda progress: work(), 1.0, wait)
+        if meshed is None:
+            return self._say_cancelled()
+        ob = by_uid(uid)
+        if ob is None:
+            raise CmcError("The outline was deleted while it was being meshed.")
         if context.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
         plan = plan_of(ob) or _new_plan(ob)
@@ -103,24 +114,24 @@ class CMC_OT_mesh_plan(bpy.types.Operator):
             if not self.properties.is_property_set(name):
                 setattr(self, name, getattr(stored, name))
 
-    def _mesh(self, source: bpy.types.Object) -> tuple[Outline, PlanMesh]:
-        outline = make_outline(outline_bridge.read_wire(source))
-        first, *holes = outline.loops
-        edge = self.edge_length or default_edge_length(outline.size)
-        check_count(outline, edge)
-        radius = (self.corner_radius or default_corner_radius(outline.size)) if self.round_corners else 0.0
-        try:
-            meshed = mesh_plan(first, holes, max_edge=edge, corner_radius=radius, keep=outline.borders())
-        except MeshError as error:
-            raise explained(error, outline) from error
-        return outline, meshed
-
     def _tell(self, plan: bpy.types.Object, outline: Outline, meshed: PlanMesh) -> None:
         text = f"'{plan.name}': {len(meshed.triangles)} triangles, {len(meshed.edges)} boundary edges"
         if is_flat(outline):
             self.report({"INFO"}, text)
         else:
             self.report({"WARNING"}, f"{text}; the outline leaves its plane by {outline.off:.3g} and was flattened")
+
+
+def _mesh(outline: Outline, edge_length: float, corner_radius: float | None) -> PlanMesh:
+    """Mesh an outline, in any thread; lengths of 0 are chosen here, a radius of None keeps the corners sharp."""
+    first, *holes = outline.loops
+    edge = edge_length or default_edge_length(outline.size)
+    check_count(outline, edge)
+    radius = 0.0 if corner_radius is None else corner_radius or default_corner_radius(outline.size)
+    try:
+        return mesh_plan(first, holes, max_edge=edge, corner_radius=radius, keep=outline.borders())
+    except MeshError as error:
+        raise explained(error, outline) from error
 
 
 def _new_plan(ob: bpy.types.Object) -> bpy.types.Object:

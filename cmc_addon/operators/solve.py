@@ -1,8 +1,6 @@
 """Solve, Solve from Selection, Flip, Cancel.
 
-The three that solve are one generator, `Solving.steps`. A script, the redo panel and Blender without a window
-run it to its end; a click runs it a little further twenty times a second, so that the window goes on drawing
-and Esc is heard.
+The three that solve are one generator, `Solving.steps`, which runs as `working` says.
 """
 
 from collections.abc import Generator
@@ -13,18 +11,15 @@ from ...solver.errors import CmcError
 from .. import session
 from ..forming import settings_of, take_order
 from ..properties import condition_annotations, kind_parameters, parameter_values
+from ..readiness import allow, why_not_solve
 from ..results import check_writable, plan_of
 from ..settings import SETTINGS, SIZE_PROPERTY, energies_on, fitted_settings, setting_annotations
+from .working import Working, by_uid
+from .working import redraw as redraw
 
-_TICK = 0.05
 
-
-class Solving:
+class Solving(Working):
     """What the operators that solve have in common."""
-
-    bl_options = {"REGISTER", "UNDO"}
-    _work: Generator | None = None
-    _timer = None
 
     # --- what they do differently
 
@@ -45,11 +40,7 @@ class Solving:
         """What is to be done, without Blender data: `work(progress)`, and `deliver` for what that returns."""
         return take_order(context, plan, self.order_settings(plan), self.selection())
 
-    def tell(self, update: session.Update) -> tuple[float, str]:
-        """How far the work is, from 0 to 1, and in words."""
-        return update.part, f"Step {update.iteration}, residual {update.residual:.1e}"
-
-    # --- the one way
+    # --- what they do alike
 
     def steps(self, context: bpy.types.Context, wait: float) -> Generator:
         """Solve and write the results; yields updates, or None after `wait` seconds without one.
@@ -74,89 +65,16 @@ class Solving:
             self.report({"INFO"}, f"{plan.name}: {outcome.message}")
         return {"FINISHED"}
 
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return allow(cls, why_not_solve(context))
+
+    def about(self, context: bpy.types.Context) -> bpy.types.Object | None:
+        return plan_of(context.view_layer.objects.active)
+
     def _say_cancelled(self) -> set[str]:
         self.report({"INFO"}, "The solve was cancelled; nothing was changed.")
         return {"CANCELLED"}
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        work = self.steps(context, wait=_TICK)
-        try:
-            while True:
-                next(work)
-        except StopIteration as end:
-            return end.value
-        except CmcError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        if bpy.app.background:  # there timers never fire
-            return self.execute(context)
-        self._work = self.steps(context, wait=0.0)
-        window_manager = context.window_manager
-        window_manager.cmc.running = True
-        window_manager.cmc.progress = 0.0
-        window_manager.cmc.message = "Preparing"
-        self._timer = window_manager.event_timer_add(_TICK, window=context.window)
-        window_manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
-
-    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        if event.type == "ESC" and event.value == "PRESS":
-            self._cleanup(context)
-            return self._say_cancelled()
-        if event.type != "TIMER":
-            return {"PASS_THROUGH"}
-        try:
-            return self._advance(context)
-        except CmcError as error:
-            self._cleanup(context)
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        except BaseException:
-            self._cleanup(context)
-            raise
-
-    def cancel(self, context: bpy.types.Context) -> None:
-        """Blender ends the operator: a file is opened, the window is closed."""
-        self._cleanup(context)
-
-    def _advance(self, context: bpy.types.Context) -> set[str]:
-        """Take in what the thread has sent since the last tick."""
-        try:
-            update = next(self._work)
-            while update is not None:
-                run = context.window_manager.cmc
-                run.progress, run.message = self.tell(update)
-                update = next(self._work)
-        except StopIteration as end:
-            self._cleanup(context)
-            return end.value
-        redraw(context)
-        return {"RUNNING_MODAL"}
-
-    def _cleanup(self, context: bpy.types.Context) -> None:
-        if self._work is not None:
-            self._work.close()
-            self._work = None
-        if self._timer is not None:
-            context.window_manager.event_timer_remove(self._timer)
-            self._timer = None
-        context.window_manager.cmc.running = False
-        context.window_manager.cmc.message = ""
-        redraw(context)
-
-
-def by_uid(uid: int) -> bpy.types.Object | None:
-    """An object by the number that survives undo and renaming; Python's own references do not survive."""
-    return next((ob for ob in bpy.data.objects if ob.session_uid == uid), None)
-
-
-def redraw(context: bpy.types.Context) -> None:
-    for window in context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
 
 
 def as_settings(layout: bpy.types.UILayout) -> None:

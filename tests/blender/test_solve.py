@@ -390,11 +390,12 @@ class Hand:
 
     def __init__(self, addon, context):
         solve = addon.cmc_addon.operators.solve
-        for name in ("modal", "_advance", "_cleanup", "_say_cancelled", "take", "tell"):
+        for name in ("modal", "_advance", "_cleanup", "_fail", "_say_cancelled", "take", "tell"):
             setattr(self, name, getattr(solve.Solving, name).__get__(self))
         self.context, self.reports = context, []
         self.order_settings = lambda plan: addon.cmc_addon.forming.settings_of(plan.cmc)
         self.selection = lambda: None
+        self.bl_label, self._about = "Solve", 0
         self._work, self._timer = solve.Solving.steps(self, context, 0.0), None
 
     def report(self, kind, text):
