@@ -33,10 +33,11 @@ from .gauss.methods import METHODS
 from .hole_gaps import hole_gaps
 from .outputs import SHEET_KEYS, write_results
 from .pipeline import Formed, form
-from .plan import SHEETS, Group, Plan, Settings, plan_conditions, plan_domain
+from .plan import SHEETS, SHELLS, Group, Plan, Settings, plan_conditions, plan_domain, usual_sheet
 from .plan_closing import Closure, close_plan, closing_report
 from .polygons import triangulate_polygons
 from .selection import Pairs, select
+from .start_table import read_start_key
 from .surface.cmc import COMBINATORICS
 from .surface.offsets import AVERAGINGS
 from .surface.placement import GROUNDS, SIZES
@@ -123,6 +124,7 @@ def make_job(data: Mapping[str, object], file: Path) -> Job:
     mesh, sides, up = _read_plan(root, file.parent)
     triangles, owner = triangulate_polygons(mesh.positions, mesh.polygons)
     plan = Plan(mesh.positions, triangles, mesh.polygons, triangle_polygons=owner)
+    read_start_key(root, plan, file.parent)
     domain = plan_domain(plan)
     wish = read_fit(root, domain, file.parent, up)
     plan.groups = [_group(table, domain, mesh, sides) for table in root.tables("conditions")]
@@ -287,10 +289,10 @@ def _settings(root: Table, combinatorics: str) -> Settings:
             if name in chosen:
                 values |= {"size": name, "value": value}
     values["ground"] = size.text("ground", "lowest", among=list(GROUNDS))
-    values["sheet"] = size.text("sheet", "f+", among=SHEETS)
+    values |= _solver_settings(solver)
+    values["sheet"] = size.text("sheet", usual_sheet(str(values.get("shell"))), among=SHEETS)
     values |= {name: size.flag(name) for name in ("rotate", "flip")}
     size.finish()
-    values |= _solver_settings(solver)
     try:
         return Settings(**values)  # type: ignore[arg-type]
     except CmcError as error:
@@ -308,11 +310,15 @@ def _solver_settings(table: Table) -> dict[str, object]:
         "period_tolerance": Table.number,
         "side": Table.integer,
         "degree": Table.number,
+        "shell": partial(Table.text, among=list(SHELLS)),
+        "count_modes": Table.flag,
     }
     assert set(readers) <= {field.name for field in fields(Settings)}
     values = {name: read(table, name) for name, read in readers.items() if name in table}
     table.known.extend(readers)
     table.finish()
+    if "degree" in values and values.get("shell", "first") != "first":
+        raise table.fail('"degree" already says which shell is meant; leave it out, or "shell".')
     try:
         energy_on(str(values.get("energy", "cotan")), str(values.get("sites", "vertices")))
     except ConditionError as error:

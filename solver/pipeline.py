@@ -16,8 +16,9 @@ from .measure.curvature import mean_curvature_of
 from .measure.report import Report, report
 from .plan import SHEETS, Group, Plan, Settings, matches, plan_conditions, plan_domain, plan_warnings
 from .plan_sides import measured_planes
+from .plan_solve import modes_on, solve_plan
 from .surface.cmc import CmcSurface
-from .surface.placement import ALIKE, PlacementError, Plane, Similarity, place, plan_plane, rim_weights
+from .surface.placement import ALIKE, PlacementError, Plane, Similarity, place, plan_frame
 from .surface.solve import CmcSolver
 
 Array = NDArray[np.float64]
@@ -96,18 +97,22 @@ def form(
     settings = settings or Settings()
     plan = replace(plan, positions=np.asarray(plan.positions, dtype=np.float64))
     solver = _solver(plan, settings, solver)
-    surface = solver.solve(
-        plan_conditions(plan, settings, solver.domain),
-        initial=initial,
-        method=settings.method,
-        averaging=settings.averaging,
-        tolerance=settings.tolerance,
-        period_tolerance=settings.period_tolerance,
-        side=settings.side,
-        degree=settings.degree,
-        progress=progress,
-    )
-    return form_surface(plan, settings, surface, solver, intersections=intersections)
+    surface = solve_plan(plan, settings, solver, initial=initial, progress=progress)
+    formed = form_surface(plan, settings, surface, solver, intersections=intersections)
+    if settings.counts_modes and surface.harmonic.status is Status.CONVERGED:
+        return count_modes(plan, settings, formed)
+    return formed
+
+
+def count_modes(plan: Plan, settings: Settings, formed: Formed) -> Formed:
+    """The same with the unstable and null modes of its map in the report.
+
+    Raises `ConditionError` where the map has not converged.
+    """
+    assert formed.solver is not None
+    conditions = plan_conditions(plan, settings, formed.solver.domain)
+    modes = modes_on(formed.solver, conditions, formed.surface)
+    return replace(formed, report=replace(formed.report, index=modes.index, nullity=modes.nullity))
 
 
 def form_surface(
@@ -138,7 +143,7 @@ def finish(
     placed, normals = _placed(surface, similarity, plane, sheets)
     measured = report(
         surface,
-        outline,
+        outline if len(surface.domain.boundary_edges) else None,
         sheet=settings.sheet,
         positions={name: placed[name] for name in sheets},
         intersections=intersections,
@@ -192,8 +197,7 @@ def _check_shown(surface: CmcSurface, shown: str) -> list[str]:
 
 def _place(plan: Plan, settings: Settings, surface: CmcSurface) -> tuple[Plane, Similarity]:
     sheet, domain = settings.sheet, surface.domain
-    vertices, weights = rim_weights(plan.positions, domain.edges[domain.boundary_edges])
-    plane = plan_plane(plan.positions, domain.faces, vertices, weights)
+    vertices, weights, plane = plan_frame(plan.positions, domain, settings.ground)
     rows = np.flatnonzero(np.isin(surface.source, vertices))
     place_of = np.searchsorted(vertices, surface.source[rows])
     # A vertex where the surface is cut has several rows, which share its weight.
@@ -207,6 +211,7 @@ def _place(plan: Plan, settings: Settings, surface: CmcSurface) -> tuple[Plane, 
         settings.rule(),
         mean_curvature=surface.mean_curvature,
         name=sheet,
+        alike=ALIKE if len(domain.boundary_edges) else np.inf,  # what is closed is matched in size
     )
     return plane, similarity
 
@@ -247,7 +252,8 @@ def _warnings(
     notes = []
     if surface.status is not Status.CONVERGED:
         notes.append(measured.sentence)
-    if settings.size == "match_plan" and similarity.likeness < ALIKE:
+    has_rim = bool(len(surface.domain.boundary_edges))
+    if settings.size == "match_plan" and similarity.likeness < ALIKE and has_rim:
         notes.append(
             f"The boundary of {settings.sheet} does not follow the drawn outline, so its size alone is "
             "matched; allow it to rotate, or size it by span, rise or radius."

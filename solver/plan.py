@@ -17,6 +17,7 @@ from .gauss.conditions import KINDS, Conditions
 from .gauss.energies import ENERGIES, energy_on
 from .gauss.methods import METHODS
 from .gauss.mirrors import MirrorSides
+from .plan_metric import metric_domain, start_map
 from .surface.cmc import COMBINATORICS
 from .surface.placement import Rule
 
@@ -24,6 +25,15 @@ Array = NDArray[np.float64]
 Int = NDArray[np.int32]
 
 SHEETS = ("f+", "f-")
+
+SHELLS = {
+    "first": "First Found",
+    "bubble": "Large Bubble",
+}
+"""Which of the shells over one rim: the one that a solve comes to, or the other one of Theorem D.1 of the paper."""
+
+COUNTED = ("saddle", "critical")
+"""Methods after which unstable modes are counted."""
 
 
 @dataclass(eq=False)
@@ -47,6 +57,8 @@ class Plan:
     polygons: the faces as they were drawn, with triangle_polygons (T,) the polygon each triangle is a part
     of; only output uses them. flipped_corners: vertices between two mirrors at which the other one of
         their two normals is meant (see `conditions.mirror`); what is no such corner is left alone.
+    lengths: (T, 3) side lengths of the triangles, side k opposite corner k, in place of the drawn ones; the positions
+        are then only where the shell is put. initial: (V, 3) the normals that a solve starts from.
     """
 
     positions: Array
@@ -55,6 +67,8 @@ class Plan:
     groups: Sequence[Group] = ()
     triangle_polygons: NDArray[np.integer] | None = None
     flipped_corners: Sequence[int] = ()
+    lengths: Array | None = None
+    initial: Array | None = None
 
 
 @dataclass
@@ -65,6 +79,9 @@ class Settings:
     blend: length of boundary over which the tilts of neighbouring groups flow into each other; 0: they jump.
     size, value, ground, rotate, flip: see `placement.Rule`; `sheet`, "f+" or "f-", is the one they speak of.
     combinatorics: of `COMBINATORICS`, the polygons with which the sheets are written; they are measured on triangles.
+    shell: of `SHELLS`; degree and "bubble" exclude each other. A bubble is f- as a rule (see `usual_sheet`), its rim
+        is drawn on the other side of the centre, and so it may always rotate.
+    count_modes: report how many unstable modes the map has; always with the methods of `COUNTED`.
     The rest goes to the solver as it is: see `solve_cmc`. Raises `CmcError` on a name that is none, and on an energy
     that is not defined on the sites.
     """
@@ -88,6 +105,8 @@ class Settings:
     side: int = +1
     degree: float | None = None
     combinatorics: str = "primal"
+    shell: str = "first"
+    count_modes: bool = False
 
     def __post_init__(self) -> None:
         if self.sheet not in SHEETS:
@@ -100,11 +119,19 @@ class Settings:
             ("kind of sites", self.sites, SITES),
             ("method", self.method, METHODS),
             ("combinatorics", self.combinatorics, COMBINATORICS),
+            ("shell", self.shell, SHELLS),
         ):
             if name not in known:
                 raise JobError(f'There is no {what} "{name}"; choose one of {", ".join(known)}.')
+        if self.shell != "first" and self.degree is not None:
+            raise JobError("A degree already says which shell is meant; leave it out, or the large bubble.")
         energy_on(self.energy, self.sites)
         self.rule()
+
+    @property
+    def counts_modes(self) -> bool:
+        """Whether unstable modes are counted: where asked for, and where the method may end at a map that has some."""
+        return self.count_modes or self.method in COUNTED
 
     @property
     def solver_choice(self) -> tuple[str, str, bool]:
@@ -114,16 +141,29 @@ class Settings:
 
     def rule(self) -> Rule:
         """The placement part; raises `PlacementError` on a size or ground that is none."""
-        return Rule(self.size, self.value, self.ground, self.rotate, self.flip)
+        return Rule(self.size, self.value, self.ground, self.rotate or self.shell == "bubble", self.flip)
+
+
+def usual_sheet(shell: str) -> str:
+    """The sheet that is worth showing: a bubble turns its normals against the rest, and it is f- that goes around."""
+    return "f-" if shell == "bubble" else "f+"
 
 
 def plan_domain(plan: Plan) -> Domain:
-    """The plan's mesh as a domain. Raises `MeshError` where it is none, is closed or has no vertex inside."""
-    domain = Domain.from_positions(plan.positions, plan.triangles)
-    if not len(domain.boundary_edges):
+    """The plan's mesh as a domain, with its own edge lengths if it has them.
+
+    Raises `MeshError` where it is none, is closed and without a start, or has no vertex inside.
+    """
+    if plan.initial is not None:
+        start_map(plan.initial, len(plan.positions))
+    if plan.lengths is None:
+        domain = Domain.from_positions(plan.positions, plan.triangles)
+    else:
+        domain = metric_domain(plan.positions, plan.triangles, plan.lengths)
+    if not len(domain.boundary_edges) and plan.initial is None:
         raise MeshError(
             "The mesh is closed: it has no boundary on which tangent planes could be prescribed; delete the faces that "
-            "are not part of the plan."
+            "are not part of the plan, or give it a map to start from."
         )
     if len(domain.boundary_vertices) == domain.vertex_count:
         count = len(domain.faces)
@@ -138,6 +178,9 @@ def matches(domain: Domain, plan: Plan) -> bool:
     """Whether `domain` is the plan's: the same triangles and, to rounding, the same edge lengths."""
     if not np.array_equal(domain.faces, plan.triangles) or domain.vertex_count != len(plan.positions):
         return False
+    if plan.lengths is not None:
+        same = np.shape(plan.lengths) == domain.side_lengths.shape
+        return same and bool(np.allclose(plan.lengths, domain.side_lengths, rtol=1e-12, atol=0.0))
     vectors = plan.positions[domain.edges[:, 1]] - plan.positions[domain.edges[:, 0]]
     return bool(np.allclose(np.linalg.norm(vectors, axis=1), domain.edge_lengths, rtol=1e-12, atol=0.0))
 
@@ -146,7 +189,7 @@ def plan_conditions(plan: Plan, settings: Settings, domain: Domain) -> Condition
     """The groups' conditions, and the default one on boundary edges in no group.
 
     Where groups of one condition meet, they are as one group. Raises `ConditionError` naming the group and
-    the edges that are not on the boundary, an edge in two groups, or that every edge is free.
+    the edges that are not on the boundary, an edge in two groups, or that every edge is free and there is no start.
     """
     parameters = {"tilt": settings.default_tilt} if settings.default_kind == "binormal" else {}
     default = Group("edges in no group", np.empty((0, 2), dtype=int), settings.default_kind, parameters)
@@ -169,7 +212,7 @@ def plan_conditions(plan: Plan, settings: Settings, domain: Domain) -> Condition
         total = total + _build(group, domain, plan.positions, edges)
     if len(plan.flipped_corners):
         total = total + _flipped(domain, total, settings.side, plan.flipped_corners)
-    if total.is_empty:
+    if total.is_empty and plan.initial is None:
         raise ConditionError(
             "All boundary edges are free, so nothing holds the tangent planes; give some of them another condition."
         )

@@ -16,6 +16,7 @@ from .hole_gaps import hole_loops
 from .measure.report import plain
 from .pipeline import Formed, form_surface
 from .plan import Plan, Settings, plan_conditions, plan_domain
+from .plan_solve import solve_plan
 from .surface.placement import plan_plane, rim_weights
 from .surface.solve import CmcSolver
 
@@ -129,7 +130,7 @@ def close_plan(
     domain = solver.domain
     conditions = plan_conditions(plan, settings, domain)
     if initial is None:
-        initial = solver.solve(conditions, side=settings.side, degree=settings.degree).harmonic.normals
+        initial = solve_plan(plan, settings, solver).harmonic.normals
     moving = _moving(plan, domain, closure)
     closing = close_periods(
         domain,
@@ -179,6 +180,8 @@ def _check_sites(settings: Settings) -> None:
 def _moving(plan: Plan, domain: Domain, closure: Closure) -> MovingHoles | None:
     if closure.by not in MOVING:
         return None
+    if plan.lengths is not None:
+        raise JobError("Holes move on the drawing, and this plan has edge lengths of its own; close by the normals.")
     loops = hole_loops(domain)
     numbers = closure.holes or tuple(range(1, len(loops) + 1))
     wrong = [number for number in numbers if not 1 <= number <= len(loops)]

@@ -33,7 +33,8 @@ class Report:
 
     `energy` is the Dirichlet energy of the normals, `residual` as in docs/conventions.md, `closure_error` and `gap`
     (the longest period) are lengths; `periods` one vector a hole or handle. `sheet` names the sheet that is
-    shown; `planes` are those in which sides of it are to lie, where the solve was asked for any.
+    shown; `planes` are those in which sides of it are to lie, where the solve was asked for any. `index` and `nullity`
+    count the modes along which the energy of the map falls, and those along which it stays; None where nobody counted.
     """
 
     status: str
@@ -54,6 +55,8 @@ class Report:
     sheet: str
     sheets: dict[str, SheetReport]
     planes: tuple[PlaneReport, ...] = ()
+    index: int | None = None
+    nullity: int | None = None
 
     @property
     def shown(self) -> SheetReport:
@@ -69,11 +72,12 @@ class Report:
         return json.dumps(self.to_dict(), indent=indent, allow_nan=False, ensure_ascii=False)
 
     def summary(self, unit: str = "") -> str:
-        """Five to eight lines for a person, and one for each plane; `unit` is the name of the length unit, as "m"."""
+        """Six to nine lines for a person, and one for each plane; `unit` is the name of the length unit, as "m"."""
         steps, mesh = count(self.iterations, "iteration"), count(self.faces, "face")
         lines = [
             self.sentence,
             f"Energy {self.energy:.6g}, residual {self.residual:.1e} after {steps} on {mesh}.",
+            self._map_line(),
             size_line(self.shown, unit),
         ]
         if self.periods:
@@ -81,6 +85,13 @@ class Report:
             lines.append(f"Longest period around a hole or handle {number(self.gap, unit)}, {what}.")
         lines += measure_lines(self.shown, unit)
         return "\n".join(lines + [plane.line(unit) for plane in self.planes])
+
+    def _map_line(self) -> str:
+        """Degree, and unstable modes where they were counted."""
+        if self.index is None:
+            return f"Degree {self.degree:.3g}."
+        null = f", and {count(self.nullity, 'null mode')}" if self.nullity else ""
+        return f"Degree {self.degree:.3g}, {count(self.index, 'unstable mode')}{null}."
 
 
 def report(

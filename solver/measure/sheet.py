@@ -102,7 +102,7 @@ class SheetReport:
 
     A degenerate sheet (a point: f- of a sphere) has no curvature, distortion or outline distance: they are
     None. `span` is the largest horizontal distance between two boundary points, `rise` the height from lowest
-    to highest.
+    to highest. A closed sheet has the span of all its points, and no overhang, since half of it overhangs.
     """
 
     name: str
@@ -149,12 +149,12 @@ def measure_sheet(
         area=float(areas.sum()),
         boundary_length=float(np.linalg.norm(points[sides[:, 1]] - points[sides[:, 0]], axis=1).sum()),
         bounding_box=(_vector(points.min(axis=0)), _vector(points.max(axis=0))),
-        span=span(points[np.unique(sides)], vertical),
+        span=span(points[np.unique(sides)] if len(sides) else points, vertical),
         rise=float(np.ptp(points @ vertical)),
         degenerate_faces=int(np.count_nonzero(areas == 0)),
         mean_curvature=_curvature(points, faces, normals, target, areas, inside) if measurable else None,
         distortion=_distortion(domain, points, faces, areas, inside) if measurable else None,
-        overhang=_overhang(points, faces, areas, vertical) if measurable else None,
+        overhang=_overhang(points, faces, areas, vertical) if measurable and len(sides) else None,
         intersections=_intersections(points, faces) if measurable and intersections else None,
         outline=_outline(domain, points, sides, outline, vertical) if measurable and outline is not None else None,
     )

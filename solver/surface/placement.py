@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.distance import pdist
 
+from ..domain.domain import Domain
 from ..errors import CmcError
 
 Array = NDArray[np.float64]
@@ -132,6 +133,25 @@ def plan_plane(positions: ArrayLike, faces: ArrayLike, rim: ArrayLike, weights: 
     return Plane(_mean(points[np.asarray(rim)], weights), normal)
 
 
+def plan_frame(positions: ArrayLike, domain: Domain, ground: str) -> tuple[NDArray[np.int32], Array, Plane]:
+    """What a shell is placed by: vertices (b,) of the rim, their weights (b,), and the plan's plane.
+
+    A closed plan has no rim: all its vertices stand for it, each with its part of the drawn area; its plane is level,
+    through its lowest point where the shell stands on its own ("lowest"), else through its centre.
+    """
+    points = np.asarray(positions, dtype=np.float64)
+    if len(domain.boundary_edges):
+        vertices, weights = rim_weights(points, domain.edges[domain.boundary_edges])
+        return vertices, weights, plan_plane(points, domain.faces, vertices, weights)
+    a, b, c = (points[domain.faces[:, k]] for k in range(3))
+    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    weights = np.bincount(domain.faces.ravel(), np.repeat(areas, 3), len(points)).astype(np.float64)
+    centre = _mean(points, weights)
+    if ground == "lowest":
+        centre[2] = points[:, 2].min()
+    return np.arange(len(points), dtype=np.int32), weights, Plane(centre, _UP)
+
+
 def rim_weights(positions: ArrayLike, edges: ArrayLike) -> tuple[NDArray[np.int32], Array]:
     """Boundary vertices (b,), sorted, and half the length of the boundary edges at each (trapezoidal ∮).
 
@@ -184,6 +204,7 @@ def place(
     *,
     mean_curvature: float = 0.5,
     name: str = "The surface",
+    alike: float = ALIKE,
 ) -> Similarity:
     """The similarity that sizes and places a sheet as `rule` asks.
 
@@ -192,7 +213,7 @@ def place(
     Sizes: match_plan by `procrustes` of the rim; span, the largest distance of two rim points seen along the
     plane's normal; rise, the extent of all points along it; radius and mean_curvature through H. The
     translation is the best one (the weighted centres meet), except along the normal, where the ground rule
-    decides. A boundary that does not follow the drawn one (`likeness` below ALIKE: the best scale would be
+    decides. A boundary that does not follow the drawn one (`likeness` below `alike`: the best scale would be
     next to nothing, or negative) is matched in size only: as far from its centre in the mean square as the
     outline. Raises `PlacementError` where the sheet has no such extent.
     """
@@ -205,7 +226,7 @@ def place(
         raise PlacementError(f"{name} shrinks to a point on its boundary, so it cannot be placed over the plan.")
     likeness = best * sizes[0] / sizes[1]
     if rule.size == "match_plan":
-        scale = best if likeness >= ALIKE else sizes[1] / sizes[0]
+        scale = best if likeness >= alike else sizes[1] / sizes[0]
     else:
         scale = _scale(rule, turned, edge, plane, mean_curvature, name)
     linear = rotation @ linear
