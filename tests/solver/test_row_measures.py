@@ -35,7 +35,7 @@ def measures(formed, sheet="f+", names=(*MEASURES, DIRECTION)):
 @pytest.mark.parametrize("flip", [False, True])
 @pytest.mark.parametrize("sheet", ["f+", "f-"])
 def test_both_sheets_standing_and_hanging(sheet, flip):
-    plan, formed = formed_on(shapes.polygon(RECTANGLE, max_edge=0.3, corner_radius=0.6), 0.4, flip=flip)
+    _, formed = formed_on(shapes.polygon(RECTANGLE, max_edge=0.3, corner_radius=0.6), 0.4, flip=flip)
     found = measures(formed, sheet)
     assert_allclose(
         found["mean_curvature"], row_curvature(formed.surface, formed.similarity, formed.placed, sheet), rtol=1e-9
