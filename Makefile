@@ -39,8 +39,9 @@ test-versions: .venvs/full-4.5/ready .venvs/full-5.2/ready
 extension: .venv/ready
 	$(PYTHON) scripts/build_extension.py --all
 
-# Stories told in a real Blender with a window, in a Debian of its own; pictures in build/gui/.
-gui-test:
+# Stories told in a real Blender with a window, in a Debian of its own, with the extension built for it and installed;
+# pictures in build/gui/. Needs root; CMC_GUI_ROOT is where that Debian is (.venvs/gui-root).
+gui-test: .venv/ready
 	tests/gui/run.sh
 
 bench: .venv/ready

@@ -3,6 +3,7 @@
     python scripts/build_extension.py                 # for this machine, into dist/
     python scripts/build_extension.py --all           # linux-x64, windows-x64, macos-arm64
     python scripts/build_extension.py --all --update  # the pins have changed: rewrite the manifest's list
+    python scripts/build_extension.py --python 3.14 --output build   # for a Blender with another Python
 
 Run it with a Python that has bpy: building and validating are done by the tool that Blender brings
 along (`blender_ext.py`), on a copy of the sources below build/extension/, since its manifest may only
@@ -67,11 +68,11 @@ def listed_wheels(name: str) -> set[str]:
     return {Path(wheel).name for wheel in wheels if re.search(FILES[name] + "$", wheel)}
 
 
-def fetch(name: str) -> set[str]:
+def fetch(name: str, pythons: tuple[str, ...] = PYTHONS, folder: Path | None = None) -> set[str]:
     """Download the wheels of a platform, for every Python, and return their file names."""
-    folder = WHEELS / name
+    folder = folder or WHEELS / name
     folder.mkdir(parents=True, exist_ok=True)
-    for python in PYTHONS:
+    for python in pythons:
         command = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--only-binary=:all:"]
         command += [f"--platform={tag}" for tag in PLATFORMS[name]]
         command += [f"--python-version={python}", "--implementation=cp", f"--dest={folder}"]
@@ -95,6 +96,18 @@ def ensure_wheels(name: str) -> None:
         )
 
 
+def wheels_for(name: str, python: str) -> Path:
+    """A folder with the wheels of a platform for one Python, which need not be one of the manifest's: those that
+    Linux distributions build Blender with are newer. Downloaded again when the pins have changed."""
+    folder = WHEELS / f"{name}-py{python}"
+    stamp, pins = folder / "pins", "\n".join(pinned_wheels())
+    if not stamp.exists() or stamp.read_text(encoding="utf-8") != pins:
+        shutil.rmtree(folder, ignore_errors=True)
+        fetch(name, (python,), folder)
+        stamp.write_text(pins, encoding="utf-8")
+    return folder
+
+
 def update_manifest() -> None:
     """Write the list of wheels, of all platforms, into the manifest."""
     shutil.rmtree(WHEELS, ignore_errors=True)
@@ -112,15 +125,14 @@ def replace_list(text: str, key: str, lines: str) -> str:
     return result
 
 
-def stage(name: str) -> Path:
-    """A copy of the sources with the wheels and the manifest of one platform."""
-    folder = STAGE / name
+def stage(name: str, source: Path, wheels: list[str]) -> Path:
+    """A copy of the sources with these wheels out of a folder, and the manifest of one platform."""
+    folder = STAGE / source.name
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(ROOT, folder, ignore=NOT_STAGED)
     (folder / "wheels").mkdir()
-    wheels = sorted(listed_wheels(name))
     for wheel in wheels:
-        os.link(WHEELS / name / wheel, folder / "wheels" / wheel)
+        os.link(source / wheel, folder / "wheels" / wheel)
     text = (folder / MANIFEST.name).read_text(encoding="utf-8")
     text = replace_list(text, "wheels", "".join(f'  "./wheels/{wheel}",\n' for wheel in wheels))
     text = re.sub(r"^platforms = .*$", f'platforms = ["{name}"]', text, flags=re.M)
@@ -140,12 +152,17 @@ def blender_tool() -> tuple[Path, Path]:
     )
 
 
-def build(name: str, output: Path) -> Path:
-    """Build and validate the zip of a platform, and return its path."""
-    ensure_wheels(name)
+def build(name: str, output: Path, python: str | None = None) -> Path:
+    """Build and validate the zip of a platform, of one Python if it is given, and return its path."""
+    if python is None:
+        ensure_wheels(name)
+        staged = stage(name, WHEELS / name, sorted(listed_wheels(name)))
+    else:
+        source = wheels_for(name, python)
+        staged = stage(name, source, sorted(path.name for path in source.glob("*.whl")))
     tool, tags = blender_tool()
     output.mkdir(parents=True, exist_ok=True)
-    arguments = [f"--source-dir={stage(name)}", f"--output-dir={output}", f"--valid-tags={tags}"]
+    arguments = [f"--source-dir={staged}", f"--output-dir={output}", f"--valid-tags={tags}"]
     run([sys.executable, str(tool), "build", "--split-platforms", *arguments])
     manifest = tomllib.loads(MANIFEST.read_text(encoding="utf-8"))
     built = output / f"{manifest['id']}-{manifest['version']}-{name.replace('-', '_')}.zip"
@@ -164,13 +181,14 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--all", action="store_true", help="every platform, not only this machine's")
     parser.add_argument("--update", action="store_true", help="rewrite the manifest's list of wheels")
+    parser.add_argument("--python", help="wheels for this Python alone, 3.14 say; not what is given to users")
     parser.add_argument("--output", type=Path, default=ROOT / "dist", help="where the zips go (dist/)")
     options = parser.parse_args(arguments)
     try:
         if options.update:
             update_manifest()
         for name in PLATFORMS if options.all else (this_platform(),):
-            built = build(name, options.output.resolve())
+            built = build(name, options.output.resolve(), options.python)
             print(f"{built}: {built.stat().st_size / 1e6:.1f} MB")
     except BuildError as error:
         print(error, file=sys.stderr)

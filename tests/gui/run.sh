@@ -1,24 +1,46 @@
 #!/bin/bash
-# run.sh [STORY…]: drive a real Blender window without a screen and take pictures of it, into build/gui/.
-# CMC_GUI_ROOT says where the Debian with Blender is or is to be made (default: .venvs/gui-root).
-# Exits 0 if every story went as told.
+# run.sh [STORY…]: drive a real Blender window without a screen and take pictures of it, into build/gui/. The
+# extension is built for that Blender's Python and installed as users install it.
+# run.sh --possible: only says whether it can be done here.
+# CMC_GUI_ROOT says where the Debian with Blender is or is to be made (default: .venvs/gui-root), CMC_GUI_JOBS how
+# many stories are told at a time (default: 1 for every two processors, at least one).
+# Exits 0 if every story went as told, 1 if one did not, 2 if there can be no window here.
 set -euo pipefail
 HERE=$(cd "$(dirname "$0")" && pwd)
 CHECKOUT=$(cd "$HERE/../.." && pwd)
 ROOT=${CMC_GUI_ROOT:-$CHECKOUT/.venvs/gui-root}
-mkdir -p "$CHECKOUT/build/gui"
-"$HERE/setup_chroot.sh" "$ROOT"
+# A namespace of its own for everything: mounts and processes vanish with the command, two runs at a time cannot
+# see each other's screens, and nothing can be fetched.
+ALONE=(unshare --mount --pid --net --ipc --fork --kill-child)
 
-# Mounts live in a namespace of their own and vanish with the command. The checkout cannot be written to,
-# apart from build/gui.
-export ROOT CHECKOUT
-exec unshare --mount bash -euc '
+impossible() { echo "the tests of the window cannot be run here: $1" >&2; exit 2; }
+[ "$(id -u)" = 0 ] || impossible "they need root, to install Blender into a folder of its own"
+"${ALONE[@]}" chroot / true 2>/dev/null || impossible "this system allows no unshare or no chroot"
+[ "${1-}" != --possible ] || exit 0
+[ -x "$CHECKOUT/.venv/bin/python" ] || impossible "there is no .venv yet; make gui-test sets it up"
+
+mkdir -p "$CHECKOUT/build/gui"
+"$HERE/setup_chroot.sh" "$ROOT" || impossible "Blender could not be installed into $ROOT"
+
+# One build at a time, and a copy: the next may begin before this one is installed.
+SCRATCH=$(mktemp -d)
+trap 'rm -rf "$SCRATCH"' EXIT
+PYTHON=$(cat "$ROOT/.python")
+(
+  flock 9
+  "$CHECKOUT/.venv/bin/python" "$CHECKOUT/scripts/build_extension.py" --python "$PYTHON" --output "$SCRATCH" >/dev/null
+) 9>"$CHECKOUT/build/gui/.lock"
+
+# The checkout cannot be written to, apart from build/gui.
+export ROOT CHECKOUT SCRATCH
+"${ALONE[@]}" bash -euc '
+  mkdir -p "$ROOT/checkout" "$ROOT/pictures"
   mount -t proc proc "$ROOT/proc"
   mount --rbind /dev "$ROOT/dev"
   mount -t tmpfs tmpfs "$ROOT/tmp"
-  mkdir -p "$ROOT/checkout" "$ROOT/pictures"
+  cp "$SCRATCH"/*.zip "$ROOT/tmp/extension.zip"
   mount --bind "$CHECKOUT" "$ROOT/checkout"
   mount -o remount,bind,ro "$ROOT/checkout"
   mount --bind "$CHECKOUT/build/gui" "$ROOT/pictures"
   exec chroot "$ROOT" env -i PATH=/usr/bin:/bin:/usr/games HOME=/tmp LC_ALL=C.UTF-8 LIBGL_ALWAYS_SOFTWARE=1 \
-    PYTHONDONTWRITEBYTECODE=1 /checkout/tests/gui/in_chroot.sh "$@"' run "$@"
+    PYTHONDONTWRITEBYTECODE=1 CMC_GUI_JOBS="${CMC_GUI_JOBS-}" python3 /checkout/tests/gui/in_chroot.py "$@"' run "$@"

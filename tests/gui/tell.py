@@ -19,6 +19,7 @@ sys.path.insert(0, str(HERE))
 
 from hands import Hands  # noqa: E402
 
+EXTENSION = "bl_ext.user_default.cmc_formfinding"
 STORY = sys.argv[sys.argv.index("--") + 1]
 
 
@@ -30,14 +31,23 @@ def load(name: str):
 
 
 def prepare() -> None:
-    """The add-on from the checkout, no splash, an empty scene, the viewport as large as the window."""
+    """The installed extension, no splash, an empty scene, the viewport as large as the window."""
     failures = []
-    addon_utils.enable("cmc_formfinding", default_set=True, handle_error=failures.append)
+    addon_utils.enable(EXTENSION, default_set=True, handle_error=failures.append)
     if failures:
         raise failures[0]
+    from_its_wheels()
     bpy.context.preferences.view.show_splash = False
     for ob in list(bpy.data.objects):
         bpy.data.objects.remove(ob)
+
+
+def from_its_wheels() -> None:
+    """What is tested is what users get: nothing out of the checkout, nor out of this system's Python."""
+    import scipy
+
+    for file in (sys.modules[EXTENSION].__file__, scipy.__file__):
+        assert Path(file).is_relative_to(os.environ["BLENDER_USER_RESOURCES"]), file
 
 
 def whole():

@@ -1,0 +1,99 @@
+"""in_chroot.py [STORY…]: inside the Debian with Blender. Installs the extension, tells the stories (all of them), each
+in a Blender and on a screen of its own, and sums up. Exits 1 if a story did not go as told.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+HERE = Path(__file__).parent
+PICTURES = Path("/pictures")
+ARCHIVE = Path("/tmp/extension.zip")
+USER = Path("/tmp/blender")
+INSTALLED = USER / "extensions" / "user_default" / "cmc_formfinding" / "blender_manifest.toml"
+LIMIT = 420.0  # seconds for a story
+WIDTH, HEIGHT = 1280, 900
+
+
+def install() -> None:
+    """The zip, by Blender's own command; whose exit code says nothing."""
+    USER.mkdir()
+    command = ["blender", "--command", "extension", "install-file", "-r", "user_default", "--enable", str(ARCHIVE)]
+    done = subprocess.run(command, env=surroundings(), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    if not INSTALLED.exists():
+        sys.exit(f"the extension could not be installed:\n{done.stdout}")
+
+
+def surroundings(display: str = "") -> dict[str, str]:
+    return {**os.environ, "BLENDER_USER_RESOURCES": str(USER), "DISPLAY": display}
+
+
+def tell(story: str) -> tuple[str, bool, float]:
+    """Tell one story; its name, whether it went as told, and its seconds."""
+    for old in PICTURES.glob(f"{story}-*.png"):
+        old.unlink()
+    begun = time.monotonic()
+    log = PICTURES / f"{story}.log"
+    with log.open("w") as output:
+        code = in_window(story, output)
+    seconds = time.monotonic() - begun
+    text = log.read_text(errors="replace")
+    told = code == 0 and f"told {story}\n" in text
+    pictures = len(list(PICTURES.glob(f"{story}-*.png")))
+    print(f"{'told  ' if told else 'FAILED'} {story:12s} {seconds:4.0f} s, {pictures} pictures", flush=True)
+    if not told:
+        reason = f"it took longer than {LIMIT:.0f} s" if code is None else "\n".join(text.splitlines()[-30:])
+        print(reason, flush=True)
+    return story, told, seconds
+
+
+def in_window(story: str, output) -> int | None:
+    """Blender's exit code; None if it had to be ended."""
+    screen = [f"{WIDTH}x{HEIGHT}x24"]
+    server = subprocess.Popen(
+        ["Xvfb", "-displayfd", "1", "-screen", "0", *screen, "+extension", "GLX", "-nolisten", "tcp"],
+        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+    )
+    blender = None
+    try:
+        display = ":" + server.stdout.readline().strip()
+        command = ["blender", "--factory-startup", "--enable-event-simulate"]
+        command += ["--window-geometry", "0", "0", str(WIDTH), str(HEIGHT)]
+        command += ["--python", str(HERE / "tell.py"), "--", story]
+        blender = subprocess.Popen(command, env=surroundings(display), stdout=output, stderr=subprocess.STDOUT)
+        return blender.wait(LIMIT)
+    except subprocess.TimeoutExpired:
+        subprocess.run(["import", "-window", "root", PICTURES / f"{story}-failed.png"], env=surroundings(display))
+        return None
+    finally:
+        for process in (blender, server):
+            if process is not None:
+                process.kill()
+                process.wait()
+
+
+def main(stories: list[str]) -> int:
+    begun = time.monotonic()
+    known = sorted(path.stem for path in (HERE / "stories").glob("*.py"))
+    unknown = set(stories) - set(known)
+    if unknown:
+        sys.exit(f"there is no story {', '.join(sorted(unknown))}; there are {', '.join(known)}")
+    install()
+    jobs = int(os.environ.get("CMC_GUI_JOBS") or max(1, (os.cpu_count() or 1) // 2))
+    with ThreadPoolExecutor(jobs) as pool:
+        results = list(pool.map(tell, stories or known))
+    failed = [story for story, told, _ in results if not told]
+    minutes, seconds = divmod(round(time.monotonic() - begun), 60)
+    print(f"{len(results) - len(failed)} of {len(results)} stories went as told, in {minutes}:{seconds:02d}")
+    for story in failed:
+        print(f"  not {story}: build/gui/{story}.log, build/gui/{story}-failed.png")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
