@@ -33,6 +33,7 @@ from bpy.props import (
 
 from ..solver.gauss.conditions import KINDS
 from .design_settings import stored_design_annotations
+from .export_settings import stored_export_annotations
 from .group_list import free_name
 from .periods_settings import stored_period_annotations
 from .settings import setting_annotations
@@ -163,6 +164,7 @@ class CmcObject(bpy.types.PropertyGroup):
         **stored_design_annotations(),
         **stored_complete_annotations(),
         **stored_period_annotations(),
+        **stored_export_annotations(),
         # On a plan. A link counts only while the result's `source` points back (see results.py).
         "f_plus": PointerProperty(name="f+", type=bpy.types.Object, poll=_is_mesh_object),
         "f_minus": PointerProperty(name="f-", type=bpy.types.Object, poll=_is_mesh_object),

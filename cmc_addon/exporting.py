@@ -1,0 +1,217 @@
+"""Export: from result objects to one mesh file and its report, by the writers that jobs use as well.
+
+Reading the objects takes no time and is done in Blender's thread; what writes the files sees arrays only.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..solver.errors import CmcError, JobError
+from ..solver.files import FORMATS, MeshData, write_bytes, write_mesh
+from .mesh_bridge import NORMAL_ATTRIBUTE, read
+from .results import copies_of, result_of
+
+Array = NDArray[np.float64]
+
+_MADE_BY = {"SHELL": "Solve", "FIT": "Fit to Outline", "COMPLETED": "Complete by Symmetry"}
+
+
+@dataclass(frozen=True, eq=False)
+class ExportOrder:
+    """All that writing needs, without any Blender data: safe in a thread.
+
+    mesh: in the world, as one. normals (V, 3). report: text of the JSON file beside it, if one is wanted.
+    """
+
+    path: Path
+    mesh: MeshData
+    normals: Array
+    report: str | None
+
+    def work(self, progress: Callable[[int, float], bool]) -> list[Path]:
+        """Write, each file at once or not at all; returns what was written: nothing where it was cancelled meanwhile.
+
+        Raises `JobError`.
+        """
+        place = self.path.parent
+        try:
+            place.mkdir(parents=True, exist_ok=True)
+            with TemporaryDirectory(prefix=".export-", dir=place) as scratch:
+                files = self._write(Path(scratch))
+                return [_move(file, place) for file in files] if progress(1, 1.0) else []
+        except OSError as error:
+            raise JobError(f"{self.path} cannot be written: {error.strerror or error}.") from error
+
+    def _write(self, folder: Path) -> list[Path]:
+        files = [folder / self.path.name]
+        write_mesh(files[0], self.mesh, normals=self.normals)
+        if self.report is not None:
+            files.append(files[0].with_suffix(".json"))
+            write_bytes(files[1], self.report.encode())
+        return files
+
+
+def _move(file: Path, place: Path) -> Path:
+    os.replace(file, place / file.name)
+    return place / file.name
+
+
+def wanted_objects(context: bpy.types.Context, plan: bpy.types.Object, what: str) -> list[bpy.types.Object]:
+    """The results to be written. Raises `CmcError` where there are none."""
+    if what == "SELECTED":
+        found = [ob for ob in context.selected_objects if ob.type == "MESH" and ob.cmc.role != "NONE"]
+        if not found:
+            raise CmcError("No result is selected; select the shells to export.")
+        return found
+    if what != "AUTO":
+        found = _in_role(plan, what)
+        if not found:
+            raise CmcError(f"'{plan.name}' has no such result yet; {_MADE_BY[what]} makes it.")
+        return found
+    active = context.view_layer.objects.active
+    if active is not None and active.type == "MESH" and active.cmc.role != "NONE":
+        return _in_role(plan, "COMPLETED") if active.cmc.role == "COMPLETED" else [active]
+    completed = [ob for ob in _in_role(plan, "COMPLETED") if not ob.hide_viewport]
+    found = completed or _in_role(plan, "FIT") or _in_role(plan, "SHELL") or _in_role(plan, "NEAREST")
+    if not found:
+        raise CmcError(f"'{plan.name}' has no shell yet; Solve makes one.")
+    return found
+
+
+def _in_role(plan: bpy.types.Object, what: str) -> list[bpy.types.Object]:
+    if what == "COMPLETED" and (copies := copies_of(plan)) is not None:
+        return list(copies.objects)
+    result = result_of(plan, plan.cmc.sheet if what == "SHELL" else what)
+    return [] if result is None else [result]
+
+
+def take_export(
+    context: bpy.types.Context, plan: bpy.types.Object, path: Path, what: str, modifiers: bool, with_report: bool
+) -> ExportOrder:
+    """Read the results. Raises `CmcError` where there are none, they have no faces, or the format is not known."""
+    if path.suffix.lower() not in FORMATS:
+        raise JobError(f'{path} has no format known here; use one of {", ".join(FORMATS)}.')
+    objects = wanted_objects(context, plan, what)
+    depsgraph = context.evaluated_depsgraph_get()
+    parts = [_part(ob, depsgraph if modifiers and len(ob.modifiers) else None) for ob in objects]
+    if not any(len(part.polygons) for part, _ in parts):
+        raise CmcError(f"'{objects[0].name}' has no faces, so there is nothing to export.")
+    report = _report(plan, objects) if with_report else None
+    return ExportOrder(path, joined([part for part, _ in parts]), np.concatenate([n for _, n in parts]), report)
+
+
+def _report(plan: bpy.types.Object, objects: Sequence[bpy.types.Object]) -> str:
+    """The report of what is written, and the names of its objects."""
+    texts = {"FIT": plan.cmc.design_report, "NEAREST": plan.cmc.design_report, "COMPLETED": plan.cmc.complete_report}
+    try:
+        told = json.loads(texts.get(objects[0].cmc.role, plan.cmc.report))
+    except ValueError:
+        told = {}  # nobody has solved yet, or somebody else wrote into the property
+    names = [ob.name for ob in objects]
+    return json.dumps({"plan": plan.name, "objects": names, **told}, indent=2, ensure_ascii=False) + "\n"
+
+
+# --- reading -------------------------------------------------------------------------------
+
+def _part(ob: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None) -> tuple[MeshData, Array]:
+    """An object's mesh in the world, and its normals; with a depsgraph as its modifiers show it."""
+    shown = ob if depsgraph is None else ob.evaluated_get(depsgraph)
+    if ob.data.is_editmode:
+        ob.update_from_editmode()
+    mesh = shown.to_mesh()
+    try:
+        return _data(ob, mesh, own=depsgraph is None)
+    finally:
+        shown.to_mesh_clear()
+
+
+def _data(ob: bpy.types.Object, mesh: bpy.types.Mesh, own: bool) -> tuple[MeshData, Array]:
+    matrix = np.array(ob.matrix_world, dtype=np.float64)
+    count, corner_count = len(mesh.vertices), len(mesh.loops)
+    local = np.empty((count, 3), dtype=np.float32)
+    mesh.vertices.foreach_get("co", local.reshape(-1))
+    corners, starts = np.empty(corner_count, dtype=np.int32), np.empty(len(mesh.polygons), dtype=np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    mesh.polygons.foreach_get("loop_start", starts)
+    uvs, rows = _uvs(mesh, corner_count)
+    mirrored = np.linalg.det(matrix[:3, :3]) < 0
+
+    def split(values: NDArray) -> list[NDArray]:
+        parts = np.split(values, starts[1:]) if len(starts) else []
+        return [part[::-1] for part in parts] if mirrored else parts
+
+    data = MeshData(
+        local @ matrix[:3, :3].T + matrix[:3, 3],
+        split(corners),
+        uvs=uvs,
+        uv_corners=split(rows) if len(uvs) else [],
+        objects=[ob.name] * len(starts),
+        groups=[""] * len(starts),
+        materials=_materials(ob, mesh),
+    )
+    return data, _normals(mesh, matrix, own)
+
+
+def _uvs(mesh: bpy.types.Mesh, corner_count: int) -> tuple[Array, NDArray[np.int32]]:
+    """UVs (T, 2), each once, and the row (C,) of each corner; both empty without a layer."""
+    layer = mesh.uv_layers.active
+    if layer is None:
+        return np.empty((0, 2)), np.empty(0, dtype=np.int32)
+    found = np.empty((corner_count, 2), dtype=np.float32)
+    layer.uv.foreach_get("vector", found.reshape(-1))
+    uvs, rows = np.unique(found, axis=0, return_inverse=True)
+    return uvs.astype(np.float64), rows.reshape(-1).astype(np.int32)
+
+
+def _materials(ob: bpy.types.Object, mesh: bpy.types.Mesh) -> list[str]:
+    names = [slot.material.name if slot.material is not None else "" for slot in ob.material_slots]
+    index = np.zeros(len(mesh.polygons), dtype=np.int32)
+    mesh.polygons.foreach_get("material_index", index)
+    return [names[i] if i < len(names) else "" for i in index.tolist()]
+
+
+def _normals(mesh: bpy.types.Mesh, matrix: Array, own: bool) -> Array:
+    """(V, 3) in the world: those of the surface, where the mesh is as it was made, else those of the faces around."""
+    count = len(mesh.vertices)
+    if own and NORMAL_ATTRIBUTE in mesh.attributes:
+        local = read(mesh, NORMAL_ATTRIBUTE, count, np.float32, 3).astype(np.float64)
+    else:
+        local = np.empty((count, 3), dtype=np.float32)
+        mesh.vertex_normals.foreach_get("vector", local.reshape(-1))
+    turned = local @ np.linalg.inv(matrix[:3, :3])
+    if np.linalg.det(matrix[:3, :3]) < 0 and not own:
+        turned = -turned  # the faces are walked the other way round
+    return turned / np.maximum(np.linalg.norm(turned, axis=1, keepdims=True), 1e-30)
+
+
+def joined(parts: Sequence[MeshData]) -> MeshData:
+    """Meshes as one."""
+    if len(parts) == 1:
+        return parts[0]
+    vertices = np.cumsum([0] + [len(part.positions) for part in parts])
+    rows = np.cumsum([0] + [len(part.uvs) for part in parts])
+    textured = any(len(part.uvs) for part in parts)
+    polygons, uv_corners = [], []
+    for part, first, row in zip(parts, vertices.tolist(), rows.tolist(), strict=False):
+        polygons += [polygon + first for polygon in part.polygons]
+        none = [np.empty(0, dtype=np.int32)] * len(part.polygons)
+        uv_corners += [corners + row for corners in part.uv_corners] or (none if textured else [])
+    return MeshData(
+        np.concatenate([part.positions for part in parts]),
+        polygons,
+        uvs=np.concatenate([part.uvs for part in parts]),
+        uv_corners=uv_corners,
+        objects=[name for part in parts for name in part.objects],
+        groups=[name for part in parts for name in part.groups],
+        materials=[name for part in parts for name in part.materials],
+    )

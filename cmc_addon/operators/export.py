@@ -1,0 +1,121 @@
+"""Export: the shell as a file for other programs, and its report."""
+
+from pathlib import Path
+
+import bpy
+from bpy.props import StringProperty
+
+from ...solver.errors import CmcError
+from ...solver.files import FORMATS
+from .. import session
+from ..export_settings import EXPORT_SETTINGS, draw_export, export_annotations
+from ..exporting import take_export, wanted_objects
+from ..readiness import RUNNING, allow
+from ..results import plan_of
+from .solve import as_settings
+from .working import Working
+
+
+def why_not_export(context: bpy.types.Context) -> str:
+    """Why there is nothing to export; "" where there is."""
+    if context.window_manager.cmc.running:
+        return RUNNING
+    try:
+        plan = plan_of(context.view_layer.objects.active)
+        wanted_objects(context, plan, "AUTO")
+    except CmcError as error:
+        return str(error).removesuffix(".")
+    return ""
+
+
+class CMC_OT_export(Working, bpy.types.Operator):
+    """Write the shell, fitted or completed, as a GLB, OBJ, PLY or STL file, and its report beside it"""
+
+    bl_idname = "cmc.export"
+    bl_label = "Export Shell"
+    bl_options = {"REGISTER"}
+
+    __annotations__ = {
+        "filepath": StringProperty(
+            name="File", description="The file to write; its ending says which format", subtype="FILE_PATH",
+            options={"SKIP_SAVE"}),
+        "filter_glob": StringProperty(
+            name="Filter", description="Which files the browser shows",
+            default=";".join(f"*{suffix}" for suffix in FORMATS), options={"HIDDEN", "SKIP_SAVE"}),
+        "check_existing": bpy.props.BoolProperty(
+            name="Check Existing", description="Warn where there is such a file already", default=True,
+            options={"HIDDEN"}),
+        **export_annotations({"SKIP_SAVE"}),
+    }
+    _browsing = False
+
+    @classmethod
+    def poll(cls, context):
+        return allow(cls, why_not_export(context))
+
+    def invoke(self, context, event):
+        if self.filepath:
+            return super().invoke(context, event)
+        plan = plan_of(context.view_layer.objects.active)
+        self._take_settings(plan)
+        try:
+            name = wanted_objects(context, plan, self.export_what)[0].name
+        except CmcError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        folder = Path(bpy.data.filepath).parent if bpy.data.filepath else Path.home()
+        self.filepath = str(folder / f"{bpy.path.clean_name(name)}{self._suffix}")
+        self._browsing = True
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def check(self, context):
+        """In the file browser the ending follows the format."""
+        path = Path(self.filepath)
+        fitting = path.with_suffix(self._suffix) if path.suffix.lower() in FORMATS else path
+        changed = str(fitting) != self.filepath
+        self.filepath = str(fitting)
+        return changed
+
+    def execute(self, context):
+        if not self._browsing:
+            return super().execute(context)
+        # the browser is gone: once more from the beginning, beside the window
+        values = {name: getattr(self, name) for name in ("filepath", *EXPORT_SETTINGS)}
+        return bpy.ops.cmc.export("INVOKE_DEFAULT", **values)
+
+    def steps(self, context, wait):
+        if not self.filepath:
+            raise CmcError("There is no file to write; give its path.")
+        plan = plan_of(context.view_layer.objects.active)
+        self._take_settings(plan)
+        path = Path(bpy.path.abspath(self.filepath))
+        if path.suffix.lower() not in FORMATS:
+            path = path.with_name(path.name + self._suffix)
+        order = take_export(context, plan, path, self.export_what, self.export_modifiers, self.export_report)
+        written = yield from session.steps(order.work, 1.0, wait)
+        if written is None:
+            return self._say_cancelled()
+        plan.cmc.export_what, plan.cmc.export_format = self.export_what, path.suffix[1:].upper()
+        self.report({"INFO"}, f"Written: {', '.join(str(file) for file in written)}")
+        return {"FINISHED"}
+
+    def tell(self, update):
+        return 1.0, "Writing"
+
+    def draw(self, context):
+        as_settings(self.layout)
+        draw_export(self.layout, self)
+
+    @property
+    def _suffix(self) -> str:
+        return f".{self.export_format.lower()}"
+
+    def _take_settings(self, plan: bpy.types.Object) -> None:
+        """What the call does not say is as it is stored with the plan."""
+        for name in EXPORT_SETTINGS:
+            if not self.properties.is_property_set(name):
+                setattr(self, name, getattr(plan.cmc, name))
+
+
+CLASSES = (CMC_OT_export,)

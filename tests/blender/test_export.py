@@ -1,0 +1,153 @@
+"""Export: what is written and where, in every format; read back by the solver's own reader."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+
+from .scenes import activate
+
+FINISHED = {"FINISHED"}
+FORMATS = ["glb", "obj", "ply", "stl"]
+
+
+@pytest.fixture
+def plan():
+    bpy.ops.cmc.add_plan(columns=12)
+    bpy.ops.cmc.solve()
+    return bpy.context.object
+
+
+def points(ob) -> np.ndarray:
+    return np.array([ob.matrix_world @ vertex.co for vertex in ob.data.vertices])
+
+
+def read(path):
+    from cmc_formfinding.solver.files import read_mesh
+
+    return read_mesh(path)
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_every_format_has_the_shell_in_its_place(plan, tmp_path, suffix):
+    shell = plan.cmc.f_plus
+    shell.location.x += 2.0
+    bpy.context.view_layer.update()
+    path = tmp_path / f"hall.{suffix}"
+    assert bpy.ops.cmc.export(filepath=str(path)) == FINISHED
+    mesh, wanted = read(path), points(shell)
+    assert len(mesh.polygons) == len(shell.data.polygons)
+    order = [np.lexsort(np.round(p, 4).T) for p in (mesh.positions, wanted)]
+    assert len(mesh.positions) == len(wanted)
+    np.testing.assert_allclose(mesh.positions[order[0]], wanted[order[1]], atol=2e-4)
+    assert sorted(os.listdir(tmp_path)) == sorted([f"hall.{suffix}", "hall.json"])
+    told = json.loads((tmp_path / "hall.json").read_text(encoding="utf-8"))
+    assert told["objects"] == [shell.name] and told["energy"] == json.loads(plan.cmc.report)["energy"]
+
+
+def test_an_obj_has_uvs_and_materials(plan, tmp_path):
+    shell = plan.cmc.f_plus
+    shell.data.materials.append(bpy.data.materials.new("Concrete"))
+    bpy.ops.cmc.export(filepath=str(tmp_path / "hall.obj"), export_report=False)
+    mesh = read(tmp_path / "hall.obj")
+    assert os.listdir(tmp_path) == ["hall.obj"]
+    assert set(mesh.materials) == {"Concrete"} and set(mesh.objects) == {shell.name}
+    layer = shell.data.uv_layers.active.uv
+    for polygon, corners, face in zip(mesh.polygons, mesh.uv_corners, shell.data.polygons, strict=True):
+        assert list(face.vertices) == polygon.tolist()
+        mine = [layer[k].vector[:] for k in face.loop_indices]
+        np.testing.assert_allclose(mesh.uvs[corners], mine, atol=1e-5)
+
+
+def test_normals_are_those_of_the_surface(plan, addon):
+    from cmc_formfinding.cmc_addon.exporting import take_export
+
+    shell = plan.cmc.f_plus
+    shell.rotation_euler = (0.3, -0.2, 1.0)
+    bpy.context.view_layer.update()
+    order = take_export(bpy.context, plan, Path("/nowhere/x.ply"), "SHELL", True, False)
+    turn = np.array(shell.matrix_world)[:3, :3]
+    own = np.array([item.vector for item in shell.data.attributes["cmc_normal"].data])
+    np.testing.assert_allclose(order.normals, own @ turn.T, atol=1e-5)
+    shell.scale.z = -1.0
+    bpy.context.view_layer.update()
+    mirrored = take_export(bpy.context, plan, Path("/nowhere/x.ply"), "SHELL", True, False)
+    a, b, c = (mirrored.mesh.positions[[polygon[k] for polygon in mirrored.mesh.polygons]] for k in range(3))
+    faces = np.cross(b - a, c - a)
+    nearby = mirrored.normals[[polygon[0] for polygon in mirrored.mesh.polygons]]
+    assert (np.einsum("ij,ij->i", faces, nearby) > 0).all(), "faces look where the normals point"
+
+
+def test_modifiers_are_written_as_seen(plan, tmp_path):
+    shell = plan.cmc.f_plus
+    shell.modifiers.new("Thick", "SOLIDIFY").thickness = 0.2
+    for with_modifiers, name in ((True, "thick"), (False, "thin")):
+        bpy.ops.cmc.export(filepath=str(tmp_path / f"{name}.ply"), export_modifiers=with_modifiers)
+    thick, thin = (read(tmp_path / f"{name}.ply") for name in ("thick", "thin"))
+    assert len(thick.polygons) > 2 * len(thin.polygons) == 2 * len(shell.data.polygons)
+
+
+def test_what_is_exported_by_itself(plan, tmp_path):
+    from cmc_formfinding.cmc_addon.exporting import wanted_objects
+
+    def automatic():
+        return wanted_objects(bpy.context, plan, "AUTO")
+
+    assert automatic() == [plan.cmc.f_plus]
+    bpy.ops.cmc.fit_outline()
+    assert automatic() == [plan.cmc.fit]
+    activate(plan.cmc.f_plus)
+    assert automatic() == [plan.cmc.f_plus]
+    for ob in (plan.cmc.f_plus, plan.cmc.fit):
+        ob.select_set(True)
+    assert bpy.ops.cmc.export(filepath=str(tmp_path / "both.obj"), export_what="SELECTED") == FINISHED
+    both = read(tmp_path / "both.obj")
+    assert len(both.polygons) == 2 * len(plan.data.polygons) and len(set(both.objects)) == 2
+    assert plan.cmc.export_what == "SELECTED", "the next time it is the same"
+
+
+@pytest.mark.parametrize("made_as", ["MESH", "INSTANCES"])
+def test_copies_are_one_mesh(tmp_path, made_as):
+    bpy.ops.cmc.add_module(module="HONEYCOMB", edges=6)
+    plan = bpy.context.object
+    bpy.ops.cmc.complete(complete_count=4, complete_as=made_as)
+    assert bpy.ops.cmc.export(filepath=str(tmp_path / "grid.obj")) == FINISHED
+    assert len(read(tmp_path / "grid.obj").polygons) == 4 * len(plan.data.polygons)
+    assert json.loads((tmp_path / "grid.json").read_text(encoding="utf-8"))["copies"] == 4
+
+
+def test_the_ending_says_the_format(plan, tmp_path):
+    bpy.ops.cmc.export(filepath=str(tmp_path / "hall.v2"), export_format="STL", export_report=False)
+    assert os.listdir(tmp_path) == ["hall.v2.stl"]
+    bpy.ops.cmc.export(filepath=str(tmp_path / "deeper" / "hall.PLY"), export_format="GLB", export_report=False)
+    assert os.listdir(tmp_path / "deeper") == ["hall.PLY"] and plan.cmc.export_format == "PLY"
+
+
+def test_what_goes_wrong_is_said_and_leaves_nothing(plan, tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(RuntimeError, match="cannot be written"):
+        bpy.ops.cmc.export(filepath=str(tmp_path / "file" / "hall.glb"))
+    (tmp_path / "hall.glb").mkdir()
+    with pytest.raises(RuntimeError, match="cannot be written"):
+        bpy.ops.cmc.export(filepath=str(tmp_path / "hall.glb"))
+    assert sorted(os.listdir(tmp_path)) == ["file", "hall.glb"]
+    with pytest.raises(RuntimeError, match="Complete by Symmetry makes it"):
+        bpy.ops.cmc.export(filepath=str(tmp_path / "x.glb"), export_what="COMPLETED")
+    activate(None)
+    with pytest.raises(RuntimeError, match="No object is active"):
+        bpy.ops.cmc.export(filepath=str(tmp_path / "x.glb"))
+    bpy.ops.mesh.primitive_plane_add()
+    with pytest.raises(RuntimeError, match="has no shell yet; Solve makes one"):
+        bpy.ops.cmc.export(filepath=str(tmp_path / "x.glb"))
+
+
+def test_cancelled_nothing_is_written(plan, tmp_path):
+    from cmc_formfinding.cmc_addon.exporting import take_export
+
+    order = take_export(bpy.context, plan, tmp_path / "hall.obj", "SHELL", True, True)
+    assert order.work(lambda *_: False) == [] and os.listdir(tmp_path) == []
