@@ -4,7 +4,7 @@ The way through the package is the way through the mathematics: domain → gauss
 what is wanted back to the boundary normals) on top.
 """
 
-from .design import Fit, close_periods, fit, fit_gauss_map, fit_outline
+from .design import Fit, close_periods, fit, fit_gauss_map, fit_outline, ring, wente
 from .domain import shapes
 from .domain.domain import Domain
 from .errors import CmcError, ConditionError, JobError, MeshError, Status
@@ -56,10 +56,12 @@ __all__ = [
     "periods",
     "principal_curvatures",
     "report",
+    "ring",
     "saddle",
     "shapes",
     "side_plane",
     "solve_cmc",
     "vertex_principal_curvatures",
+    "wente",
     "whole",
 ]
