@@ -71,15 +71,16 @@ class Extension:
     """The surfaces of one domain as a function of the normals at its fixed boundary vertices.
 
     `solver` has normals at vertices. conditions: `fixed` (n,), sorted, are the vertices whose normals they prescribe,
-    `prescribed` (n, 3); mirrors stay as they are.
+    `prescribed` (n, 3); mirrors stay as they are. method: by which maps are found, see `HarmonicSolver.solve`.
     """
 
-    def __init__(self, solver: HarmonicSolver, conditions: Conditions) -> None:
+    def __init__(self, solver: HarmonicSolver, conditions: Conditions, method: str = "newton") -> None:
         if not solver.graph.at_vertices:
             raise ConditionError("Fitting needs normals at the vertices; solve with sites='vertices'.")
         self.solver = solver
         self.domain = solver.domain
         self.conditions = conditions
+        self.method = method
         self.fixed, self.prescribed = conditions.resolve()
         admissible = resolved(conditions, solver.graph)
         self.dirichlet = solver.dirichlet(admissible.fixed)
@@ -109,12 +110,15 @@ class Extension:
 
     def __call__(self, rim: Array, start: Array | None = None, tolerance: float = 1e-8) -> State:
         """The surface of the boundary normals `rim` (n, 3), from `start` (V, 3), or a start of the solver's own."""
-        return self.at(self.solver.solve(self.given(rim), initial=start, tolerance=tolerance))
+        return self.at(self._solve(rim, start, tolerance))
 
     def reach(self, rim: Array, start: Array | None = None, tolerance: float = 1e-8) -> Reached:
         """The same without its g, which takes a factor of its own."""
-        harmonic = self.solver.solve(self.given(rim), initial=start, tolerance=tolerance)
+        harmonic = self._solve(rim, start, tolerance)
         return Reached(harmonic, self.problem.at(harmonic.normals))
+
+    def _solve(self, rim: Array, start: Array | None, tolerance: float) -> HarmonicMap:
+        return self.solver.solve(self.given(rim), start, method=self.method, tolerance=tolerance)
 
     def products(self, N: Array) -> Array:
         """(E, 3) N_i × N_j; times the edge weights they are tau."""

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..domain.domain import Domain
 from ..errors import ConditionError, chosen
 from ..gauss.conditions import Conditions
+from ..gauss.methods import METHODS
 from ..linalg import check_number
 from ..surface.cmc import CmcSurface
 from ..surface.sides import Side
@@ -45,6 +46,7 @@ class ClosingStatus(Enum):
     STEP_LIMIT = "step limit"
     CANCELLED = "cancelled"
     COLLAPSED = "collapsed"
+    LOST = "lost"
 
     @property
     def sentence(self) -> str:
@@ -59,6 +61,8 @@ class ClosingStatus(Enum):
             ClosingStatus.STEP_LIMIT: "The limit of steps was reached before the surface closed.",
             ClosingStatus.CANCELLED: "Closing was cancelled.",
             ClosingStatus.COLLAPSED: "The surface collapses on the way; no closed one was found near this boundary.",
+            ClosingStatus.LOST: "No harmonic map was found to begin with; begin with other moduli, another initial map "
+            "or another method.",
         }[self]
 
 
@@ -114,6 +118,7 @@ def close_periods(
     coplanar: Sequence[Sequence[Side]] = (),
     positions: ArrayLike | None = None,
     initial: ArrayLike | None = None,
+    method: str = "newton",
     mean_curvature: float = 0.5,
     tolerance: float = 1e-9,
     max_steps: int = 12,
@@ -125,13 +130,15 @@ def close_periods(
     those; "both", the least of both together, the squares of moduli times `weight`. coplanar: groups of sides along
     mirrors of one direction, which shall lie in one plane: their distances are to vanish, too. positions: (V, 2|3) of
     the plan; with them only the tilts change, each normal turning about the boundary's tangent. tolerance: of the
-    periods, as sums along loops, as a part of the size of f+. progress(step, gap) is called at every step, False
+    periods, as sums along loops, as a part of the size of f+. method: a name in `METHODS` by which the maps are found;
+    "critical" and "saddle" follow those that are no minimisers. progress(step, gap) is called at every step, False
     cancels.
 
     Not closing is a status, with the nearest surface. Raises `ConditionError` where there is nothing to close, on names
     that do not exist, and where nothing may change.
     """
     chosen(by, dict.fromkeys(WAYS), "way to close")
+    chosen(method, METHODS, "method")
     check_number(weight, "weight of moduli", positive=True)
     check_number(tolerance, "tolerance")
     check_number(max_steps, "largest number of steps")
@@ -140,7 +147,7 @@ def close_periods(
     if not conditions.vertices.size and by != "moduli":
         raise ConditionError("No normals are prescribed that could change; close by moduli.")
     relations = Relations.of(domain, conditions, coplanar)
-    closing = ClosingMap(conditions, relations, moduli or Moduli.none(domain))
+    closing = ClosingMap(conditions, relations, moduli or Moduli.none(domain), method)
     axes = None if positions is None else boundary_tangents(domain, positions, closing.fixed)
     steps = ClosingSteps(closing, by, weight, axes)
     start = None if initial is None else np.asarray(initial, dtype=np.float64)
@@ -181,6 +188,8 @@ def _search(
 def _ended(
     place: Place, first: Place, count: int, tolerance: float, limit: int, step: Step | None
 ) -> ClosingStatus | None:
+    if not place.found:
+        return ClosingStatus.LOST
     if place.area < _COLLAPSED * first.area:
         return ClosingStatus.COLLAPSED
     if place.gap <= tolerance:
@@ -203,7 +212,11 @@ def _result(closing: ClosingMap, found: _Found, mean_curvature: float) -> Closin
     conditions = place.extension.given(place.rim)
     tolerance = np.inf if found.status is ClosingStatus.CLOSED else _OPEN
     surface = CmcSolver(place.domain).solve(
-        conditions, initial=place.reached.N, mean_curvature=mean_curvature, period_tolerance=tolerance
+        conditions,
+        initial=place.reached.N,
+        method=closing.method,
+        mean_curvature=mean_curvature,
+        period_tolerance=tolerance,
     )
     return Closing(
         surface=surface,

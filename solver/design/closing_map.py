@@ -23,6 +23,8 @@ from .relations import Relations
 
 Array = NDArray[np.float64]
 
+# Residual up to which a map counts as harmonic.
+FOUND = 1e-6
 # Relative accuracy of derivatives.
 _ACCURACY = 1e-5
 # Cosine up to which a normal counts as lying in the plane of a mirror.
@@ -51,17 +53,23 @@ class Place:
         return self.extension.domain
 
     @property
+    def found(self) -> bool:
+        """Whether there is a harmonic map here."""
+        return self.reached.harmonic.residual <= FOUND
+
+    @property
     def gap(self) -> float:
         """The longest period or distance as a part of the size."""
         return float(self.lengths.max()) / self.size
 
 
 class ClosingMap:
-    """(N₀, q) ↦ the sums that are to vanish. fixed: (n,) the vertices with prescribed normals, first (n, 3) those."""
+    """(N₀, q) ↦ the sums that are to vanish. fixed: (n,) the vertices with prescribed normals, first (n, 3) those.
+    method: by which maps are found."""
 
-    def __init__(self, conditions: Conditions, relations: Relations, moduli: Moduli) -> None:
-        self.conditions, self.relations, self.moduli = conditions, relations, moduli
-        self._extension = Extension(HarmonicSolver(moduli.first), conditions)
+    def __init__(self, conditions: Conditions, relations: Relations, moduli: Moduli, method: str = "newton") -> None:
+        self.conditions, self.relations, self.moduli, self.method = conditions, relations, moduli, method
+        self._extension = Extension(HarmonicSolver(moduli.first), conditions, method)
         self._forms = self._forms_on(self._extension)
         self._q = np.zeros(len(moduli.names))
         self.fixed = self._extension.fixed
@@ -116,7 +124,7 @@ class ClosingMap:
     def _on(self, q: Array) -> tuple[Extension, Array]:
         """The last one is kept: factors serve as long as the domain is the same."""
         if not np.array_equal(q, self._q):
-            self._extension = Extension(HarmonicSolver(self.moduli.domain(q)), self.conditions)
+            self._extension = Extension(HarmonicSolver(self.moduli.domain(q)), self.conditions, self.method)
             self._forms, self._q = self._forms_on(self._extension), q
         return self._extension, self._forms
 

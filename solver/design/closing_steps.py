@@ -21,7 +21,7 @@ from ..errors import MeshError
 from ..gauss.frames import in_space
 from ..gauss.sphere import dot, exp, normalize
 from ..linalg import factorize, graph_laplacian, sum_rows
-from .closing_map import ClosingMap, Place, tangent_directions
+from .closing_map import FOUND, ClosingMap, Place, tangent_directions
 from .targets import boundary_shares
 
 Array = NDArray[np.float64]
@@ -30,7 +30,7 @@ Int = NDArray[np.integer]
 # The length along the boundary, as a part of all of it, over which a change of its normals is spread.
 _REACH = 0.02
 # Residuals of harmonic maps: on the way, and in the end, where periods are known to as many digits.
-_LOOSE, _TIGHT = 1e-6, 1e-11
+_LOOSE, _TIGHT = FOUND, 1e-11
 # Radians by which a step may turn a normal, and by which it may change a modulus.
 _LARGEST_TURN = 0.5
 _HALVINGS = 8
@@ -87,7 +87,8 @@ class ClosingSteps:
                 trial = self.map.at(q, rim, start, tolerance)
             except MeshError:  # moduli that turn a face over
                 trial, at_end = None, True
-            if trial is not None and trial.gap < _PROGRESS * place.gap:
+            # where moduli pass a fold there is no map any more, and what the search for it ends with has no periods
+            if trial is not None and trial.found and trial.gap < _PROGRESS * place.gap:
                 return Step(trial, rank, reaches, at_end)
             length *= 0.5
         return Step(None, rank, reaches, at_end)

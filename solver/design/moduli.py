@@ -5,7 +5,7 @@ Around holes and handles the surface closes for certain conformal types of the d
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,42 +66,48 @@ def tube(
     axis: ArrayLike,
     name: str = "length",
     stretch: tuple[float, float] = (0.05, 20.0),
+    *,
+    beyond: float = -np.inf,
 ) -> Moduli:
     """A part of a flat domain that is stretched along an axis; the number is the logarithm of the stretch.
 
     corners: (F, 3, 2|3) of each triangle, unrolled: a cylinder, strips that are glued. faces: (n,) those of the part,
-    whose borders to the others must be orthogonal to the axis (2|3,), since they keep their lengths. stretch: the least
+    whose borders to the others must be orthogonal to the axis (2|3,), since they keep their lengths. beyond: the place
+    along the axis from which on the part is stretched; up to there its border may run as it will. stretch: the least
     and the most.
     """
-    return tubes(domain, corners, {name: (faces, axis)}, stretch)
+    return tubes(domain, corners, {name: (faces, axis, beyond)}, stretch)
 
 
 def tubes(
     domain: Domain,
     corners: ArrayLike,
-    parts: Mapping[str, tuple[ArrayLike, ArrayLike]],
+    parts: Mapping[str, Sequence],
     stretch: tuple[float, float] = (0.05, 20.0),
 ) -> Moduli:
-    """Several parts, each of which is stretched along an axis of its own: name → (faces, axis) as in `tube`."""
+    """Several parts, each of which is stretched along an axis of its own: name → (faces, axis), or also beyond (see
+    `tube`)."""
     flat = as_numbers(corners, "Corners", ConditionError)
     if flat.shape not in ((len(domain.faces), 3, 2), (len(domain.faces), 3, 3)):
         raise ConditionError(f"Corners must have shape ({len(domain.faces)}, 3, 2 or 3), not {flat.shape}.")
     taken = np.zeros(len(domain.faces), dtype=bool)
     chosen = []
-    for name, (faces, axis) in parts.items():
+    for name, (faces, axis, *beyond) in parts.items():
         part, along = np.asarray(faces, dtype=np.int64), np.asarray(axis, dtype=np.float64)
         if taken[part].any():
             raise ConditionError(f"Tube {name!r} has faces of another one; give each face to one tube.")
         taken[part] = True
         along = along / np.linalg.norm(along)
-        _check_border(domain, flat, part, along)
-        chosen.append((part, along))
+        moving = np.maximum(flat[part] @ along, *(beyond or [-np.inf]))
+        moving -= moving.min()
+        _check_border(domain, moving, part)
+        chosen.append((part, moving[..., None] * along))
     place = domain.half_edges[:, 0]  # of each edge as its left face has it
 
     def stretched(q: Array) -> Array:
         moved = flat.copy()
-        for number, (part, along) in zip(q, chosen, strict=True):
-            moved[part] += (np.expm1(number) * (flat[part] @ along))[..., None] * along
+        for number, (part, moving) in zip(q, chosen, strict=True):
+            moved[part] += np.expm1(number) * moving
         lengths = np.linalg.norm(np.roll(moved, 1, axis=1) - np.roll(moved, -1, axis=1), axis=2)
         return lengths.ravel()[place]
 
@@ -109,19 +115,22 @@ def tubes(
     return Moduli(tuple(parts), domain, stretched, ((float(low), float(high)),) * len(chosen))
 
 
-def _check_border(domain: Domain, flat: Array, part: Int, along: Array) -> None:
-    """Refuse a part whose edges to the rest would be stretched."""
+def _check_border(domain: Domain, moving: Array, part: Int) -> None:
+    """Refuse a part whose edges to the rest would be stretched. moving: (n, 3) how far its corners go at a stretch of
+    two."""
+    far = np.zeros((len(domain.faces), 3))
+    far[part] = moving
     inside = np.zeros(len(domain.faces), dtype=bool)
     inside[part] = True
     left, right = domain.edge_faces.T
     border = np.flatnonzero((right >= 0) & (inside[left] != inside[right]))
     half = domain.half_edges[border]
     own = np.where(inside[left[border]], half[:, 0], half[:, 1])
-    sides = flat[own // 3, (own + 2) % 3] - flat[own // 3, (own + 1) % 3]
-    leaning = border[np.abs(sides @ along) > _ORTHOGONAL * np.linalg.norm(sides, axis=1)]
+    strain = far[own // 3, (own + 2) % 3] - far[own // 3, (own + 1) % 3]
+    leaning = border[np.abs(strain) > _ORTHOGONAL * domain.edge_lengths[border]]
     if leaning.size:
         raise ConditionError(
             f"The border of the stretched part is not orthogonal to its axis at {plural('edge', leaning)}; it keeps "
-            "its length, so the part has to end on a line across.",
+            "its length, so the part has to end on a line across, or be stretched from beyond there only.",
             edges=leaning,
         )

@@ -49,14 +49,7 @@ def node(tubes: int, length: float, *, depth: float = 1.0, bend: float = 1.0, ma
         raise MeshError(f"A node needs two tubes or more, not {tubes}.")
     half = np.pi / tubes
     across = np.array([-np.sin(half), np.cos(half), 0.0])
-    turn = 0.5 * np.pi - half
-    start = bend * np.sin(turn) + (depth + bend * (1.0 - np.cos(turn))) / np.tan(half) if tubes > 2 else 0.0
-    if not (min(length, depth, bend, max_edge) > 0.0 and np.isfinite([length, depth, bend, max_edge]).all()):
-        raise MeshError("The length, depth, bend and largest edge of a node must be positive numbers.")
-    if not length > start:
-        raise MeshError(f"This node must be longer than {start:.4g}, where its arc begins, not {length:g} long.")
-    arc = _arc(bend, turn, max_edge) * [-1.0, 1.0] + [start, depth] if tubes > 2 else np.array([[0.0, depth]])
-    outline = np.concatenate([[[0.0, 0.0], [length, 0.0], [length, depth]], arc])
+    outline = _quadrilateral(length, tubes, depth, bend, max_edge)
     straight = {
         "axis": lambda p: p[:, 1],
         "end": lambda p: p[:, 0] - length,
@@ -69,6 +62,37 @@ def node(tubes: int, length: float, *, depth: float = 1.0, bend: float = 1.0, ma
         "bisector": across,
     }
     return Module(_shape(outline, max_edge, straight, "floor"), normals)
+
+
+def pentagon(length: float, spoke: float, *, depth: float = 1.0, bend: float = 1.0, max_edge: float) -> Module:
+    """Half the upper half of a node of a ring: half a tube of the ring, and a quarter of the spoke that leaves it.
+
+    Three quadrilaterals of `node(3)`, without the mirrors between them (paper, Fig. 16, inset). Sides: "middle", the
+    vertical plane of the spoke, straight through the top of the node; "inner", the floor inside the ring; "ring",
+    half-way to the ring's next node; "outer", the floor outside; "spoke", its end. `length` is that of the ring's tube
+    and `spoke` the other one's, each as in `node`; the floors are at one height for certain lengths only.
+
+    The harmonic map between these mirrors is no minimiser. Raises `MeshError` as `node` does.
+    """
+    across = np.array([-np.sqrt(0.75), 0.5, 0.0])
+    turned = np.eye(3) - 2.0 * np.outer(across, across)
+    ring, outer = (_quadrilateral(end, 3, depth, bend, max_edge) for end in (length, spoke))
+    beside = (outer @ turned[:2, :2])[-2:0:-1]  # ends are corners, the places where quadrilaterals meet are not
+    outline = np.concatenate([(ring * [1.0, -1.0])[:1:-1], ring[2:], beside])
+    normals = {
+        "middle": turned @ [0.0, -1.0, 0.0],
+        "inner": np.array([0.0, 0.0, -1.0]),
+        "ring": np.array([1.0, 0.0, 0.0]),
+        "outer": np.array([0.0, 0.0, -1.0]),
+        "spoke": turned @ [1.0, 0.0, 0.0],
+    }
+    places = {"middle": 0.0, "ring": length, "spoke": spoke}
+    straight = {name: lambda p, n=normals[name][:2], d=d: p @ n - d for name, d in places.items()}
+
+    def floor_of(middles: Array) -> list[str]:
+        return ["inner" if below else "outer" for below in middles[:, 1] < 0.0]
+
+    return Module(_shape(outline, max_edge, straight, floor_of), normals)
 
 
 def capital(radius: float, *, oculus: float = 0.0, eighth: bool = False, bay: float = 1.0, max_edge: float) -> Module:
@@ -142,6 +166,21 @@ def vault(openings: int, foot: float | Sequence[float], *, length: float = 1.0, 
         return [f"foot{k}" for k in nearest]
 
     return Module(_shape(np.concatenate(outline), max_edge, straight, foot_of), normals)
+
+
+def _quadrilateral(length: float, tubes: int, depth: float, bend: float, max_edge: float) -> Array:
+    """The outline of a node: from the node along the axis, the end and the floor to the bisector."""
+    if not (min(length, depth, bend, max_edge) > 0.0 and np.isfinite([length, depth, bend, max_edge]).all()):
+        raise MeshError("The length, depth, bend and largest edge of a node must be positive numbers.")
+    corners = np.array([[0.0, 0.0], [length, 0.0], [length, depth]])
+    if tubes == 2:
+        return np.concatenate([corners, [[0.0, depth]]])
+    half = np.pi / tubes
+    turn = 0.5 * np.pi - half
+    start = bend * np.sin(turn) + (depth + bend * (1.0 - np.cos(turn))) / np.tan(half)
+    if not length > start:
+        raise MeshError(f"This node must be longer than {start:.4g}, where its arc begins, not {length:g} long.")
+    return np.concatenate([corners, _arc(bend, turn, max_edge) * [-1.0, 1.0] + [start, depth]])
 
 
 def _cut_out(corner: Array, back: Array, ahead: Array, radius: float, max_edge: float) -> Array:

@@ -31,6 +31,6 @@ METHODS = {
     "critical": Method(
         "Nearest critical",
         "To the nearest map at which nothing pulls, up or down, from a map to start from",
-        partial(climb, index=None),
+        partial(climb, index=None, max_iterations=30),  # it is quick, or lost
     ),
 }

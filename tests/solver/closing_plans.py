@@ -1,4 +1,4 @@
-"""Plans whose surfaces do not close by themselves: courtyards, three holes, half a tube between mirrors."""
+"""Plans whose surfaces do not close by themselves: courtyards, three holes, half a tube between mirrors, a pentagon."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver import Conditions, Domain, Side, conditions, shapes
+from solver import Conditions, Domain, Side, close_periods, conditions, shapes
+from solver.design import Closing, tube
+from solver.domain import modules
 from tests.solver.pieces import unduloid_normals
 
 COURTYARDS = {
@@ -75,3 +77,37 @@ def half_tube(columns: int = 16, stretch: float = 1.35, c: float = -0.4, height:
     tube = np.flatnonzero(t[faces].mean(axis=1) < np.pi / 2)
     mirrors = [Side(name, edges, normal=(0, 1, 0)) for name, edges in sides.items()]
     return HalfTube(domain, points[faces], tube, held, *mirrors)
+
+
+LENGTH = 2.4
+_BEGIN = 1.3  # of the tube, beyond the arc of its floor
+
+
+@dataclass(frozen=True, eq=False)
+class Pentagon:
+    """Half a tube of a honeycomb ring and a quarter of its spoke, whose length is to bring the floors to one height."""
+
+    module: modules.Module
+    spoke: float
+    held: Conditions
+    floors: list[Side]
+
+    def close(self, method: str = "critical") -> Closing:
+        shape, axis = self.module.shape, self.module.normals["spoke"][:2]
+        across = np.array([-np.sqrt(0.75), 0.5])
+        outside = np.flatnonzero(shape.positions[shape.domain.faces].mean(axis=1) @ across > 0.0)
+        length = tube(shape.domain, shape.positions[shape.domain.faces], outside, axis, "spoke", beyond=_BEGIN)
+        options = {"by": "moduli", "moduli": length, "coplanar": [self.floors], "tolerance": 1e-10}
+        return close_periods(shape.domain, self.held, method=method, **options)
+
+
+def pentagon(spoke: float, max_edge: float) -> Pentagon:
+    module = modules.pentagon(LENGTH, spoke, max_edge=max_edge)
+    domain, sides, normals = module.shape.domain, module.shape.sides, module.normals
+    held = sum((conditions.mirror(domain, edges, normals[name]) for name, edges in sides.items()), Conditions())
+    return Pentagon(module, spoke, held, [Side(name, sides[name], "mirror", (0, 0, -1)) for name in ("inner", "outer")])
+
+
+def spoke_of(closing: Closing, plan: Pentagon) -> float:
+    """The length that closing has found."""
+    return _BEGIN + (plan.spoke - _BEGIN) * float(np.exp(closing.moduli[0]))
