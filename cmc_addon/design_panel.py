@@ -49,21 +49,25 @@ class CMC_PT_design(Tab, bpy.types.Panel):
         if plan is None:
             properties_column(layout).prop(context.object.cmc, "anchor_weight", text="Anchor Weight")
             return
-        column = layout.column()
-        column.enabled = plan.is_editable and not context.window_manager.cmc.running
-        draw_fit(properties_column(column), plan.cmc)
-        self._button(column, "cmc.fit_outline")
+        draw_fit(self._settings(layout, context, plan), plan.cmc)
+        self._button(layout, "cmc.fit_outline")
         if result_of(plan, "FIT") is not None:
-            properties_column(column).prop(plan.cmc, "follow")
+            self._settings(layout, context, plan).prop(plan.cmc, "follow")
             if problem_of(plan):
-                paragraph(column, context, problem_of(plan), "ERROR")
-        column.separator()
-        draw_approximate(properties_column(column), plan.cmc)
-        self._button(column, "cmc.approximate_surface")
+                paragraph(layout, context, problem_of(plan), "ERROR")
+        layout.separator()
+        draw_approximate(self._settings(layout, context, plan), plan.cmc)
+        self._button(layout, "cmc.approximate_surface")
         report = last_design(context)
         if report is not None:
             paragraph(layout, context, report["message"], "CHECKMARK" if report["met"] else "ERROR")
             numbers(layout, design_rows(report))
+
+    def _settings(self, layout, context, plan):
+        """A column of settings; the buttons are outside of it, since a disabled one says why only by itself."""
+        column = properties_column(layout)
+        column.enabled = plan.is_editable and not context.window_manager.cmc.running
+        return column
 
     def _button(self, layout, name):
         row = layout.row()

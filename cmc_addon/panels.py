@@ -1,8 +1,13 @@
-"""The CMC tab of the sidebar: from the outline to the plan, its boundary, the shell.
+"""The CMC tab of the sidebar: one column in the order of the work.
 
-What is drawn depends on the active object and on nothing else; no state raises. Here are Plan and Shell and
-what all panels share; Boundary is in `boundary_panel`, the numbers of a solve in `results_panel`.
+    Plan 0, Boundary 1, Shell 2 (Options, Advanced, Design), Results 3 (what there is to look at), Complete 50, Export 60
+
+are their `bl_order`. What is drawn depends on the active object and on nothing else; no state raises. A button that
+cannot be pressed is there, disabled, and its tooltip says why: that is its operator's `poll`. Here are Plan and Shell
+and what all panels share; Boundary is in `boundary_panel`, the numbers of a solve in `results_panel`.
 """
+
+from collections.abc import Callable
 
 import bpy
 
@@ -11,11 +16,15 @@ from .operators.plan import outline_of, plan_of
 from .operators.solve import draw_advanced
 from .outline import default_corner_radius, default_edge_length
 from .outline_bridge import local_size
+from .readiness import has_faces
 from .settings import SIZE_PROPERTY
 
 CATEGORY = "CMC"
 
 TALL = 1.3  # the buttons that do the work
+
+BESIDE_SOLVE: list[Callable[[bpy.types.UILayout, bpy.types.Context, bpy.types.Object], None]] = []
+"""Called with the layout below Solve, the context and the plan: rows of modules that come after this one."""
 
 
 class Tab:
@@ -138,22 +147,31 @@ class CMC_PT_shell(Tab, bpy.types.Panel):
             return
         if plan is None:
             hint(layout, "Select a plan; from a curve", "Mesh Plan makes one")
+            self._solve(layout)
             return
-        if not plan.data.polygons and not plan.data.is_editmode:
+        if not has_faces(plan.data):
             hint(layout, "This mesh has no faces:", "Mesh Plan makes them")
+            self._solve(layout)
             return
         if plan == context.object and not plan.cmc.meshed and target(plan, "PLAN") is not None:
             hint(layout, "This is the outline;", "its plan is what is solved")
             go_to_row(layout, plan, "PLAN")
             return
+        if not plan.is_editable:
+            hint(layout, "This plan is linked from another", "file; make it local to solve it")
         self._settings(layout, plan)
+        self._solve(layout)
+        if context.mode == "EDIT_MESH":
+            layout.operator("cmc.solve_selection")
+        for draw in BESIDE_SOLVE:
+            draw(layout, context, plan)
+        go_to_row(layout, context.object, "SHELL")
+
+    def _solve(self, layout):
         row = layout.split(factor=0.75, align=True)
         row.scale_y = TALL
         row.operator("cmc.solve")
         row.operator("cmc.flip")
-        if context.mode == "EDIT_MESH":
-            layout.operator("cmc.solve_selection")
-        go_to_row(layout, context.object, "SHELL")
 
     def _settings(self, layout, plan):
         settings = plan.cmc
@@ -167,8 +185,7 @@ class CMC_PT_shell(Tab, bpy.types.Panel):
 
     def _running(self, layout, run):
         row = layout.row(align=True)
-        text = "Measuring" if run.progress >= 1.0 else run.message or "Solving"
-        row.progress(factor=run.progress, text=text)
+        row.progress(factor=run.progress, text=run.message or "Working")
         row.operator("cmc.cancel", text="", icon="X")
 
 

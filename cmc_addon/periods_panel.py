@@ -1,4 +1,4 @@
-"""Periods: under Results, the gaps around the holes of a plan, and the two things to do about them."""
+"""Periods: under Complete, the gaps around the holes of a plan, and the two things to do about them."""
 
 import bpy
 
@@ -9,19 +9,18 @@ from .periods import tile_counts
 from .periods_settings import draw_close, draw_tile
 from .periods_text import closing_rows, gap_rows
 from .results_panel import ResultPanel, last_report, numbers, paragraph
-from .symmetry_panel import completed_rows, last_completion
+from .symmetry_panel import completed_rows, has_holes, last_completion
 
 
 class CMC_PT_periods(ResultPanel, bpy.types.Panel):
     bl_idname = "CMC_PT_periods"
     bl_label = "Periods"
-    bl_parent_id = "CMC_PT_results"
-    bl_order = 0
+    bl_parent_id = "CMC_PT_complete"
+    bl_order = 1
 
     @classmethod
     def poll(cls, context):
-        report = last_report(context)
-        return report is not None and bool(report.get("holes"))
+        return has_holes(context)
 
     def draw_header_preset(self, context):
         self.layout.prop(context.scene.cmc, "show_periods", text="", icon="OVERLAY", emboss=False)
@@ -30,17 +29,19 @@ class CMC_PT_periods(ResultPanel, bpy.types.Panel):
         layout, plan, report = self.layout, plan_to_solve(context), last_report(context)
         numbers(layout, gap_rows(report))
         numbers(layout, closing_rows(report))
-        column = layout.column()
+        column = properties_column(layout)
         column.enabled = plan.is_editable and not context.window_manager.cmc.running
-        draw_close(properties_column(column), plan.cmc)
-        self._button(column, "cmc.close_periods")
+        draw_close(column, plan.cmc)
+        self._button(layout, "cmc.close_periods")
         if not report.get("is_open"):
-            hint(column, "The shell closes: nothing", "to tile by")
+            hint(layout, "The shell closes: nothing", "to tile by")
             return
-        column.separator()
-        draw_tile(properties_column(column), plan.cmc, len(report["holes"]))
-        self._counts(column, context, plan, len(report["holes"]))
-        self._button(column, "cmc.tile_periods")
+        layout.separator()
+        column = properties_column(layout)
+        column.enabled = plan.is_editable and not context.window_manager.cmc.running
+        draw_tile(column, plan.cmc, len(report["holes"]))
+        self._counts(layout, context, plan, len(report["holes"]))
+        self._button(layout, "cmc.tile_periods")
         if plan.cmc.complete_report:
             numbers(layout, completed_rows(last_completion(plan.cmc.complete_report)))
 

@@ -64,24 +64,49 @@ def plane_rows(report: dict | None, name: str) -> list[tuple[str, str]]:
     return rows
 
 
+class CMC_PT_complete(Tab, bpy.types.Panel):
+    """What makes the shell a part of something larger: copies by symmetry, and around holes by periods"""
+
+    bl_idname = "CMC_PT_complete"
+    bl_label = "Complete"
+    bl_order = 50
+
+    def draw(self, context):
+        plan = plan_to_solve(context)
+        if plan is None:
+            hint(self.layout, "Select a plan or its shell", "to continue it")
+        elif not _goes_on(plan) and not has_holes(context):
+            hint(self.layout, "A shell goes on across groups that", "are mirrors, planes or free,", "and around holes")
+
+
+def _goes_on(plan: bpy.types.Object) -> bool:
+    return any(group.kind in (*PLANAR_KINDS, "FREE") for group in plan.data.cmc.groups)
+
+
+def has_holes(context: bpy.types.Context) -> bool:
+    """Whether the last solve found holes around which the shell may have a gap."""
+    report = last_report(context)
+    return report is not None and bool(report.get("holes"))
+
+
 class CMC_PT_symmetry(Tab, bpy.types.Panel):
     bl_idname = "CMC_PT_symmetry"
     bl_label = "Symmetry"
-    bl_parent_id = "CMC_PT_shell"
-    bl_order = 0  # before the options: where there are mirrors, this comes after Solve
+    bl_parent_id = "CMC_PT_complete"
+    bl_order = 0
 
     @classmethod
     def poll(cls, context):
         plan = plan_to_solve(context)
-        return plan is not None and any(group.kind in (*PLANAR_KINDS, "FREE") for group in plan.data.cmc.groups)
+        return plan is not None and _goes_on(plan)
 
     def draw(self, context):
         layout, plan = self.layout, plan_to_solve(context)
-        column = layout.column()
+        column = properties_column(layout)
         column.enabled = plan.is_editable and not context.window_manager.cmc.running
-        draw_complete(properties_column(column), plan.cmc)
-        self._preview(column, context, plan)
-        row = column.row()
+        draw_complete(column, plan.cmc)
+        self._preview(layout, context, plan)
+        row = layout.row()
         row.scale_y = TALL
         row.operator("cmc.complete")
         if plan.cmc.complete_report:
@@ -145,7 +170,7 @@ def _in_add_menu(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
     menu.layout.menu("CMC_MT_add", icon="MESH_GRID")
 
 
-CLASSES = (CMC_PT_symmetry, CMC_MT_add)
+CLASSES = (CMC_PT_complete, CMC_PT_symmetry, CMC_MT_add)
 
 
 def register() -> None:

@@ -14,6 +14,7 @@ from ..periods_settings import (
     draw_tile,
     tile_annotations,
 )
+from ..readiness import LEAVE_EDIT_MODE, allow, why_not_solve
 from .solve import Solving, as_settings
 
 # Steps of Newton's method that closing usually takes: the bar is half way then.
@@ -68,10 +69,7 @@ class CMC_OT_tile_periods(Periodic, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        if context.mode != "OBJECT":
-            cls.poll_message_set("Leave edit mode first")
-            return False
-        return True
+        return allow(cls, LEAVE_EDIT_MODE if context.mode != "OBJECT" else why_not_solve(context))
 
     def take(self, context, plan):
         return take_tiling(context, plan, self.wanted(plan))

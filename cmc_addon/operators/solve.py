@@ -69,6 +69,11 @@ class Solving(Working):
     def poll(cls, context: bpy.types.Context) -> bool:
         return allow(cls, why_not_solve(context))
 
+    def tell(self, update: session.Update) -> tuple[float, str]:
+        if update.part >= 1.0:
+            return 1.0, "Measuring"
+        return update.part, f"Step {update.iteration}, residual {update.residual:.1e}"
+
     def about(self, context: bpy.types.Context) -> bpy.types.Object | None:
         return plan_of(context.view_layer.objects.active)
 

@@ -13,6 +13,7 @@ from ...solver.errors import CmcError, ConditionError
 from ...solver.plan_sides import own_plane
 from .. import corner_bridge, session
 from ..mesh_bridge import read_plan
+from ..readiness import LEAVE_EDIT_MODE, allow, why_not_solve
 from ..symmetry import take_completion
 from ..symmetry_settings import COMPLETE_SETTINGS, complete_annotations, draw_complete
 from .boundary import GroupOperator, OnOneGroup
@@ -28,10 +29,7 @@ class CMC_OT_complete(Solving, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        if context.mode != "OBJECT":
-            cls.poll_message_set("Leave edit mode first")
-            return False
-        return True
+        return allow(cls, LEAVE_EDIT_MODE if context.mode != "OBJECT" else why_not_solve(context))
 
     def take(self, context, plan):
         return take_completion(context, plan, self._wanted(plan))

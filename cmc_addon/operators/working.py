@@ -35,7 +35,7 @@ class Working:
 
     def tell(self, update: session.Update) -> tuple[float, str]:
         """How far the work is, from 0 to 1, and in words."""
-        return update.part, f"Step {update.iteration}, residual {update.residual:.1e}"
+        return update.part, f"Step {update.iteration}"
 
     def about(self, context: bpy.types.Context) -> bpy.types.Object | None:
         """The object whose vertices, edges and faces an error numbers."""
