@@ -24,6 +24,11 @@ Array = NDArray[np.float64]
 # A face counts as degenerate below this ratio of its area to its longest edge squared: positions in single
 # precision leave about 1e-7 in a face that was meant to be flat.
 _SMALLEST_AREA_RATIO = 1e-10
+# What is worked out of the faces alone.
+_TOPOLOGY = (
+    "vertex_count", "twins", "fan_starts", "boundary_edges", "interior_edges", "boundary_vertices", "_loops",
+    "euler_characteristic", "genus",
+)
 # Lengths of an edge seen from its two faces may differ by this ratio (glued corners in single precision).
 _LENGTH_TOLERANCE = 1e-5
 
@@ -101,8 +106,13 @@ class Domain:
         return _with_proper_faces(mesh, triangles, _common_lengths(mesh, sides))
 
     def with_lengths(self, lengths: Array) -> Domain:
-        """The same faces with other edge lengths (E,). Raises `MeshError` where a triangle inequality fails."""
-        return _with_proper_faces(self._mesh, self.faces, lengths)
+        """The same faces with other edge lengths (E,), and all that is known of their topology.
+
+        Raises `MeshError` where a triangle inequality fails.
+        """
+        domain = _with_proper_faces(self._mesh, self.faces, lengths)
+        domain.__dict__.update({name: self.__dict__[name] for name in _TOPOLOGY if name in self.__dict__})
+        return domain
 
     @cached_property
     def vertex_count(self) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -13,14 +14,15 @@ from numpy.typing import ArrayLike, NDArray
 from ..domain.domain import Domain
 from ..domain.sites import SiteGraph
 from ..errors import ConditionError, Status, chosen
-from ..linalg import as_numbers, check_number
+from ..linalg import Factor, Nearby, as_numbers, check_number
 from . import sphere
 from .admissible import Admissible, resolved
+from .balance import imbalance
 from .dirichlet import Dirichlet
 from .energies import energy_on
 from .great_circles import side_normals
 from .initial import harmonic_start, leaning, wound_start
-from .methods import METHODS, Method
+from .methods import BALANCED, METHODS, Method
 from .minimise import Iterate, Progress
 from .prescribed import Conditions
 from .problem import EnergyProblem, equal_laplacian
@@ -29,6 +31,8 @@ Array = NDArray[np.float64]
 
 # Factors kept for as many different sets of fixed sites.
 _KEPT_FACTORS = 4
+# Iterations per solve from which on a factor of other edge lengths is given up.
+_FAR = 12
 # Energy, as a part of 4π, below which a map counts as constant.
 _COLLAPSED = 1e-12
 # Sites of each kind in a message.
@@ -43,6 +47,8 @@ class HarmonicMap:
     residual: `sqrt(A Σ |P_i (LN)_i|² / A_i)` at these normals, with the weights star in L.
     degree: signed area covered, as a part of the sphere. iterations: steps of the method taken.
     history: energy, residual, back-solves and step length, one line for each map reached.
+    imbalance: |Σ N_i μ_i| as a part of the energy on a closed domain, where it vanishes at a critical map (paper,
+        Theorem E.2); None where there is a boundary.
     admissible: what the conditions left free; its `corner_normals` are those chosen where two mirrors meet.
     """
 
@@ -54,6 +60,7 @@ class HarmonicMap:
     iterations: int
     history: list[Iterate]
     admissible: Admissible
+    imbalance: float | None = None
 
 
 class HarmonicSolver:
@@ -67,6 +74,19 @@ class HarmonicSolver:
         self.graph = SiteGraph.of(domain, sites)
         self.energy = energy_on(energy, sites)
         self._factors: OrderedDict[bytes, Dirichlet] = OrderedDict()
+        self._near: dict[bytes, Factor] = {}
+
+    def moved(self, domain: Domain) -> HarmonicSolver:
+        """The same on another domain. Where that has the same faces and nearly the same edge lengths the factors at hand
+        go on serving; at vertices only, where all weights are then nearly the same, too."""
+        moved = copy(self)
+        for name in ("_weights", "_laplacian"):
+            moved.__dict__.pop(name, None)
+        moved.domain, moved.graph = domain, SiteGraph.of(domain, self.graph.name)
+        moved._factors, moved._near = OrderedDict(), {}
+        if self.graph.at_vertices and np.array_equal(domain.faces, self.domain.faces):
+            moved._near = {key: one.rough for key, one in self._factors.items() if not _is_far(one.factor)}
+        return moved
 
     @cached_property
     def _weights(self) -> Array:
@@ -88,7 +108,7 @@ class HarmonicSolver:
         key = np.asarray(fixed, dtype=np.int64).tobytes()
         if key not in self._factors:
             laplacian = self._laplacian if self.graph.at_vertices else None
-            self._factors[key] = Dirichlet(self.graph, self._weights, fixed, laplacian)
+            self._factors[key] = Dirichlet(self.graph, self._weights, fixed, laplacian, self._near.pop(key, None))
             if len(self._factors) > _KEPT_FACTORS:
                 self._factors.popitem(last=False)
         self._factors.move_to_end(key)
@@ -111,13 +131,12 @@ class HarmonicSolver:
         `side` ±1 chooses between the two sides of data that lie in one plane, and of corners between mirrors (see
         `conditions.mirror`); `degree` asks for a homotopy class.
         method: a name in `METHODS`, or one that is made; max_iterations: of its steps, by default as many as suit it.
+        Where the conditions ask for balance it is that of `balance.balanced`.
         There may be many harmonic maps for the same boundary: the result is the one reached, to be judged by its
         energy, degree and status. Raises `ConditionError` when everything is fixed, or nothing is (not even by two
         mirrors that meet) and there is no initial map to start from.
         """
-        if not isinstance(method, Method):
-            chosen(method, METHODS, "method")
-            method = METHODS[method]
+        method = _method(method, conditions.is_balanced)
         check_number(tolerance, "tolerance")
         if max_iterations is not None:
             check_number(max_iterations, "largest number of iterations")
@@ -152,6 +171,7 @@ class HarmonicSolver:
             len(found.history) - 1,
             found.history,
             admissible,
+            None if len(self.domain.boundary_edges) else float(np.linalg.norm(imbalance(problem, normals))),
         )
 
     def _start(self, admissible: Admissible, conditions: Conditions, side: int) -> tuple[NDArray[np.integer], Array]:
@@ -195,6 +215,22 @@ class HarmonicSolver:
             return Status.COLLAPSED
         torn = c[~(is_fixed[i] & is_fixed[j])].min(initial=1.0) < 0.0
         return Status.UNDER_RESOLVED if torn else status
+
+
+def _is_far(factor: Factor) -> bool:
+    """Whether a factor is one that serves for another matrix, and does it badly, or has not been tried."""
+    return isinstance(factor, Nearby) and (factor.iterations is None or factor.iterations > _FAR)
+
+
+def _method(method: str | Method, is_balanced: bool) -> Method:
+    if isinstance(method, Method):
+        return method
+    chosen(method, METHODS, "method")
+    if not is_balanced:
+        return METHODS[method]
+    if method != "newton":
+        raise ConditionError(f"Balanced maps have a method of their own; leave out the method {method!r}.")
+    return BALANCED
 
 
 def _as_unit(initial: ArrayLike, graph: SiteGraph) -> Array:

@@ -50,6 +50,13 @@ class Conjugation:
         self.graph = graph
         self.domain = graph.domain
 
+    def moved(self, graph: SiteGraph) -> Conjugation:
+        """The same on a domain that differs in its edge lengths only: trees and cuts do not."""
+        moved = Conjugation(graph)
+        known = ("homology", "_row_tree")
+        moved.__dict__.update({name: self.__dict__[name] for name in known if name in self.__dict__})
+        return moved
+
     @cached_property
     def homology(self) -> Homology:
         return Homology.of(self.domain)

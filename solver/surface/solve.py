@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import replace
 from functools import cached_property
 
@@ -44,6 +45,22 @@ class CmcSolver:
         solved_on = self._carried.domain if self._carried else domain
         self.harmonic = HarmonicSolver(solved_on, sites=sites, energy=energy)
         self.conjugation = Conjugation(self.harmonic.graph)
+
+    def moved(self, edge_lengths: Array) -> CmcSolver:
+        """A solver for the same faces with other edge lengths (E,), as after vertices were moved.
+
+        Much sooner ready than a new one, if they were not moved far. Raises `MeshError` where a triangle inequality fails.
+        """
+        moved = copy(self)
+        moved.__dict__.pop("_sheets", None)
+        moved.domain = solved_on = self.domain.with_lengths(edge_lengths)
+        if self.delaunay:
+            moved._carried = intrinsic_delaunay(moved.domain)
+            solved_on = moved._carried.domain
+        moved.harmonic = self.harmonic.moved(solved_on)
+        graph, is_same = moved.harmonic.graph, np.array_equal(solved_on.faces, self.harmonic.domain.faces)
+        moved.conjugation = self.conjugation.moved(graph) if is_same else Conjugation(graph)
+        return moved
 
     def solve(
         self,
