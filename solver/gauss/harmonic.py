@@ -77,8 +77,8 @@ class HarmonicSolver:
         self._near: dict[bytes, Factor] = {}
 
     def moved(self, domain: Domain) -> HarmonicSolver:
-        """The same on another domain. Where that has the same faces and nearly the same edge lengths the factors at hand
-        go on serving; at vertices only, where all weights are then nearly the same, too."""
+        """The same on another domain. Where that has the same faces and nearly the same edge lengths the factors
+        at hand go on serving; at vertices only, where all weights are then nearly the same, too."""
         moved = copy(self)
         for name in ("_weights", "_laplacian"):
             moved.__dict__.pop(name, None)

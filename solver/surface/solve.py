@@ -49,7 +49,8 @@ class CmcSolver:
     def moved(self, edge_lengths: Array) -> CmcSolver:
         """A solver for the same faces with other edge lengths (E,), as after vertices were moved.
 
-        Much sooner ready than a new one, if they were not moved far. Raises `MeshError` where a triangle inequality fails.
+        Much sooner ready than a new one, if they were not moved far. Raises `MeshError` where a triangle inequality
+        fails.
         """
         moved = copy(self)
         moved.__dict__.pop("_sheets", None)
