@@ -19,11 +19,12 @@ from ..solver.design.fit import Fit
 from ..solver.design.targets import SmoothRim
 from ..solver.errors import CmcError
 from ..solver.measure import report
-from ..solver.pipeline import placed_normals, row_curvature
-from . import session
+from ..solver.pipeline import placed_normals
+from . import colours, session
 from .design_frame import Frame
 from .deviation import show_deviation
 from .forming import check_unchanged, plan_depsgraph
+from .measures import USUAL, Measured, sheet_measures
 from .mesh_bridge import PlanMesh, read_plan
 from .messages import in_plan_numbers
 from .result_bridge import Cut, find_cut
@@ -42,7 +43,7 @@ class DesignOrder:
 
     latest: points (n, 3) in the world and triangles (F, 3) of the best shape so far, set while the work runs.
     stored: names of the settings to keep with the plan. chosen: names of the data-blocks to keep with it, for the
-    pointers of `design_settings`.
+    pointers of `design_settings`. measured: names of what to measure.
     """
 
     name: str
@@ -53,6 +54,7 @@ class DesignOrder:
     warnings: list[str] = field(default_factory=list)
     chosen: dict[str, object] = field(default_factory=dict)
     latest: tuple[Array, NDArray] | None = None
+    measured: tuple[str, ...] = USUAL
 
     def work(self, progress: Progress) -> DesignOutcome:
         """Fit. Raises `CmcError` in the plan's own numbering."""
@@ -71,9 +73,10 @@ class DesignOrder:
         found = self.fit(frame, prepared, progress, show)
         surface, sheet, placing = found.surface, found.sheet, frame.placing(found)
         points = placing.points(surface.sheet(sheet))
+        outline, deviation = self.outline(frame, prepared), self.deviation(prepared, points)
         measured = report(
             surface,
-            self.outline(frame, prepared),
+            outline,
             sheet=sheet,
             positions={sheet: points},
             intersections=False,
@@ -83,10 +86,10 @@ class DesignOrder:
             found,
             points,
             placed_normals(surface.normals, sheet, placing),
-            row_curvature(surface, placing, {sheet: points}, sheet),
+            sheet_measures(surface, placing, points, sheet, self.measured, outline if deviation is None else None),
             find_cut(self.mesh, prepared.triangles, prepared.owners, surface.faces, surface.source),
             measured.to_dict(),
-            self.deviation(prepared, points),
+            deviation,
         )
 
     # --- what the two do differently
@@ -116,7 +119,7 @@ class DesignOrder:
         depsgraph = plan_depsgraph(context, self.settings)
         check_unchanged(plan, depsgraph, self.mesh)
         writer = Writer(context, plan, depsgraph, self.mesh, outcome.cut)
-        writer.write(self.role, outcome.points, outcome.normals, outcome.curvature)
+        writer.write(self.role, outcome.points, outcome.normals, outcome.measures)
         result = result_of(plan, self.role)
         result.cmc.parked = result.hide_viewport = result.hide_render = False
         told = self._report(context, plan, outcome)
@@ -128,6 +131,7 @@ class DesignOrder:
             setattr(plan.cmc, name, getattr(self.settings, name))
         for name, block in self.chosen.items():
             setattr(plan.cmc, name, _still_there(block))
+        colours.repaint(plan)
         return [*self.warnings, *([] if outcome.converged else [outcome.message])]
 
     def _report(self, context: bpy.types.Context, plan: bpy.types.Object, outcome: DesignOutcome) -> dict:
@@ -151,7 +155,8 @@ def read_order(context: bpy.types.Context, plan: bpy.types.Object, settings: Sim
     """What every order is made of. Settings get what is stored with the plan for all solves."""
     settings.apply_modifiers, settings.tolerance = plan.cmc.apply_modifiers, plan.cmc.tolerance
     mesh = read_plan(plan, plan_depsgraph(context, settings))
-    return {"name": plan.name, "mesh": mesh, "settings": settings}
+    measured = colours.wanted_measures(plan)
+    return {"name": plan.name, "mesh": mesh, "settings": settings, "measured": measured}
 
 
 def _still_there(block: tuple[str, str] | None):
@@ -166,7 +171,7 @@ class DesignOutcome:
     fit: Fit
     points: Array
     normals: Array
-    curvature: Array
+    measures: Measured
     cut: Cut | None
     report: dict
     deviation: Array | None

@@ -18,7 +18,8 @@ from ..solver.errors import CmcError
 from ..solver.hole_gaps import hole_gaps
 from ..solver.plan import SHEETS
 from ..solver.polygon_sheets import PolygonSheet, polygon_sheet
-from . import session, solved
+from . import colours, session, solved
+from .measures import ATTRIBUTES, USUAL, Measured, polygon_measures, sheet_measures
 from .mesh_bridge import PlanMesh, read_plan
 from .messages import in_plan_numbers
 from .properties import ROLES, parameter_values
@@ -38,13 +39,14 @@ from .settings import SETTINGS, SIZE_PROPERTY, fitted_settings
 
 @dataclass(frozen=True, eq=False)
 class Order:
-    """All that a solve needs, without any Blender data: safe in a thread."""
+    """All that a solve needs, without any Blender data: safe in a thread. measured: names of what to measure."""
 
     name: str
     mesh: PlanMesh
     groups: list[pipeline.Group]
     settings: SimpleNamespace
     warnings: list[str]
+    measured: tuple[str, ...] = USUAL
 
     def work(self, progress: session.Progress) -> Outcome:
         """Solve. Raises `CmcError` in the plan's own numbering."""
@@ -65,6 +67,7 @@ class Order:
         for name in (ROLES[role] for role in wanted_roles(self.settings)):
             if name in formed.placed:
                 outcome.polygons(name)
+                outcome.measures(name, self)
         solved.remember(self, outcome)
         return outcome
 
@@ -97,6 +100,7 @@ class Outcome:
     cut: Cut | None
     more: dict = field(default_factory=dict)
     _polygons: dict[str, PolygonSheet] = field(default_factory=dict)
+    _measures: dict[str, Measured] = field(default_factory=dict)
 
     def polygons(self, sheet: str) -> PolygonSheet | None:
         """A placed sheet with faces of its own, made once; None where it has the plan's."""
@@ -105,6 +109,17 @@ class Outcome:
         if sheet not in self._polygons:
             self._polygons[sheet] = polygon_sheet(self.formed, sheet, self.combinatorics)
         return self._polygons[sheet]
+
+    def measures(self, sheet: str, order: Order) -> Measured | None:
+        """What an order asks to measure of a placed sheet, each made once; None on g and the Gauss image."""
+        if sheet not in SHEETS:
+            return None
+        known, formed = self._measures.setdefault(sheet, {}), self.formed
+        names = [name for name in order.measured if name != "deviation" or sheet == ROLES[order.settings.sheet]]
+        missing = [name for name in names if ATTRIBUTES[name] not in known]
+        points, outline = formed.placed[sheet], order.mesh.positions
+        known |= sheet_measures(formed.surface, formed.similarity, points, sheet, missing, outline)
+        return {ATTRIBUTES[name]: known[ATTRIBUTES[name]] for name in names}
 
     @property
     def converged(self) -> bool:
@@ -137,7 +152,7 @@ def take_order(
     if selection is not None:
         kind = selection["kind"].lower()
         groups.append(pipeline.Group("Selection", mesh.edges[chosen], kind, selection["parameters"]))
-    return Order(plan.name, mesh, groups, settings, warnings)
+    return Order(plan.name, mesh, groups, settings, warnings, colours.wanted_measures(plan))
 
 
 def plan_depsgraph(context: bpy.types.Context, settings: SimpleNamespace) -> bpy.types.Depsgraph | None:
@@ -188,13 +203,6 @@ def solver_settings(settings: SimpleNamespace) -> pipeline.Settings:
     )
 
 
-def _curvature(formed: pipeline.Formed, sheet: str) -> NDArray | None:
-    """Measured mean curvature of each row; None on what has none, g and the Gauss image."""
-    if sheet not in SHEETS:
-        return None
-    return pipeline.row_curvature(formed.surface, formed.similarity, formed.placed, sheet)
-
-
 def _report(context: bpy.types.Context, plan: bpy.types.Object, outcome: Outcome) -> dict:
     """The solver's report, with what only Blender knows: the plan's name and the scene's unit."""
     return {
@@ -235,10 +243,13 @@ def deliver(
                 delete_result(existing)
             continue
         polygons, prepared = outcome.polygons(sheet), outcome.prepared
+        measures = outcome.measures(sheet, order)
         if polygons is None:
-            writer.write(role, formed.placed[sheet], formed.normals[sheet], _curvature(formed, sheet))
+            writer.write(role, formed.placed[sheet], formed.normals[sheet], measures)
         else:
-            writer.write_polygons(role, polygons, prepared.triangles, prepared.owners)
+            if measures is not None:
+                measures = polygon_measures(measures, polygons, formed.source, len(order.mesh.positions))
+            writer.write_polygons(role, polygons, prepared.triangles, prepared.owners, measures)
     report = {**_report(context, plan, outcome), "warnings": warnings}
     for result in results_of(plan).values():
         write_report(result, report)
@@ -248,4 +259,5 @@ def deliver(
     for name in SETTINGS:
         setattr(plan.cmc, name, getattr(settings, name))
     plan.cmc.message = formed.message
+    colours.repaint(plan)
     return warnings

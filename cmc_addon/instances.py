@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import bpy
 import numpy as np
 from mathutils import Matrix
 
 from ..solver.completing import Completed
-from ..solver.pipeline import row_curvature
-from .mesh_bridge import MEAN_CURVATURE_ATTRIBUTE, NORMAL_ATTRIBUTE, PlanMesh, set_attribute, set_positions
+from .colour_bridge import put_measures
+from .measures import Measured
+from .mesh_bridge import NORMAL_ATTRIBUTE, PlanMesh, set_attribute, set_positions
 from .result_bridge import Cut, fresh_mesh, put_mesh
 from .results import Writer, copies_of
 
@@ -25,15 +28,19 @@ def write_instances(
     mesh: PlanMesh,
     cut: Cut | None,
     completed: Completed,
+    measures: Mapping[str, Measured],
 ) -> None:
-    """Make the collection of copies what `completed` says; meshes, with their materials, stay those of before."""
+    """Make the collection of copies what `completed` says; meshes, with their materials, stay those of before.
+
+    measures: sheet -> what is measured on it.
+    """
     collection = copies_of(plan) or _new_collection(context, plan, depsgraph, mesh)
     origin = np.array(plan.matrix_world.translation, dtype=np.float64)
     meshes = {}
     for sheet in sorted(set(completed.sheets)):
         fresh = fresh_mesh(plan, depsgraph, mesh, cut)
         meshes[sheet] = _piece(plan, collection, sheet, fresh)
-        _place(meshes[sheet], completed, sheet, origin)
+        _place(meshes[sheet], completed, sheet, origin, measures[sheet])
     before = list(collection.objects)
     _match_count(plan, collection, before, len(completed.transforms), next(iter(meshes.values())))
     to_origin = np.eye(4)
@@ -81,11 +88,11 @@ def _piece(plan: bpy.types.Object, collection: bpy.types.Collection, sheet: str,
     return user.data
 
 
-def _place(mesh: bpy.types.Mesh, completed: Completed, sheet: str, origin: np.ndarray) -> None:
-    formed = completed.formed
-    curvature = row_curvature(formed.surface, formed.similarity, formed.placed, sheet)
-    set_attribute(mesh, MEAN_CURVATURE_ATTRIBUTE, "FLOAT", "POINT", curvature)
-    set_attribute(mesh, NORMAL_ATTRIBUTE, "FLOAT_VECTOR", "POINT", formed.normals[sheet])
+def _place(
+    mesh: bpy.types.Mesh, completed: Completed, sheet: str, origin: np.ndarray, measures: Measured
+) -> None:
+    put_measures(mesh, measures)
+    set_attribute(mesh, NORMAL_ATTRIBUTE, "FLOAT_VECTOR", "POINT", completed.formed.normals[sheet])
     set_positions(mesh, completed.piece(sheet) - origin)
 
 

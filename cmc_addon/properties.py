@@ -32,6 +32,7 @@ from bpy.props import (
 )
 
 from ..solver.gauss.conditions import KINDS
+from .colour_settings import stored_colour_annotations
 from .design_settings import stored_design_annotations
 from .export_settings import stored_export_annotations
 from .group_list import free_name
@@ -164,6 +165,7 @@ class CmcObject(bpy.types.PropertyGroup):
         **stored_design_annotations(),
         **stored_complete_annotations(),
         **stored_period_annotations(),
+        **stored_colour_annotations(),
         **stored_export_annotations(),
         # On a plan. A link counts only while the result's `source` points back (see results.py).
         "f_plus": PointerProperty(name="f+", type=bpy.types.Object, poll=_is_mesh_object),
@@ -207,6 +209,8 @@ class CmcScene(bpy.types.PropertyGroup):
         "show_periods": BoolProperty(
             name="Show Periods", description="Draw the gap around each hole of the active plan as an arrow",
             default=True),
+        "shading_before": StringProperty(
+            name="Shading", description="What the viewports showed before results were coloured"),
     }
 
 

@@ -5,8 +5,8 @@ it "Hall f+", "Hall f-", "Hall g", "Hall Gauss image", as far as they are wanted
 links, not names, tie plan and results together, so both may be renamed, and neither is ever renamed by a
 solve.
 
-**Update in place.** The next solve writes positions, `cmc_normal`, `cmc_mean_curvature` and the report into
-the same objects, and refreshes the layers that come from the plan (UVs, colours, attributes, vertex
+**Update in place.** The next solve writes positions, `cmc_normal`, what is measured (see `measures`) and the report
+into the same objects, and refreshes the layers that come from the plan (UVs, colours, attributes, vertex
 groups). The user's stay: materials and which face has which, smooth or flat, modifiers, constraints,
 collections, other layers, custom properties. If the plan's polygons have changed, the mesh is replaced and
 the object stays, with its materials; layers that the user added to the mesh are then lost.
@@ -39,7 +39,7 @@ duplicated result is a copy that no solve changes; Solve with it active solves t
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import bpy
 import numpy as np
@@ -47,8 +47,8 @@ from numpy.typing import NDArray
 
 from ..solver.errors import CmcError
 from ..solver.polygon_sheets import PolygonSheet
+from .colour_bridge import put_measures
 from .mesh_bridge import (
-    MEAN_CURVATURE_ATTRIBUTE,
     NORMAL_ATTRIBUTE,
     PlanMesh,
     readable_mesh,
@@ -157,19 +157,35 @@ class Writer:
             rows_of.setdefault(vertex, []).append(row)
         return [{row: w for vertex, w in group.items() for row in rows_of[vertex]} for group in weights]
 
-    def write(self, role: str, points: NDArray, normals: NDArray, curvature: NDArray | None) -> None:
-        """Make or update the result in this role with the plan's polygons; points (n, 3) in world coordinates."""
-        fresh = fresh_mesh(self.plan, self.depsgraph, self.mesh, self.cut)
-        result = self._put(role, fresh, self._cut_weights())
-        if curvature is not None:
-            set_attribute(result.data, MEAN_CURVATURE_ATTRIBUTE, "FLOAT", "POINT", curvature)
-        self._place(result, points, normals)
+    def write(
+        self, role: str, points: NDArray, normals: NDArray, measures: Mapping[str, NDArray] | None = None
+    ) -> None:
+        """Make or update the result in this role with the plan's polygons; points (n, 3) in world coordinates.
 
-    def write_polygons(self, role: str, sheet: PolygonSheet, triangles: NDArray, owners: NDArray) -> None:
+        measures: attribute -> values, of a sheet that is measured; those that are missing are removed.
+        """
+        fresh = fresh_mesh(self.plan, self.depsgraph, self.mesh, self.cut)
+        self._place(self._put(role, fresh, self._cut_weights()), points, normals, measures)
+
+    def write_polygons(
+        self,
+        role: str,
+        sheet: PolygonSheet,
+        triangles: NDArray,
+        owners: NDArray,
+        measures: Mapping[str, NDArray] | None = None,
+    ) -> None:
         """The same with the polygons of a dual or corner mesh, formed on the plan's triangles (see `polygon_mesh`)."""
         fresh = polygon_mesh(self.plan, self.depsgraph, self.mesh, triangles, owners, sheet)
         result = self._put(role, fresh, row_weights(sheet, self.weights, len(self.mesh.positions)))
-        self._place(result, sheet.points, sheet.normals)
+        self._place(result, sheet.points, sheet.normals, measures)
+
+    def write_alike(self, role: str, like: bpy.types.Object, points: NDArray, normals: NDArray) -> bpy.types.Object:
+        """Make the result in this role with the mesh of another result, and points of its own."""
+        weights = vertex_weights(like.data, len(self.group_names))
+        result = self._put(role, like.data.copy(), weights)
+        self._place(result, points, normals, {})
+        return result
 
     def _put(self, role: str, fresh: bpy.types.Mesh, weights: list[dict[int, float]]) -> bpy.types.Object:
         """The result in this role, made or brought up to date, but for its points."""
@@ -184,7 +200,15 @@ class Writer:
         put_weights(result, self.group_names, weights)
         return result
 
-    def _place(self, result: bpy.types.Object, points: NDArray, normals: NDArray) -> None:
+    def _place(
+        self,
+        result: bpy.types.Object,
+        points: NDArray,
+        normals: NDArray,
+        measures: Mapping[str, NDArray] | None,
+    ) -> None:
+        if measures is not None:
+            put_measures(result.data, measures)
         set_attribute(result.data, NORMAL_ATTRIBUTE, "FLOAT_VECTOR", "POINT", normals)
         set_positions(result.data, points - self.origin)
 

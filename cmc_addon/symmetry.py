@@ -19,14 +19,15 @@ from numpy.typing import NDArray
 from ..solver.completed_files import completed_report
 from ..solver.completing import Completed, Extent, complete_plan
 from ..solver.errors import CmcError
-from ..solver.pipeline import Group, row_curvature
+from ..solver.pipeline import Group
 from ..solver.plan import Plan
 from ..solver.plan_sides import goes_on
 from ..solver.surface.sides import surface_size
 from ..solver.surface.symmetry import TooManyError
-from . import session, solved
+from . import colours, session, solved
 from .forming import Order, Outcome, check_unchanged, deliver, plan_depsgraph, settings_of, take_order
 from .instances import delete_instances, write_instances
+from .measures import ATTRIBUTES, DEVIATION, Measured
 from .mesh_bridge import set_attribute
 from .messages import in_plan_numbers
 from .properties import ROLES
@@ -100,11 +101,13 @@ class CompleteOrder:
             if existing is not None:
                 delete_result(existing)
             cut = outcome.outcome.cut
-            write_instances(context, plan, depsgraph, self.solve.mesh, cut, outcome.completed)
+            numbers = {sheet: sheet_numbers(outcome.outcome, sheet, self.solve) for sheet in outcome.completed.sheets}
+            write_instances(context, plan, depsgraph, self.solve.mesh, cut, outcome.completed, numbers)
         hide_completed(plan, False)
         _hide_shell(plan, self.settings.sheet)
         plan.cmc.complete_report = json.dumps(outcome.report, ensure_ascii=False)
         self.keep(plan)
+        colours.repaint(plan)
         return [*warnings, *outcome.warnings]
 
     def keep(self, plan: bpy.types.Object) -> None:
@@ -116,7 +119,7 @@ class CompleteOrder:
     def _write_mesh(self, context, plan, depsgraph, outcome: CompleteOutcome) -> None:
         completed = outcome.completed
         writer = Writer(context, plan, depsgraph, self.solve.mesh, outcome.cut)
-        writer.write("COMPLETED", completed.points, completed.normals, outcome.curvature)
+        writer.write("COMPLETED", completed.points, completed.normals, outcome.measures(self.solve))
         result = result_of(plan, "COMPLETED")
         each = len(result.data.polygons) // completed.copy_count
         numbers = np.repeat(np.arange(completed.copy_count, dtype=np.int32), each)
@@ -141,16 +144,14 @@ class CompleteOutcome:
     def message(self) -> str:
         return self.completed.summary()
 
-    @property
-    def curvature(self) -> NDArray[np.float64]:
-        """Measured mean curvature at the vertices of the welded mesh."""
-        formed, completion = self.outcome.formed, self.completed.completion
-        table = {
-            name: row_curvature(formed.surface, formed.similarity, formed.placed, name)
-            for name in set(completion.sheets)
-        }
-        found = np.empty(len(self.completed.points))
-        found[completion.members.ravel()] = np.concatenate([table[name] for name in completion.sheets])
+    def measures(self, order: Order) -> Measured:
+        """What is measured at the vertices of the welded mesh: the numbers of the shell, at every copy."""
+        completion = self.completed.completion
+        table = {sheet: sheet_numbers(self.outcome, sheet, order) for sheet in set(completion.sheets)}
+        found: Measured = {}
+        for name in table[completion.sheets[0]]:
+            found[name] = np.empty(len(self.completed.points))
+            found[name][completion.members.ravel()] = np.concatenate([table[s][name] for s in completion.sheets])
         return found
 
     @property
@@ -166,6 +167,12 @@ class CompleteOutcome:
         if self.completed.largest_offset > _WIDE * surface_size(self.outcome.formed.surface) * scale:
             notes.append(f"Sides that share a plane came out up to {self.completed.largest_offset:.2g} apart.")
         return notes
+
+
+def sheet_numbers(outcome: Outcome, sheet: str, order: Order) -> Measured:
+    """What an order measures of a sheet, as far as it is the same on every copy: numbers, and not from the outline."""
+    found = outcome.measures(sheet, order) or {}
+    return {name: values for name, values in found.items() if values.ndim == 1 and name != ATTRIBUTES[DEVIATION]}
 
 
 # Gaps and offsets larger than this part of the size are worth a warning.

@@ -1,0 +1,92 @@
+"""How the viewports show colours: Solid shading by *Attribute* while a plan's results are coloured, else as before.
+
+It is changed by a click on *Colour by*, or by undoing one, and by nothing else: who chooses another shading meanwhile
+keeps it.
+"""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.handlers import persistent
+
+BY_ATTRIBUTE = "VERTEX"
+"""Blender's name for colours by attribute in Solid shading."""
+
+
+class Switched:
+    """Whether viewports show colours because of us; what each of them showed before, by its address."""
+
+    on: bool = False
+    before: dict[int, str] = {}
+
+
+def coloured() -> bool:
+    """Whether the results of any plan are coloured."""
+    return any(ob.cmc.colour_by != "NONE" for ob in bpy.data.objects)
+
+
+def views(window_manager: bpy.types.WindowManager) -> list[bpy.types.SpaceView3D]:
+    areas = [area for window in window_manager.windows for area in window.screen.areas]
+    return [area.spaces.active for area in areas if area.type == "VIEW_3D"]
+
+
+def follow(context: bpy.types.Context) -> None:
+    """Show colours where there are some, and go back where there are none any more."""
+    if coloured():
+        _show(context)
+    else:
+        _go_back(context)
+
+
+def _show(context: bpy.types.Context) -> None:
+    for view in views(context.window_manager):
+        if view.shading.color_type != BY_ATTRIBUTE:
+            Switched.before[view.as_pointer()] = view.shading.color_type
+            _usual(context.scene, view.shading.color_type)
+            view.shading.color_type = BY_ATTRIBUTE
+    Switched.on = True
+
+
+def _go_back(context: bpy.types.Context) -> None:
+    """A file remembers one shading for all of its views, for who opens it and takes the colours away."""
+    for view in views(context.window_manager):
+        before = Switched.before.pop(view.as_pointer(), None) or context.scene.cmc.shading_before
+        if view.shading.color_type == BY_ATTRIBUTE and before:
+            view.shading.color_type = before
+    Switched.on = False
+    context.scene.cmc.shading_before = ""
+
+
+def _usual(scene: bpy.types.Scene, color_type: str) -> None:
+    if not scene.cmc.shading_before:
+        scene.cmc.shading_before = color_type
+
+
+@persistent
+def _on_undo(*_) -> None:
+    if bpy.context.window_manager is not None and coloured() != Switched.on:
+        follow(bpy.context)
+
+
+@persistent
+def _on_load(*_) -> None:
+    Switched.before.clear()
+    Switched.on = coloured()
+
+
+def _handlers() -> list[tuple[list, object]]:
+    handlers = bpy.app.handlers
+    return [(handlers.undo_post, _on_undo), (handlers.redo_post, _on_undo), (handlers.load_post, _on_load)]
+
+
+def register() -> None:
+    for handlers, told in _handlers():
+        handlers.append(told)
+
+
+def unregister() -> None:
+    for handlers, told in _handlers():
+        if told in handlers:
+            handlers.remove(told)
+    Switched.before.clear()
+    Switched.on = False
