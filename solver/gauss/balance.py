@@ -12,13 +12,15 @@ modes of the Wente map itself: that is for `saddle_maps.saddle`. A constant map 
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import ConditionError
-from .methods import Method
+from ..errors import ConditionError, Status
 from .minimise import Minimum, Progress, Step, descend, longest
 from .problem import EnergyProblem, Point
+from .saddles import climb
 from .sphere import dot, exp, inner
 
 Array = NDArray[np.float64]
@@ -26,6 +28,8 @@ Array = NDArray[np.float64]
 _LARGEST_ROTATION = 0.5
 _HALVINGS = 20
 _SUFFICIENT_DECREASE = 1e-4
+# Residual below which Newton's method is quicker than descent.
+_NEAR = 1e-3
 
 
 def imbalance(problem: EnergyProblem, N: Array) -> Array:
@@ -45,6 +49,7 @@ def balanced(
     """Descent in the H¹ metric under the constraint C = 0 with its multipliers β (paper, Sec. 5.3.4).
 
     A step d = -K⁻¹ (G + Aᵀ β) solves A d = -C, A being the derivative of C; its length lowers E + ρ |C| with ρ > |β|.
+    Near a critical map, where the multipliers vanish, Newton's method takes over (`saddles.climb`).
     Raises `ConditionError` for other energies than quadratic ones.
     """
     if not problem.energy.quadratic:
@@ -64,10 +69,12 @@ def balanced(
             length *= 0.5
         return 4
 
-    return descend(problem, N, take_step, tolerance=tolerance, max_iterations=max_iterations, progress=progress)
-
-
-BALANCED = Method("Balanced", "Descend among maps whose normals balance: for closed domains", balanced)
+    options: dict = {"max_iterations": max_iterations, "progress": progress}
+    near = descend(problem, N, take_step, tolerance=max(tolerance, _NEAR), **options)
+    if near.status is not Status.CONVERGED or near.residual <= tolerance:
+        return near
+    found = climb(problem, near.N, index=None, tolerance=tolerance, **options)
+    return replace(found, history=near.history[:-1] + found.history)
 
 
 def _moment(point: Point) -> Array:

@@ -206,6 +206,18 @@ def free(domain: Domain, edges: ArrayLike) -> Conditions:
     return Conditions()
 
 
+def balanced(domain: Domain) -> Conditions:
+    """∫ N μ = 0 on a closed domain, μ = <dN ∧ *dN> (paper, Sec. 5.3.4): among such maps descent does not end at a
+    constant one. An initial map is needed.
+
+    Every harmonic map of a closed domain is balanced (Theorem E.2); along a boundary there is a flux, so a domain that
+    has one is refused with `ConditionError`.
+    """
+    if len(domain.boundary_edges):
+        raise ConditionError("Maps balance on closed domains only, and this one has a boundary; leave the balance out.")
+    return Conditions(is_balanced=True)
+
+
 def _vector(value: ArrayLike) -> Array:
     given = as_numbers(value, "The normal of a mirror", ConditionError)
     if given.shape != (3,):

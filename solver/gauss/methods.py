@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 
+from .balance import balanced
 from .flow import flow
 from .gauss_seidel import gauss_seidel
 from .lagrange import lagrange
@@ -34,3 +35,6 @@ METHODS = {
         partial(climb, index=None, max_iterations=30),  # it is quick, or lost
     ),
 }
+
+BALANCED = Method("Balanced", "Descend among maps whose normals balance: for closed domains", balanced)
+"""What `conditions.balanced` asks for; no choice for other conditions."""

@@ -34,6 +34,7 @@ class Conditions:
     mirrors, and the side that the normal there is on.
     up: (3,) the oriented area vector of the positions the conditions were made from, zero if there were none: the
     side to which data that lie in one plane bulge (see `initial`).
+    is_balanced: whether the map is sought among those whose normals balance (see `balance`).
     """
 
     vertices: Int = field(default_factory=_none)
@@ -49,12 +50,14 @@ class Conditions:
     corners: Int = field(default_factory=_none)
     corner_normals: Array = field(default_factory=_no_normals)
     up: Array = field(default_factory=lambda: np.zeros(3))
+    is_balanced: bool = False
 
     def __add__(self, other: Conditions) -> Conditions:
-        names = [item.name for item in fields(self) if item.name != "up"]
+        names = [item.name for item in fields(self) if item.name not in ("up", "is_balanced")]
         joined = {name: np.concatenate([getattr(self, name), getattr(other, name)]) for name in names}
         # conditions on one surface all say the same; a sum would only change the length
-        return Conditions(**joined, up=self.up if self.up.any() else other.up)
+        up = self.up if self.up.any() else other.up
+        return Conditions(**joined, up=up, is_balanced=self.is_balanced or other.is_balanced)
 
     @property
     def is_empty(self) -> bool:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from solver import Conditions, HarmonicSolver, Status, complete
-from solver.gauss.balance import BALANCED, imbalance, moment_gradients
+from solver import Conditions, HarmonicSolver, Status, complete, conditions
+from solver.gauss.balance import imbalance, moment_gradients
 from solver.gauss.saddle_maps import flat_axis, modes_of, problem_of, saddle
 from solver.gauss.sphere import exp, inner, normalize
 from solver.gauss.symmetries import translations
@@ -75,7 +75,7 @@ def test_balanced_descent_does_not_end_at_a_constant():
     smooth = problem.dirichlet.precondition(problem.graph.areas[:, None] * noise)
     start = normalize(torus.normals + 0.1 * smooth / np.abs(smooth).max())
     assert solver.solve(Conditions(), start).status is Status.COLLAPSED
-    found = solver.solve(Conditions(), start, method=BALANCED)
+    found = solver.solve(conditions.balanced(torus.domain), start)
     assert found.status is Status.CONVERGED and found.energy > 1.0
     assert flat_axis(found.normals) is not None
     assert_allclose(imbalance(problem, found.normals), 0, rtol=0, atol=1e-10)
