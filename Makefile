@@ -6,7 +6,9 @@
 .PHONY: demo test lint test-solver test-blender test-versions extension gui-test bench gallery clean
 
 PYTHON := .venv/bin/python
-PYTEST := $(PYTHON) -m pytest --timeout=300
+WORKERS := $(shell n=$$(nproc); echo $$((n < 8 ? n : 8)))
+# A process a core, each with whole files; BLAS threads of their own would only be in each other's way.
+PYTEST := OPENBLAS_NUM_THREADS=1 $(PYTHON) -m pytest --timeout=300 -n $(WORKERS) --dist loadfile
 SETUP := Makefile pyproject.toml scripts/setup_env.sh scripts/requirements.py scripts/system_libraries.sh
 SHIPPED := __init__.py blender_manifest.toml pyproject.toml scripts/build_extension.py \
            $(shell find solver cmc_addon -name '*.py')
