@@ -117,7 +117,7 @@ def range_of(settings, shell: bpy.types.Object, values: Array) -> Range:
     by = settings.colour_by
     centre = target_of(shell, values) if by == "MEAN_CURVATURE" else 0.0 if by == "GAUSS_CURVATURE" else None
     if not settings.colour_fit:
-        inside = centre is not None and settings.colour_min < centre < settings.colour_max
+        inside = centre is not None and settings.colour_min <= centre <= settings.colour_max
         return fixed_range(values, settings.colour_min, settings.colour_max, centre if inside else None)
     if by == "MEAN_CURVATURE":
         return fit_about(values, centre, _LEAST_H * abs(centre))
@@ -165,7 +165,7 @@ def _start_from_fitted(plan: bpy.types.Object) -> None:
     known = [stored_range(family.shell) for family in families(plan)]
     first = next((found for found in known if found is not None), None)
     if first is not None:
-        plan.cmc["colour_min"], plan.cmc["colour_max"] = first.low, first.high
+        plan.cmc.colour_min, plan.cmc.colour_max = first.low, first.high
 
 
 def _measure_lines(plan: bpy.types.Object) -> None:
