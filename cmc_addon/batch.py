@@ -26,6 +26,7 @@ from .batch_files import EXPORTERS, export, open_input, save_blend
 from .forming import deliver, settings_of, take_order
 from .results import check_writable, result_of, results_of, wanted_roles
 from .settings import SETTINGS, fitted_settings
+from .start_bridge import has_start
 
 OUTPUTS = ("blend", *EXPORTERS)
 
@@ -96,7 +97,8 @@ def run_plan(context: bpy.types.Context, plan: bpy.types.Object, request: Reques
 
 
 def find_plans(context: bpy.types.Context, names: Sequence[str] = ()) -> list[bpy.types.Object]:
-    """The plans of the scene by name, or those that have boundary groups, were meshed by Mesh Plan or have results.
+    """The plans of the scene by name, or those that have boundary groups or a start, were meshed by Mesh Plan or have
+    results.
 
     A scene with one mesh only is a plan without groups. Raises `JobError` where there is none.
     """
@@ -108,7 +110,7 @@ def find_plans(context: bpy.types.Context, names: Sequence[str] = ()) -> list[bp
     if names:
         return [objects[name] for name in names]
     meshes = [ob for ob in objects.values() if ob.type == "MESH" and ob.cmc.role == "NONE" and ob.cmc.plan is None]
-    plans = [ob for ob in meshes if ob.data.cmc.groups or ob.cmc.meshed or results_of(ob)]
+    plans = [ob for ob in meshes if ob.data.cmc.groups or ob.cmc.meshed or results_of(ob) or has_start(ob.data)]
     if not plans and len(meshes) == 1:
         return meshes
     if not plans:

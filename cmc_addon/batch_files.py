@@ -20,7 +20,8 @@ from ..solver.plan import Group, Settings, plan_domain
 from .corner_bridge import flip
 from .import_bridge import import_plan
 from .properties import ROLES
-from .settings import SIZE_PROPERTY
+from .settings import SIDES, SIZE_PROPERTY
+from .start_bridge import write_start
 
 INPUTS = (".blend", ".toml", *FORMATS)
 
@@ -51,6 +52,7 @@ def open_input(path: Path, conditions: Sequence[Mapping[str, object]] = (), up: 
     plan = import_plan(bpy.context, path.stem, job.mesh, _all_groups(job))
     for vertex in job.plan.flipped_corners:
         flip(plan.data, vertex)
+    write_start(plan.data, job.plan)
     for name, value in _object_settings(job.settings).items():
         setattr(plan.cmc, name, value)
 
@@ -91,9 +93,9 @@ def _short(name: str) -> str:
 def _object_settings(settings: Settings) -> dict[str, object]:
     """A job's settings as properties of a plan object."""
     roles = {sheet: role for role, sheet in ROLES.items()}
-    if settings.side != 1 or settings.degree is not None:
-        raise JobError("Side and degree of a job are not available in Blender; use python -m solver.")
     values: dict[str, object] = {
+        "shell": "DEGREE" if settings.degree is not None else {"first": "FIRST", "bubble": "BUBBLE"}[settings.shell],
+        "side": {number: name for name, number in SIDES.items()}[settings.side],
         "size": settings.size.upper(),
         "blend": settings.blend,
         "ground": settings.ground.upper(),
@@ -108,6 +110,8 @@ def _object_settings(settings: Settings) -> dict[str, object]:
         "rotate": settings.rotate,
         "tolerance": settings.tolerance,
     }
+    if settings.degree is not None:
+        values["degree"] = settings.degree
     value_name = SIZE_PROPERTY[settings.size.upper()]
     return values | ({value_name: settings.value} if value_name else {})
 

@@ -6,7 +6,7 @@ Between the two lies the work itself, which sees no Blender data and may run in 
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 
 import bpy
@@ -34,7 +34,7 @@ from .results import (
     wanted_roles,
     write_report,
 )
-from .settings import SETTINGS, SIZE_PROPERTY, fitted_settings
+from .settings import SETTINGS, SIDES, SIZE_PROPERTY, fitted_settings
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,9 +73,8 @@ class Order:
 
     def plan(self, prepared: session.Prepared) -> pipeline.Plan:
         """The plan as the solver takes it."""
-        return pipeline.Plan(
-            self.mesh.positions,
-            prepared.triangles,
+        return replace(
+            self.mesh.as_plan(prepared.triangles),
             polygons=self.mesh.polygons(),
             groups=self.groups,
             triangle_polygons=prepared.owners,
@@ -200,6 +199,9 @@ def solver_settings(settings: SimpleNamespace) -> pipeline.Settings:
         combinatorics=settings.combinatorics.lower(),
         averaging=settings.averaging.lower(),
         tolerance=settings.tolerance,
+        shell="bubble" if settings.shell == "BUBBLE" else "first",
+        degree=settings.degree if settings.shell == "DEGREE" else None,
+        side=SIDES[settings.side],
     )
 
 
@@ -213,6 +215,14 @@ def _report(context: bpy.types.Context, plan: bpy.types.Object, outcome: Outcome
         "holes": [gap.to_dict() for gap in hole_gaps(outcome.formed)],
         **outcome.more,
     }
+
+
+def tell(context: bpy.types.Context, plan: bpy.types.Object, outcome: Outcome, warnings: list[str]) -> None:
+    """Put the report on a plan and its results."""
+    report = {**_report(context, plan, outcome), "warnings": warnings}
+    for result in results_of(plan).values():
+        write_report(result, report)
+    plan.cmc.report = json.dumps(report, ensure_ascii=False)
 
 
 def check_unchanged(plan: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None, mesh: PlanMesh) -> None:
@@ -250,10 +260,7 @@ def deliver(
             if measures is not None:
                 measures = polygon_measures(measures, polygons, formed.source, len(order.mesh.positions))
             writer.write_polygons(role, polygons, prepared.triangles, prepared.owners, measures)
-    report = {**_report(context, plan, outcome), "warnings": warnings}
-    for result in results_of(plan).values():
-        write_report(result, report)
-    plan.cmc.report = json.dumps(report, ensure_ascii=False)
+    tell(context, plan, outcome, warnings)
     show_wanted(plan, wanted)
     hide_completed(plan, True)
     for name in SETTINGS:

@@ -18,6 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..solver.errors import MeshError, plural
+from ..solver.plan import Plan
+from ..solver.plan_metric import side_lengths
 from .edge_bridge import group_values
 
 Int = NDArray[np.int32]
@@ -26,6 +28,10 @@ NORMAL_ATTRIBUTE = "cmc_normal"
 MEAN_CURVATURE_ATTRIBUTE = "cmc_mean_curvature"
 CORNER_ATTRIBUTE = "cmc_flipped_corner"
 """Integers on the vertices of a plan, not 0 where a corner between two mirrors takes its other normal."""
+LENGTH_ATTRIBUTE = "cmc_length"
+"""Numbers on the edges of a plan: its own lengths, in place of the drawn ones."""
+START_ATTRIBUTE = "cmc_start"
+"""Vectors on the vertices of a plan: the normals, in the world, that a solve starts from."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +41,8 @@ class PlanMesh:
     positions (V, 3) in world coordinates; corners (C,) vertex of each polygon corner, corner_edges (C,) the
     edge from it to the next, starts (P + 1,) the first corner of each polygon; edges (E, 2); groups (E,)
     identifiers of boundary groups, 0 where in none; selected (E,). mirrored: the object's scale turns the
-    mesh inside out, so that polygons are to be walked backwards. flipped_corners: see `CORNER_ATTRIBUTE`.
+    mesh inside out, so that polygons are to be walked backwards. flipped_corners: see `CORNER_ATTRIBUTE`. lengths (E,)
+    and initial (V, 3): see `LENGTH_ATTRIBUTE` and `START_ATTRIBUTE`, None where the mesh has no such attribute.
     """
 
     positions: NDArray[np.float64]
@@ -47,6 +54,8 @@ class PlanMesh:
     selected: NDArray[np.bool_]
     mirrored: bool
     flipped_corners: tuple[int, ...] = ()
+    lengths: NDArray[np.float32] | None = None
+    initial: NDArray[np.float32] | None = None
 
     @cached_property
     def boundary(self) -> NDArray[np.bool_]:
@@ -58,6 +67,13 @@ class PlanMesh:
         polygons = np.split(self.corners, self.starts[1:-1]) if len(self.starts) > 1 else []
         return [polygon[::-1] for polygon in polygons] if self.mirrored else polygons
 
+    def as_plan(self, triangles: Int) -> Plan:
+        """The plan without its groups, on triangles (T, 3). Raises `MeshError` on lengths that do not fit them."""
+        plan = Plan(self.positions, triangles, initial=self.initial)
+        if self.lengths is not None:
+            plan.lengths = side_lengths(triangles, self.edges, self.lengths)
+        return plan
+
 
 def read_plan(ob: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None = None) -> PlanMesh:
     """The mesh of an object in edit or object mode; with a depsgraph as its modifiers leave it.
@@ -67,7 +83,7 @@ def read_plan(ob: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None = None
     if ob.type != "MESH":
         raise MeshError(f"'{ob.name}' is not a mesh; select a plan, or make one with Mesh Plan.")
     with readable_mesh(ob, depsgraph) as mesh:
-        plan = _read(mesh, np.array(ob.matrix_world, dtype=np.float64))
+        plan = plan_arrays(mesh, np.array(ob.matrix_world, dtype=np.float64))
     _check(ob.name, plan)
     return plan
 
@@ -97,7 +113,8 @@ def copy_mesh(ob: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None = None
     return bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
 
 
-def _read(mesh: bpy.types.Mesh, matrix: NDArray[np.float64]) -> PlanMesh:
+def plan_arrays(mesh: bpy.types.Mesh, matrix: NDArray[np.float64]) -> PlanMesh:
+    """The arrays of a mesh that is not in edit mode, placed by `matrix` (4, 4)."""
     local = read(mesh, "position", len(mesh.vertices), np.float32, 3)
     starts = np.empty(len(mesh.polygons) + 1, dtype=np.int32)
     starts[-1] = len(mesh.loops)
@@ -113,7 +130,21 @@ def _read(mesh: bpy.types.Mesh, matrix: NDArray[np.float64]) -> PlanMesh:
         selected=_selected(mesh),
         mirrored=bool(np.linalg.det(matrix[:3, :3]) < 0),
         flipped_corners=_flipped_corners(mesh),
+        lengths=_own(mesh, LENGTH_ATTRIBUTE, "EDGE", "FLOAT"),
+        initial=_own(mesh, START_ATTRIBUTE, "POINT", "FLOAT_VECTOR"),
     )
+
+
+def _own(mesh: bpy.types.Mesh, name: str, domain: str, kind: str) -> NDArray[np.float32] | None:
+    """An attribute that a plan may have; raises `MeshError` where it is of another kind or on other elements."""
+    attribute = mesh.attributes.get(name)
+    if attribute is None:
+        return None
+    if (attribute.domain, attribute.data_type) != (domain, kind):
+        what = {"EDGE": "a Float on its edges", "POINT": "a Vector on its vertices"}[domain]
+        raise MeshError(f"The attribute '{name}' of a plan must be {what}; convert it (Attributes), or remove it.")
+    values = attribute_values(attribute)
+    return values[:, 0] if kind == "FLOAT" else values
 
 
 def _flipped_corners(mesh: bpy.types.Mesh) -> tuple[int, ...]:
@@ -219,7 +250,7 @@ def same_topology(a: bpy.types.Mesh, b: bpy.types.Mesh) -> bool:
     """Whether two meshes (neither in edit mode) have the same polygons and edges, in the same order."""
     if any(len(getattr(a, k)) != len(getattr(b, k)) for k in ("vertices", "edges", "loops", "polygons")):
         return False
-    one, other = (_read(mesh, np.eye(4)) for mesh in (a, b))
+    one, other = (plan_arrays(mesh, np.eye(4)) for mesh in (a, b))
     return all(
         np.array_equal(getattr(one, name), getattr(other, name)) for name in ("starts", "corners", "edges")
     )

@@ -13,11 +13,12 @@ import bpy
 
 from .operators.go_to import target
 from .operators.plan import outline_of, plan_of
-from .operators.solve import draw_advanced
+from .operators.solve import draw_advanced, draw_shell
 from .outline import default_corner_radius, default_edge_length
 from .outline_bridge import local_size
 from .readiness import has_faces
 from .settings import SIZE_PROPERTY
+from .start_bridge import has_lengths, has_start
 
 CATEGORY = "CMC"
 
@@ -204,6 +205,7 @@ class CMC_PT_options(Tab, bpy.types.Panel):
         settings = plan_to_solve(context).cmc
         column = properties_column(self.layout)
         column.enabled = plan_to_solve(context).is_editable
+        draw_shell(column, settings)
         column.prop(settings, "sheet")
         checks = column.column(heading="Also Make")
         for name in ("want_twin", "want_g", "want_gauss"):
@@ -232,6 +234,18 @@ class CMC_PT_advanced(Tab, bpy.types.Panel):
         column = properties_column(self.layout)
         column.enabled = plan.is_editable
         draw_advanced(column, plan.cmc)
+        draw_start(column, plan)
+
+
+def draw_start(layout: bpy.types.UILayout, plan: bpy.types.Object) -> None:
+    """What the plan has to be solved from, and the buttons that give and take it."""
+    layout.separator()
+    known = {"map to start from": has_start(plan.data), "own edge lengths": has_lengths(plan.data)}
+    if any(known.values()):
+        row = layout.row()
+        row.label(text=f"Has {' and '.join(name for name, there in known.items() if there)}", icon="INFO")
+        row.operator("cmc.start_clear", text="", icon="X")
+    layout.operator("cmc.start_from_shell")
 
 
 CLASSES = (CMC_PT_plan, CMC_PT_shell, CMC_PT_options, CMC_PT_advanced)

@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 from ..solver.pipeline import sheet_polygons
 from .edge_bridge import mend_selection
 from .mesh_bridge import (
+    LENGTH_ATTRIBUTE,
+    START_ATTRIBUTE,
     PlanMesh,
     attribute_values,
     copy_mesh,
@@ -30,6 +32,11 @@ Int = NDArray[np.int32]
 # Layers that are not the plan's to give: where the vertices are, shading, and which material a face has,
 # which on a result is the user's. Blender's own (".corner_vert", ".select_edge", …) begin with a dot.
 NOT_REFRESHED = {"position", "material_index", "sharp_face", "custom_normal"}
+
+CUT_ATTRIBUTE = "cmc_cut"
+"""On a result that is cut open, true on the edges on both sides of the cut."""
+SOURCE_ATTRIBUTE = "cmc_source"
+"""On a result that is cut open, the plan's vertex that each of its vertices comes from."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,20 +87,21 @@ def corners_of(plan: PlanMesh, polygons: Int, vertices: Int) -> NDArray[np.int64
 def fresh_mesh(
     ob: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None, plan: PlanMesh, cut: Cut | None
 ) -> bpy.types.Mesh:
-    """A new mesh for a result, with all of the plan's layers; smooth, and without boundary groups."""
+    """A new mesh for a result, with all of the plan's layers; smooth, and without boundary groups and start."""
     mesh = copy_mesh(ob, depsgraph)
     if cut is not None:
-        _cut_open(mesh, cut)
+        _cut_open(mesh, plan, cut)
     if plan.mirrored:
         mesh.flip_normals()
     mesh.cmc.groups.clear()
     mesh.cmc.active_index = 0
-    remove_attribute(mesh, "custom_normal")
+    for name in ("custom_normal", LENGTH_ATTRIBUTE, START_ATTRIBUTE):
+        remove_attribute(mesh, name)
     mesh.shade_smooth()
     return mesh
 
 
-def _cut_open(mesh: bpy.types.Mesh, cut: Cut) -> None:
+def _cut_open(mesh: bpy.types.Mesh, plan: PlanMesh, cut: Cut) -> None:
     """Build the mesh anew with doubled vertices, every layer gathered from where it was."""
     layers = mesh_layers(mesh, lambda name: name != "position" and not name.startswith("."))
     active = active_layers(mesh)
@@ -109,6 +117,10 @@ def _cut_open(mesh: bpy.types.Mesh, cut: Cut) -> None:
     for name, kind, domain, values in layers:
         set_attribute(mesh, name, kind, domain, gather(values, origin[domain]))
     set_active_layers(mesh, active)
+    inner = _find_pairs(new_edges, old_edges[plan.boundary], count) < 0
+    once = np.bincount(read(mesh, ".corner_edge", len(mesh.loops), np.int32), minlength=len(mesh.edges)) == 1
+    set_attribute(mesh, CUT_ATTRIBUTE, "BOOLEAN", "EDGE", once & inner)
+    set_attribute(mesh, SOURCE_ATTRIBUTE, "INT", "POINT", cut.vertices)
 
 
 def build_polygons(mesh: bpy.types.Mesh, vertex_count: int, corners: Int, starts: Int) -> None:

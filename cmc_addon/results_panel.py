@@ -136,13 +136,24 @@ class CMC_PT_solver(ResultPanel, bpy.types.Panel):
         report = last_report(context)
         rows = [
             ("Energy E", f"{report['energy']:.6g}"),
-            ("Degree", f"{report['degree']:.3g}"),
+            *map_rows(report),
             ("Residual", f"{report['residual']:.1e}"),
             ("Steps", str(report["iterations"])),
             ("Faces", str(report["faces"])),
             ("Closure", f"{report['closure_error']:.1e}"),
         ]
         numbers(self.layout, rows)
+        if report["converged"] and report.get("index") is None:
+            self.layout.operator("cmc.count_modes")
+
+
+def map_rows(report: dict) -> list[tuple[str, str]]:
+    """Degree, and unstable modes where they were counted."""
+    rows = [("Degree", f"{report['degree']:.3g}")]
+    if report.get("index") is not None:
+        null = f", {report['nullity']} null" if report.get("nullity") else ""
+        rows.append(("Unstable Modes", f"{report['index'] or 'None'}{null}"))
+    return rows
 
 
 CLASSES = (CMC_PT_results, CMC_PT_checks, CMC_PT_solver)

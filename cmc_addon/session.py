@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..solver.errors import CmcError
-from ..solver.plan import Plan, Settings, plan_domain
+from ..solver.plan import Settings, plan_domain
 from ..solver.polygons import triangulate_polygons
 from ..solver.surface.solve import CmcSolver
 from .mesh_bridge import PlanMesh
@@ -49,10 +49,11 @@ _prepared: OrderedDict[tuple[bytes, Choice], Prepared] = OrderedDict()
 
 
 def fingerprint(plan: PlanMesh) -> bytes:
-    """Changes with the positions or the polygons of a plan, and with nothing else."""
+    """Changes with the positions, the polygons, the own lengths or the start of a plan, and with nothing else."""
     digest = hashlib.blake2b(digest_size=16)
-    for array in (plan.positions, plan.corners, plan.starts):
-        digest.update(np.ascontiguousarray(array))
+    for array in (plan.positions, plan.corners, plan.starts, plan.lengths, plan.initial):
+        digest.update(b"" if array is None else np.ascontiguousarray(array))
+        digest.update(bytes([array is None]))
     digest.update(bytes([plan.mirrored]))
     return digest.digest()
 
@@ -78,7 +79,7 @@ def _prepare(plan: PlanMesh, drawn: bytes, choice: Choice) -> Prepared:
             return Prepared(other.triangles, other.owners, CmcSolver(other.solver.domain, **options))
     triangles, owners = triangulate_polygons(plan.positions, plan.polygons())
     try:
-        solver = CmcSolver(plan_domain(Plan(plan.positions, triangles)), **options)
+        solver = CmcSolver(plan_domain(plan.as_plan(triangles)), **options)
     except CmcError as error:
         raise in_plan_numbers(error, plan, triangles, owners) from error
     return Prepared(triangles, owners, solver)

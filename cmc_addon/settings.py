@@ -14,6 +14,7 @@ from ..solver.domain.sites import SITES
 from ..solver.errors import JobError
 from ..solver.gauss.energies import ENERGIES
 from ..solver.gauss.methods import METHODS
+from ..solver.plan import usual_sheet
 from ..solver.surface.cmc import COMBINATORICS
 from ..solver.surface.offsets import AVERAGINGS
 from ..solver.surface.placement import GROUNDS, SIZES
@@ -58,6 +59,32 @@ def energies_on(sites: str) -> list[str]:
     return [name.upper() for name, energy in ENERGIES.items() if sites.lower() in energy.sites]
 
 
+SIDES = {"FRONT": +1, "BACK": -1}
+"""Side as an identifier -> as the solver has it."""
+
+_SHELLS = [
+    ("FIRST", "First Found", "The shell that a solve comes to, usually the smallest"),
+    ("BUBBLE", "Large Bubble", "The other shell over the same rim, as the large part of a sphere is beside its cap; "
+     "it is f-, turned to follow the outline"),
+    ("DEGREE", "Of Degree", "A shell whose normals cover the sphere so many times"),
+]
+_SIDES = [
+    ("FRONT", "Front", "The shell is on the side to which the plan's faces look"),
+    ("BACK", "Back", "The shell is on the other side"),
+]
+
+
+def shown_sheet(shell: str) -> str:
+    """Identifier of the sheet that is worth showing of a shell (an identifier)."""
+    return {"f+": "F_PLUS", "f-": "F_MINUS"}[usual_sheet(shell.lower())]
+
+
+def _keep_sheet_fitting(owner, _context) -> None:
+    """Of the large bubble the sheet that is one. What nobody has set yet is left to the solve."""
+    if owner.is_property_set("sheet") or not isinstance(owner, bpy.types.OperatorProperties):
+        owner.sheet = shown_sheet(owner.shell)
+
+
 def _keep_energy_fitting(owner, _context) -> None:
     """Where the normals go, an energy goes that is defined there. What nobody has set yet is left to the solve."""
     if owner.energy not in energies_on(owner.sites) and (
@@ -67,10 +94,15 @@ def _keep_energy_fitting(owner, _context) -> None:
 
 
 def fitted_settings(values: dict, given=()) -> SimpleNamespace:
-    """Settings of a solve in which the energy fits the sites, if need be the usual one there.
+    """Settings of a solve that fit each other: the energy the sites, the sheet a shell and the shell a degree that are
+    `given` for this solve alone.
 
-    Raises `JobError` where the energy is one of those that were `given` for this solve.
+    Raises `JobError` where the energy is one of those given and does not fit.
     """
+    if "degree" in given and "shell" not in given:
+        values = {**values, "shell": "DEGREE"}
+    if "shell" in given and "sheet" not in given:
+        values = {**values, "sheet": shown_sheet(values["shell"])}
     fitting = energies_on(values["sites"])
     if values["energy"] in fitting:
         return SimpleNamespace(**values)
@@ -100,6 +132,16 @@ _SETTINGS = {
         description="Length of rim over which the angles of neighbouring groups flow into each other; "
         "where they jump instead, the shell gets a sharp notch",
         default=0.0, min=0.0, subtype="DISTANCE"),
+    "shell": partial(
+        EnumProperty, name="Shell", description="Which of the shells over one rim is made",
+        items=_SHELLS, default="FIRST", update=_keep_sheet_fitting),
+    "degree": partial(
+        FloatProperty, name="Degree",
+        description="How many times the normals cover the sphere, counted with their sense: a hemisphere is a half",
+        default=0.5, soft_min=-3.0, soft_max=3.0, step=100),
+    "side": partial(
+        EnumProperty, name="Side", description="Where two shells are equally good, and at corners between mirrors",
+        items=_SIDES, default="FRONT"),
     "ground": partial(EnumProperty, name="Ground", items=_items(GROUNDS), default="LOWEST"),
     "sheet": partial(
         EnumProperty, name="Sheet",
@@ -125,7 +167,8 @@ _SETTINGS = {
         EnumProperty, name="Energy", description="How the bending between neighbouring normals is counted",
         items=_registered(ENERGIES), default="COTAN"),
     "method": partial(
-        EnumProperty, name="Method", description="How the normals are found; all come to the same shell",
+        EnumProperty, name="Method",
+        description="How the normals are found; the last two also come to shells that are no minimum",
         items=_registered(METHODS), default="NEWTON"),
     "delaunay": partial(
         BoolProperty, name="Intrinsic Delaunay",

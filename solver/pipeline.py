@@ -16,7 +16,7 @@ from .measure.curvature import mean_curvature_of
 from .measure.report import Report, report
 from .plan import SHEETS, Group, Plan, Settings, matches, plan_conditions, plan_domain, plan_warnings
 from .plan_sides import measured_planes
-from .plan_solve import modes_on, solve_plan
+from .plan_solve import modes_on, off_degree, solve_plan
 from .surface.cmc import CmcSurface
 from .surface.placement import ALIKE, PlacementError, Plane, Similarity, place, plan_frame
 from .surface.solve import CmcSolver
@@ -257,6 +257,11 @@ def _warnings(
         notes.append(
             f"The boundary of {settings.sheet} does not follow the drawn outline, so its size alone is "
             "matched; allow it to rotate, or size it by span, rise or radius."
+        )
+    if settings.degree is not None and off_degree(surface, settings.degree):
+        notes.append(
+            f"The normals have degree {surface.harmonic.degree:.3g}, not {settings.degree:g} as asked for: a map of "
+            "that degree was not found on this mesh; refine it, or ask for another."
         )
     slow = speed_note(surface.domain) if settings.delaunay else None
     if slow is not None:

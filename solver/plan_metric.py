@@ -20,6 +20,9 @@ Int = NDArray[np.integer]
 
 # Of two sides of a triangle the third falls short by at least this part: single precision leaves 1e-7.
 _SHORTER = 1e-6
+# How messages call them; the names in brackets are those of the attributes in Blender.
+_LENGTHS = "The plan's own edge lengths (cmc_length)"
+_START = "The start of the plan (cmc_start)"
 # A start shorter than this has no direction.
 _SHORTEST = 1e-6
 
@@ -42,7 +45,7 @@ def side_lengths(triangles: Int, edges: ArrayLike, lengths: ArrayLike) -> Array:
     if slot is None or not known.all():
         bad = np.flatnonzero(~known.all(axis=1))
         raise MeshError(
-            f"A plan with edge lengths of its own needs one for each side of its triangles, and {plural('face', bad)} "
+            f"{_LENGTHS} are needed for every side of a triangle, and {plural('face', bad)} "
             f"{'has' if len(bad) == 1 else 'have'} a side without; triangulate the faces, or leave the lengths out.",
             faces=bad,
         )
@@ -50,8 +53,7 @@ def side_lengths(triangles: Int, edges: ArrayLike, lengths: ArrayLike) -> Array:
     bad = np.flatnonzero(~(np.isfinite(found) & (found > 0.0)).all(axis=1))
     if bad.size:
         raise MeshError(
-            f"The edge lengths of the plan's own are not positive numbers at {plural('face', bad)}; give each edge its "
-            "length, or leave them out.",
+            f"{_LENGTHS} are not positive numbers at {plural('face', bad)}; give each edge one, or leave them out.",
             faces=bad,
         )
     return found
@@ -66,12 +68,12 @@ def metric_domain(positions: Array, triangles: Int, lengths: Array) -> Domain:
     connectivity.check_faces(faces, len(positions))
     sides = np.asarray(lengths, dtype=np.float64)
     if sides.shape != faces.shape:
-        raise MeshError(f"The edge lengths of the plan's own must have shape {faces.shape}, not {sides.shape}.")
+        raise MeshError(f"{_LENGTHS} must have shape {faces.shape}, not {sides.shape}.")
     bad = np.flatnonzero(2.0 * sides.max(axis=1) >= (1.0 - _SHORTER) * sides.sum(axis=1))
     if bad.size:
         raise MeshError(
-            f"The edge lengths of the plan's own make no triangle of {plural('face', bad)}: one side is as long as the "
-            "two others together; correct them, or leave them out.",
+            f"{_LENGTHS} make no triangle of {plural('face', bad)}: one side is as long as the two others together; "
+            "correct them, or leave them out.",
             faces=bad,
         )
     return Domain.from_edge_lengths(faces, sides)
@@ -89,7 +91,7 @@ def start_map(initial: ArrayLike, count: int) -> Array:
     bad = np.flatnonzero(~(np.isfinite(length) & (length > _SHORTEST)))
     if bad.size:
         raise MeshError(
-            f"The start has no normal at {plural('vertex', bad)}, where it is zero or not finite; give one, or leave "
+            f"{_START} has no normal at {plural('vertex', bad)}, where it is zero or not finite; give one, or leave "
             "the start out.",
             vertices=bad,
         )
@@ -97,7 +99,7 @@ def start_map(initial: ArrayLike, count: int) -> Array:
 
 
 def at_sites(graph: SiteGraph, normals: Array) -> Array:
-    """Unit normals (S, 3) of a start at the sites of a graph: at faces the mean of their corners, on the rim of its ends.
+    """Unit normals (S, 3) of a start at the sites of a graph: at faces the mean of the corners, on the rim of the ends.
 
     Raises `MeshError` naming where they cancel.
     """

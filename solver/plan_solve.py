@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import ConditionError, Status
 from .gauss.conditions import Conditions
+from .gauss.initial import over_the_other_pole
 from .gauss.saddle_maps import Modes
 from .plan import Plan, Settings, plan_conditions
 from .plan_metric import at_sites, start_map
@@ -54,34 +54,53 @@ def solve_plan(
         )
 
     first = solve(initial, settings.degree)
-    if settings.shell == "first" or first.status in (Status.CANCELLED, Status.COLLAPSED):
+    if first.status in (Status.CANCELLED, Status.COLLAPSED):
         return first
-    return _large(first, solve)
+    reached = first.harmonic.degree
+    if settings.degree is not None and off_degree(first, settings.degree):
+        return _other(first, solver, solve, settings.degree, ()) or first
+    if settings.shell == "first":
+        return first
+    turn = -1.0 if reached >= 0.0 else 1.0
+    found = _other(first, solver, solve, None, (reached + turn, reached - turn))
+    if found is None:
+        raise ConditionError(
+            "No large bubble was found over this rim: on this mesh it shrinks to a point. Halve the edge length of the "
+            "plan, or choose the first shell."
+        )
+    return found
 
 
-def _large(first: CmcSurface, solve: Callable[[ArrayLike | None, float | None], CmcSurface]) -> CmcSurface:
-    """The other solution over the same boundary (paper, Theorem D.1): that of one degree less, or of one more.
+def _other(
+    first: CmcSurface,
+    solver: CmcSolver,
+    solve: Callable[[ArrayLike | None, float | None], CmcSurface],
+    wanted: float | None,
+    grafts: Sequence[float],
+) -> CmcSurface | None:
+    """A solution over the same boundary of another class (paper, Theorem D.1), or of the degree that is wanted.
 
-    A bubble is grafted onto the first map and let relax; the one that turns against the map takes less energy and is
-    tried first. Where both shrink until the mesh does not see them the first map comes back, with a status that says
-    so.
+    From the first map lifted over the other pole; else from that with a bubble grafted onto it, for a start of the
+    degrees `grafts`. None where all of them come back.
     """
-    degree = first.harmonic.degree
-    found = []
-    for turn in (-1.0, 1.0) if degree >= 0.0 else (1.0, -1.0):
-        surface = solve(first.harmonic.normals, degree + turn)
-        if surface.status is Status.CANCELLED:
+    for degree in (None, *grafts):
+        try:
+            surface = solve(first.harmonic.normals if degree is not None else _lifted(first, solver), degree)
+        except ConditionError:  # a start that is not known for such domains
+            continue
+        other = off_degree(surface, first.harmonic.degree) if wanted is None else not off_degree(surface, wanted)
+        if surface.status is Status.CANCELLED or (other and surface.harmonic.status is Status.CONVERGED):
             return surface
-        if surface.status in (Status.CONVERGED, Status.GAP) and is_other(surface, degree):
-            return surface
-        found.append(surface)
-    others = [surface for surface in found if is_other(surface, degree)]
-    if others:
-        return others[0]
-    return replace(first, harmonic=replace(first.harmonic, status=Status.UNDER_RESOLVED))
+    return None
 
 
-def is_other(surface: CmcSurface, degree: float) -> bool:
+def _lifted(first: CmcSurface, solver: CmcSolver) -> Array:
+    admissible = first.harmonic.admissible
+    held = np.union1d(admissible.fixed, admissible.mirrors.sites)
+    return admissible.pin(over_the_other_pole(solver.harmonic.dirichlet(held), first.harmonic.normals))
+
+
+def off_degree(surface: CmcSurface, degree: float) -> bool:
     """Whether the map of a surface is in another class than one of that degree with the same boundary."""
     return abs(surface.harmonic.degree - degree) > _OTHER_CLASS
 

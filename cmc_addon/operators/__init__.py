@@ -6,7 +6,7 @@ import importlib
 
 import bpy
 
-MODULES = ("boundary", "plan", "go_to", "solve", "design", "symmetry", "add", "add_plan", "periods", "export")
+MODULES = ("boundary", "plan", "go_to", "solve", "design", "symmetry", "add", "add_plan", "modes", "periods", "export")
 """Files with a tuple CLASSES of operator (and list) classes."""
 
 

@@ -96,7 +96,10 @@ def draw_settings(layout: bpy.types.UILayout, owner) -> None:
         layout.prop(owner, value)
     elif owner.size == "MATCH_PLAN":
         layout.prop(owner, "rotate")
-    for name in ("blend", "ground", "sheet", "flip", "apply_modifiers"):
+    for name in ("blend", "ground"):
+        layout.prop(owner, name)
+    draw_shell(layout, owner)
+    for name in ("sheet", "flip", "apply_modifiers"):
         layout.prop(owner, name)
     column = layout.column(heading="Also Make")
     for name in ("want_twin", "want_g", "want_gauss"):
@@ -104,6 +107,13 @@ def draw_settings(layout: bpy.types.UILayout, owner) -> None:
     for name in ("tolerance", "intersections"):
         layout.prop(owner, name)
     draw_advanced(layout, owner)
+
+
+def draw_shell(layout: bpy.types.UILayout, owner) -> None:
+    """Rows for which of the shells over one rim is made."""
+    layout.prop(owner, "shell")
+    if owner.shell == "DEGREE":
+        layout.prop(owner, "degree")
 
 
 def draw_advanced(layout: bpy.types.UILayout, owner) -> None:
@@ -117,7 +127,7 @@ def draw_advanced(layout: bpy.types.UILayout, owner) -> None:
     choices.use_property_split = False
     for energy in energies_on(owner.sites):
         choices.prop_enum(owner, "energy", energy)
-    for name in ("method", "delaunay", "averaging"):
+    for name in ("method", "side", "delaunay", "averaging"):
         layout.prop(owner, name)
     layout.separator()
     layout.prop(owner, "combinatorics")

@@ -62,6 +62,23 @@ def harmonic_start(dirichlet: Dirichlet, data: Array, up: Array, side: int) -> A
     return start
 
 
+def over_the_other_pole(dirichlet: Dirichlet, N: Array) -> Array:
+    """The map N (S, 3) lifted over the pole opposite to its mean, where it is free: a start for the other solution with
+    the same boundary (paper, Theorem D.1), of one degree less where N looks to the front.
+
+    Raises `ConditionError` where N has no mean.
+    """
+    mean = (dirichlet.graph.areas[:, None] * N).sum(axis=0)
+    length = float(np.linalg.norm(mean))
+    if length < 1e-9 * float(dirichlet.graph.areas.sum()):
+        raise ConditionError("The normals point to all sides equally, so there is no other pole to lift them over.")
+    lifted = N - 2.0 * _depth(dirichlet)[:, None] * (mean / length)
+    lifted[dot(lifted, lifted)[:, 0] < 1e-9] = -mean / length
+    start = normalize(lifted)
+    start[dirichlet.fixed] = N[dirichlet.fixed]
+    return start
+
+
 def leaning(data: Array, up: Array, side: int) -> Array | None:
     """The direction (3,) of the pole on that side, if the data (n, 3) on average lean away from it; else None."""
     length = float(np.linalg.norm(up))

@@ -239,6 +239,7 @@ def test_every_setting_of_a_solve_can_be_reached(plan) -> None:
     from cmc_formfinding.cmc_addon.settings import SETTINGS
 
     bpy.ops.cmc.group_add(name="rim")
+    plan.cmc.shell = "DEGREE"
     drawn = set()
     for size in ("MATCH_PLAN", "SPAN", "RISE", "RADIUS", "MEAN_CURVATURE"):
         plan.cmc.size = size

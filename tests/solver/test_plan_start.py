@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from solver import CmcError, MeshError, Status, complete, shapes
+from solver import CmcError, MeshError, complete, shapes
 from solver.errors import JobError
 from solver.job import make_job, run_job
 from solver.pipeline import Group, Plan, Settings, count_modes, form
@@ -138,11 +138,28 @@ def test_the_large_bubble_is_the_other_shell_over_a_rim():
     assert_allclose([cap.rise, bubble.rise], [np.sqrt(2) - 1, np.sqrt(2) + 1], rtol=0.02, atol=0)
 
 
+@pytest.mark.parametrize("tilt", [0.0, 0.35, 0.8])
+@pytest.mark.parametrize("n", [300, 700, 1500])
+def test_a_bubble_is_found_on_any_mesh_that_carries_it(n, tilt):
+    settings = Settings(shell="bubble", sheet="f-")
+    formed = form(disc_plan(tilt, n), settings, intersections=False)
+    assert formed.converged and formed.report.iterations <= 10
+    assert_allclose(formed.report.degree, -0.5 * (1.0 + np.sin(tilt)), rtol=0, atol=0.01)
+
+
+@pytest.mark.parametrize("n", [300, 1000])
+def test_a_degree_is_reached_or_its_absence_told(n):
+    wanted = -0.5 * (1.0 + np.sin(0.35))
+    formed = form(disc_plan(0.35, n), Settings(degree=wanted, sheet="f-"), intersections=False)
+    assert formed.converged and abs(formed.report.degree - wanted) < 0.01
+    formed = form(disc_plan(0.8, 60), Settings(degree=7.0), intersections=False)
+    assert any("not 7 as asked for" in note for note in formed.warnings)
+
+
 def test_no_large_bubble_is_said():
     """A bubble of a few triangles shrinks to a point."""
-    formed = form(disc_plan(0.25 * np.pi, 20), Settings(shell="bubble"), intersections=False)
-    assert not formed.converged and formed.surface.status is Status.UNDER_RESOLVED
-    assert any("refine" in note for note in formed.warnings)
+    with pytest.raises(CmcError, match="Halve the edge length"):
+        form(disc_plan(1.2, 60), Settings(shell="bubble"), intersections=False)
 
 
 def test_modes_are_counted_where_they_are_asked_for():

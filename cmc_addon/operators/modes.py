@@ -1,0 +1,85 @@
+"""Count Unstable Modes; and the start of a plan: taken from its shell, cleared."""
+
+import bpy
+import numpy as np
+
+from ...solver.errors import CmcError
+from .. import session, solved, start_bridge
+from ..counting import take_count
+from ..forming import settings_of, take_order
+from ..readiness import LEAVE_EDIT_MODE, allow, why_not_solve
+from ..results import plan_of
+from .solve import Solving
+
+
+class CMC_OT_count_modes(Solving, bpy.types.Operator):
+    """Count the directions in which the energy of the shell's normals falls: none at a minimum, some at a saddle"""
+
+    bl_idname = "cmc.count_modes"
+    bl_label = "Count Unstable Modes"
+
+    def take(self, context, plan):
+        return take_count(context, plan)
+
+    def tell(self, update: session.Update) -> tuple[float, str]:
+        return 0.5 * update.part, f"Solving, step {update.iteration}"
+
+    def _say_cancelled(self):
+        self.report({"INFO"}, "Counting was cancelled; nothing was changed.")
+        return {"CANCELLED"}
+
+
+class OnStart:
+    """An operator on the start of the active plan, or of the plan of the active result."""
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return allow(cls, LEAVE_EDIT_MODE if context.mode != "OBJECT" else why_not_solve(context))
+
+    def execute(self, context):
+        try:
+            plan = plan_of(context.view_layer.objects.active)
+            if not plan.data.is_editable:
+                raise CmcError(f"The mesh of '{plan.name}' is linked from another file; make it local first.")
+            self.act(context, plan)
+        except CmcError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class CMC_OT_start_from_shell(OnStart, bpy.types.Operator):
+    """Keep the normals of the present shell with the plan: the next solves start from them"""
+
+    bl_idname = "cmc.start_from_shell"
+    bl_label = "Start from This Shell"
+
+    def act(self, context, plan):
+        order = take_order(context, plan, settings_of(plan.cmc))
+        known = solved.recall(order)
+        if known is None:
+            raise CmcError(f"'{plan.name}' was changed since its shell was made, or it has none; solve first.")
+        if plan.cmc.apply_modifiers and len(plan.modifiers):
+            raise CmcError(f"The shell is of the mesh that the modifiers of '{plan.name}' make; apply them first.")
+        surface = known.formed.surface
+        first = np.unique(surface.source, return_index=True)[1]  # all rows of a vertex have its normal
+        start_bridge.write_normals(plan.data, surface.normals[first])
+        plan.data.update_tag()
+
+
+class CMC_OT_start_clear(OnStart, bpy.types.Operator):
+    """Take away the normals that solves of this plan start from, and its own edge lengths: the drawing counts again"""
+
+    bl_idname = "cmc.start_clear"
+    bl_label = "Clear Start"
+
+    def act(self, context, plan):
+        if not (start_bridge.has_start(plan.data) or start_bridge.has_lengths(plan.data)):
+            raise CmcError(f"'{plan.name}' has no start and no edge lengths of its own.")
+        start_bridge.clear_start(plan.data)
+        plan.data.update_tag()
+
+
+CLASSES = (CMC_OT_count_modes, CMC_OT_start_from_shell, CMC_OT_start_clear)
