@@ -94,7 +94,9 @@ class CMC_PT_boundary(Tab, bpy.types.Panel):
     def _parameters(self, layout, mesh, group):
         column = properties_column(layout)
         column.enabled = mesh.is_editable
-        column.prop(group, "kind")
+        row = column.row(align=True)
+        row.prop(group, "kind")
+        row.menu("CMC_MT_group_presets", text="", icon="PRESET")
         for name in kind_parameters(group.kind):
             if isinstance(getattr(group, name), float):
                 column.prop(group, name)

@@ -31,6 +31,11 @@ class EdgeState:
     selected: np.ndarray
 
 
+def has_faces(mesh: bpy.types.Mesh) -> bool:
+    """Whether there is a face, in edit mode or not."""
+    return bool(len(bmesh.from_edit_mesh(mesh).faces if mesh.is_editmode else mesh.polygons))
+
+
 def read_edges(mesh: bpy.types.Mesh) -> EdgeState:
     """The state of every edge, whatever the mode. Raises MeshError if the attribute's name is taken."""
     if mesh.is_editmode:

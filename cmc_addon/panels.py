@@ -1,6 +1,6 @@
 """The CMC tab of the sidebar: one column in the order of the work.
 
-    Plan 0, Boundary 1, Shell 2 (Options, Advanced, Design), Results 3 (what there is to look at), Complete 50, Export 60
+    Plan 0, Boundary 1, Shell 2 (Options, Advanced, Design), Results 3 (what there is to see), Complete 50, Export 60
 
 are their `bl_order`. What is drawn depends on the active object and on nothing else; no state raises. A button that
 cannot be pressed is there, disabled, and its tooltip says why: that is its operator's `poll`. Here are Plan and Shell
@@ -11,12 +11,12 @@ from collections.abc import Callable
 
 import bpy
 
+from .edge_bridge import has_faces
 from .operators.go_to import target
 from .operators.plan import outline_of, plan_of
 from .operators.solve import draw_advanced, draw_shell
 from .outline import default_corner_radius, default_edge_length
 from .outline_bridge import local_size
-from .readiness import has_faces
 from .settings import SIZE_PROPERTY
 from .start_bridge import has_lengths, has_start
 

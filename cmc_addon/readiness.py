@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import bmesh
 import bpy
 
 from ..solver.errors import CmcError
+from .edge_bridge import has_faces
 from .results import check_writable, plan_of
 
 RUNNING = "A solve is running; wait for it, or cancel it (Esc) first"
@@ -26,10 +26,6 @@ def why_not_solve(context: bpy.types.Context) -> str:
     if not has_faces(plan.data):
         return f"'{plan.name}' has no faces; fill its outline (F), or use Mesh Plan"
     return ""
-
-
-def has_faces(mesh: bpy.types.Mesh) -> bool:
-    return bool(len(bmesh.from_edit_mesh(mesh).faces if mesh.is_editmode else mesh.polygons))
 
 
 def allow(operator: type, reason: str) -> bool:

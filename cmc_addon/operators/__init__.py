@@ -6,7 +6,10 @@ import importlib
 
 import bpy
 
-MODULES = ("boundary", "plan", "go_to", "solve", "design", "symmetry", "add", "add_plan", "modes", "periods", "export")
+MODULES = (
+    "boundary", "plan", "go_to", "solve", "design", "symmetry", "add", "add_plan", "modes", "periods",
+    "export", "group_presets",
+)
 """Files with a tuple CLASSES of operator (and list) classes."""
 
 

@@ -34,6 +34,8 @@ class GroupOperator:
         mesh = active_mesh(context)
         if mesh is None:
             cls.poll_message_set("Select a mesh first")
+        elif context.object.cmc.role != "NONE":
+            cls.poll_message_set("This is a result; its boundary groups are those of its plan")
         elif not mesh.is_editable:
             cls.poll_message_set("This mesh is linked from another file; make it local to change its groups")
         elif cls.needs_group and not mesh.cmc.groups:

@@ -44,6 +44,14 @@ class CMC_OT_go_to(bpy.types.Operator):
     def description(cls, context, properties):
         return f"Make the {properties.target.lower()} of this object the active object"
 
+    @classmethod
+    def poll(cls, context):
+        ob = context.object
+        if ob is None or all(target(ob, which) is None for which in ("OUTLINE", "PLAN", "SHELL")):
+            cls.poll_message_set("Select an outline, a plan or a shell that has come from one another")
+            return False
+        return True
+
     def execute(self, context):
         found = target(context.object, self.target)
         if found is None or found.name not in context.view_layer.objects:

@@ -3,7 +3,7 @@
 A script, the redo panel and Blender without a window run it to its end; a click runs it a little further twenty times
 a second, so that the window goes on drawing, the status bar tells how far it is, and Esc is heard. What is done
 within a moment is done at once. Where something is wrong with the mesh itself, a click ends in edit mode with the
-offenders selected (see `offenders`).
+offenders selected (see `offender_bridge`).
 """
 
 from collections.abc import Generator
@@ -12,7 +12,7 @@ from time import monotonic
 import bpy
 
 from ...solver.errors import CmcError
-from .. import offenders, session
+from .. import offender_bridge, session
 
 TICK = 0.05
 _MOMENT = 0.15  # seconds in which nobody misses a progress bar
@@ -121,7 +121,7 @@ class Working:
     def _fail(self, context: bpy.types.Context, error: CmcError) -> set[str]:
         self._cleanup(context)
         self.report({"ERROR"}, str(error))
-        offenders.show(context, by_uid(self._about), error)
+        offender_bridge.show(context, by_uid(self._about), error)
         return {"CANCELLED"}
 
     def _cleanup(self, context: bpy.types.Context) -> None:
