@@ -1,0 +1,249 @@
+"""The panel Look: its legend, strokes and the Gauss image beside the shell."""
+
+from __future__ import annotations
+
+import json
+
+import bpy
+
+# isort: split
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from .scenes import activate, positions, quad_disc, values
+from .test_colours import colours, hall, module, solve
+
+
+def legend():
+    return module("legend").legend_of(bpy.context)
+
+
+# --- the legend ----------------------------------------------------------------------------
+
+def test_no_legend_without_colours():
+    plan = hall()
+    solve(plan)
+    assert legend() is None
+    activate(None)
+    assert legend() is None
+
+
+def test_the_legend_says_what_is_shown():
+    plan = hall()
+    result = solve(plan)
+    plan.cmc.colour_by = "MEAN_CURVATURE"
+    found = legend()
+    assert (found.title, found.subtitle) == ("Mean Curvature", "1/m  Hall f+")
+    assert [place for place, _ in found.labels] == pytest.approx([0.0, 0.5, 1.0])
+    low, middle, high = (text for _, text in found.labels)
+    assert middle.endswith("  target") and middle.startswith(f"{result['cmc_mean_curvature']:.3f}"[:5])
+    assert low.startswith("≤ ") or high.startswith("≥ ")  # two of a hundred are beyond
+    plan.cmc.colour_by = "GAUSS_CURVATURE"
+    assert legend().subtitle == "1/m²  Hall f+"
+    plan.cmc.colour_by = "DEVIATION"
+    assert legend().labels[-1][1].endswith("m")
+    bpy.context.scene.unit_settings.system = "NONE"
+    plan.cmc.colour_by = "MEAN_CURVATURE"
+    assert legend().subtitle == "per unit  Hall f+"
+
+
+def test_it_is_about_the_result_that_is_active_and_seen():
+    plan = hall()
+    plan.cmc.colour_by = "GAUSS_CURVATURE"
+    result = solve(plan, want_twin=True)
+    activate(plan.cmc.f_minus)
+    assert legend().subtitle.endswith("Hall f-")
+    activate(plan)
+    assert legend().subtitle.endswith("Hall f+")
+    result.hide_set(True)
+    assert legend().subtitle.endswith("Hall f-")
+    plan.cmc.f_minus.hide_set(True)
+    assert legend() is None
+    other = quad_disc()
+    activate(other)
+    assert legend() is None
+
+
+def test_it_says_that_something_was_not_measured():
+    plan = hall()
+    result = solve(plan)
+    result.data.attributes.remove(result.data.attributes["cmc_distortion"])
+    plan.cmc.colour_by = "DISTORTION"
+    assert legend().labels == [] and "Solve" in legend().subtitle
+
+
+def test_the_legend_of_instances_is_that_of_the_shell():
+    bpy.ops.cmc.add_module(module="HONEYCOMB", edges=8)
+    plan = bpy.context.object
+    plan.cmc.colour_by = "GAUSS_CURVATURE"
+    solve(plan)
+    of_shell = legend()
+    assert bpy.ops.cmc.complete(complete_as="INSTANCES") == {"FINISHED"}
+    assert legend().labels == of_shell.labels
+    activate(list(plan.cmc.copies.objects)[-1])
+    assert legend().labels == of_shell.labels
+
+
+# --- strokes -------------------------------------------------------------------------------
+
+def lines(result, which="BOTH", spacing=0.0):
+    return module("strokes_overlay").lines_of(result.data, which, spacing)
+
+
+def test_strokes_run_across_and_along_a_hall():
+    """In the middle of a long hall the shell bends across it, and least along it."""
+    plan = hall(12, 24)
+    result = solve(plan)
+    first, second = lines(result)
+    assert len(first) == len(second) > 100
+    middle = np.abs(first.mean(axis=1)[:, :2] - [4.0, 2.0]).max(axis=1) < 1.0
+    assert middle.any()
+    for ends, axis in ((first, 1), (second, 0)):
+        along = (ends[middle, 1] - ends[middle, 0])[:, :2]  # as seen from above
+        assert (np.abs(along[:, axis]) > 0.9 * np.linalg.norm(along, axis=1)).all()
+
+
+def test_strokes_are_evenly_spread_and_as_long_as_their_distance_allows():
+    plan = hall(16, 32)
+    result = solve(plan)
+    first, second = lines(result, "MAX", 0.6)
+    assert len(second) == 0
+    places = first.mean(axis=1)
+    apart = np.linalg.norm(places[:, None] - places[None], axis=2) + 99.0 * np.eye(len(places))
+    assert apart.min() > 0.6
+    assert np.quantile(apart.min(axis=1), 0.95) < 1.2
+    lengths = np.linalg.norm(first[:, 1] - first[:, 0], axis=1)
+    assert_allclose(lengths, 0.62 * 0.6, rtol=1e-4)
+    assert len(lines(result, "MAX", 0.3)[0]) > 2.5 * len(first)
+
+
+def test_a_sphere_has_none():
+    plan = quad_disc(rings=12, columns=48)
+    first, second = lines(solve(plan))
+    assert len(first) == len(second) == 0
+
+
+def test_directions_are_an_attribute_once_strokes_are_shown():
+    """Unit vectors in the surface, zero where there are none; kept up to date by the next solve, gone without them."""
+    plan = hall()
+    result = solve(plan)
+    assert "cmc_direction" not in result.data.attributes
+    plan.cmc.strokes = "BOTH"
+    found = np.array(values(result.data.attributes["cmc_direction"]))
+    normals = np.array(values(result.data.attributes["cmc_normal"]))
+    length = np.linalg.norm(found, axis=1)
+    assert ((np.abs(length - 1.0) < 1e-5) | (length == 0.0)).all() and (length > 0.5).mean() > 0.9
+    assert np.abs(np.einsum("ni,ni->n", found, normals)).max() < 1e-5
+    before = lines(result)[0]
+    for flip in (True, False):
+        solve(plan, flip=flip, size="RISE", rise=2.5)
+        told = np.array(values(result.data.attributes["cmc_direction"]))
+        result.data.attributes.remove(result.data.attributes["cmc_direction"])
+        again = module("colour_bridge").measure(result.data, "cmc_direction")
+        both = told.any(axis=1) & again.any(axis=1)
+        assert both.mean() > 0.9
+        assert np.abs(np.einsum("ni,ni->n", told, again))[both].min() > 0.99
+    assert not np.allclose(lines(result)[0], before)
+    plan.cmc.strokes = "NONE"
+    solve(plan)
+    assert "cmc_direction" not in result.data.attributes
+
+
+@pytest.mark.parametrize("combinatorics", ["DUAL", "CORNER"])
+def test_other_meshes_have_strokes_too(combinatorics):
+    plan = hall()
+    plan.cmc.strokes = "MAX"
+    first, _ = lines(solve(plan, combinatorics=combinatorics), "MAX")
+    assert len(first) > 50
+
+
+def test_strokes_stay_where_they_are_while_a_shell_changes_its_shape():
+    plan = hall()
+    result = solve(plan)
+    before = module("strokes_overlay")._places
+    lines(result)
+    kept = before[result.data.session_uid][1]
+    solve(plan, size="RISE", rise=2.0)
+    lines(result)
+    assert module("strokes_overlay")._places[result.data.session_uid][1] is kept
+
+
+def test_depths_are_a_little_less():
+    from mathutils import Matrix, Vector
+
+    projection = Matrix(((1.2, 0, 0, 0), (0, 1.6, 0, 0), (0, 0, -1.002, -0.2), (0, 0, -1, 0)))
+    moved = module("strokes_overlay").nearer(projection)
+    for z in (-1.0, -30.0):
+        clip, other = (matrix @ Vector((0.0, 0.0, z, 1.0)) for matrix in (projection, moved))
+        assert other.z / other.w == pytest.approx(clip.z / clip.w - 2e-4, abs=1e-6)
+        assert (other.x, other.w) == (clip.x, clip.w)
+
+
+# --- the Gauss image -----------------------------------------------------------------------
+
+def test_the_gauss_image_is_made_without_a_solve(monkeypatch):
+    """Where Solve would have made it, but for its place beside the shell; in the shell's colours."""
+    plan = hall()
+    plan.cmc.colour_by = "GAUSS_CURVATURE"
+    shell = solve(plan)
+    with monkeypatch.context() as patched:
+        patched.setattr(module("forming").pipeline, "form", lambda *_, **__: pytest.fail("it was solved again"))
+        assert bpy.ops.cmc.gauss_image() == {"FINISHED"}
+    image = plan.cmc.gauss
+    assert plan.cmc.want_gauss and image.name == "Hall Gauss image"
+    assert positions(image)[:, 0].min() > positions(shell)[:, 0].max()
+    assert_allclose(colours(image), colours(shell))
+    assert bpy.context.view_layer.objects.active == plan
+    made, place = positions(image), tuple(image.location)
+    solve(plan)
+    assert plan.cmc.gauss == image and tuple(image.location) == place
+    assert_allclose(positions(image), made, atol=1e-4)
+
+
+@pytest.mark.parametrize("settings", [{"flip": True}, {"sheet": "F_MINUS"}, {"sheet": "F_MINUS", "flip": True}])
+def test_of_other_sheets_too(settings):
+    plan = hall()
+    solve(plan, **settings)
+    assert bpy.ops.cmc.gauss_image() == {"FINISHED"}
+    made = positions(plan.cmc.gauss)
+    solve(plan)
+    assert_allclose(positions(plan.cmc.gauss), made, atol=1e-4)
+
+
+def test_it_is_hidden_and_comes_back_where_it_was():
+    plan = hall()
+    solve(plan)
+    bpy.ops.cmc.gauss_image()
+    image = plan.cmc.gauss
+    image.location.y += 3.0
+    place = tuple(image.location)
+    bpy.ops.cmc.gauss_image()
+    assert image.hide_viewport and not plan.cmc.want_gauss
+    solve(plan)
+    assert image.hide_viewport
+    bpy.ops.cmc.gauss_image()
+    assert plan.cmc.gauss == image and not image.hide_viewport
+    assert tuple(image.location) == place
+
+
+def test_one_that_solve_has_made_is_moved_aside():
+    plan = hall()
+    shell = solve(plan, want_gauss=True)
+    image = plan.cmc.gauss
+    assert positions(image)[:, 0].min() < positions(shell)[:, 0].max()
+    bpy.ops.cmc.gauss_image()
+    bpy.ops.cmc.gauss_image()
+    assert positions(image)[:, 0].min() > positions(shell)[:, 0].max()
+
+
+def test_it_needs_a_shell():
+    plan = hall()
+    activate(plan)
+    assert not bpy.ops.cmc.gauss_image.poll()
+    with pytest.raises(RuntimeError, match="no shell yet"):
+        bpy.ops.cmc.gauss_image()
+    solve(plan)
+    activate(plan.cmc.f_plus)
+    assert bpy.ops.cmc.gauss_image() == {"FINISHED"}
+    assert json.loads(plan.cmc.gauss["cmc_report"])["plan"] == "Hall"
