@@ -80,5 +80,6 @@ def stored_colour_annotations() -> dict:
             name="Spacing", description="Distance between strokes; 0 chooses a fortieth of the shell's size",
             default=0.0, min=0.0, subtype="DISTANCE", update=_telling("stroke_spacing")),
         # On a result: low, high, centre, and 0 or 1 for: has a centre, numbers below, numbers above.
-        "colour_range": FloatVectorProperty(name="Range", size=6),
+        "colour_range": FloatVectorProperty(
+            name="Range", description="Low, high, centre and what of it counts, as last fitted", size=6),
     }

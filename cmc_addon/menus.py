@@ -53,6 +53,9 @@ class CMC_MT_object(bpy.types.Menu):
         for name in ("cmc.complete", "cmc.close_periods", "cmc.tile_periods"):
             layout.operator(name)
         layout.separator()
+        for name in ("cmc.count_modes", "cmc.start_from_shell", "cmc.start_clear"):
+            layout.operator(name)
+        layout.separator()
         for which in ("OUTLINE", "PLAN", "SHELL"):
             layout.operator("cmc.go_to", text=f"Go to {which.capitalize()}").target = which
         layout.separator()

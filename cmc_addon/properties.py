@@ -148,13 +148,20 @@ class CmcGroup(bpy.types.PropertyGroup):
 class CmcMesh(bpy.types.PropertyGroup):
     """The boundary groups of a plan. `next_uid` only grows: a uid is never used twice."""
 
-    groups: CollectionProperty(type=CmcGroup)
-    active_index: IntProperty(name="Active Group")
-    next_uid: IntProperty(default=1, min=1)
+    groups: CollectionProperty(
+        name="Boundary Groups", description="Sets of boundary edges, each with one condition", type=CmcGroup)
+    active_index: IntProperty(name="Active Group", description="Which group the panel shows")
+    next_uid: IntProperty(
+        name="Next Identifier", description="Identifier of the next group that is added", default=1, min=1)
 
 
 def _is_mesh_object(_owner, ob) -> bool:
     return ob.type == "MESH"
+
+
+_ROLE_ITEMS = [("NONE", "None", "Not a result")] + [
+    (role, what, "Result of a solve") for role, what in (ROLES | DESIGN_ROLES | COMPLETED_ROLES).items()
+]
 
 
 class CmcObject(bpy.types.PropertyGroup):
@@ -168,28 +175,45 @@ class CmcObject(bpy.types.PropertyGroup):
         **stored_colour_annotations(),
         **stored_export_annotations(),
         # On a plan. A link counts only while the result's `source` points back (see results.py).
-        "f_plus": PointerProperty(name="f+", type=bpy.types.Object, poll=_is_mesh_object),
-        "f_minus": PointerProperty(name="f-", type=bpy.types.Object, poll=_is_mesh_object),
-        "g": PointerProperty(name="g", type=bpy.types.Object, poll=_is_mesh_object),
-        "gauss": PointerProperty(name="Gauss Image", type=bpy.types.Object, poll=_is_mesh_object),
-        "nearest": PointerProperty(name="Nearest CMC Surface", type=bpy.types.Object, poll=_is_mesh_object),
-        "fit": PointerProperty(name="Fit", type=bpy.types.Object, poll=_is_mesh_object),
-        "completed": PointerProperty(name="Completed", type=bpy.types.Object, poll=_is_mesh_object),
-        "copies": PointerProperty(name="Copies", type=bpy.types.Collection),
+        "f_plus": PointerProperty(
+            name="f+", description="The shell f+", type=bpy.types.Object, poll=_is_mesh_object),
+        "f_minus": PointerProperty(
+            name="f-", description="Its twin f-", type=bpy.types.Object, poll=_is_mesh_object),
+        "g": PointerProperty(
+            name="g", description="The surface between the two", type=bpy.types.Object, poll=_is_mesh_object),
+        "gauss": PointerProperty(
+            name="Gauss Image", description="The normals as points of a sphere",
+            type=bpy.types.Object, poll=_is_mesh_object),
+        "nearest": PointerProperty(
+            name="Nearest CMC Surface", description="What Approximate Surface has made",
+            type=bpy.types.Object, poll=_is_mesh_object),
+        "fit": PointerProperty(
+            name="Fit", description="What Fit to Outline has made", type=bpy.types.Object, poll=_is_mesh_object),
+        "completed": PointerProperty(
+            name="Completed", description="What Complete by Symmetry or Tile by Periods has made",
+            type=bpy.types.Object, poll=_is_mesh_object),
+        "copies": PointerProperty(
+            name="Copies", description="Collection of the instances that were made of the shell",
+            type=bpy.types.Collection),
         "complete_report": StringProperty(name="Copies Report", description="What the last completion gave, as JSON"),
-        "collection": PointerProperty(name="Results", type=bpy.types.Collection),
+        "collection": PointerProperty(
+            name="Results", description="Collection that the results were put into", type=bpy.types.Collection),
         "design_report": StringProperty(name="Design Report", description="Report of the last fit, as JSON"),
         "report": StringProperty(name="Report", description="Report of the last solve, as JSON"),
         "message": StringProperty(name="Message", description="What the last solve said"),
         # Mesh Plan: on an outline its plan, on a plan its outline (counted as the links above are).
-        "plan": PointerProperty(name="Plan", type=bpy.types.Object, poll=_is_mesh_object),
-        "outline": PointerProperty(name="Outline", type=bpy.types.Object),
+        "plan": PointerProperty(
+            name="Plan", description="What Mesh Plan has made of this outline", type=bpy.types.Object,
+            poll=_is_mesh_object),
+        "outline": PointerProperty(
+            name="Outline", description="What this plan was meshed from", type=bpy.types.Object),
         "meshed": BoolProperty(name="Meshed", description="This plan was made by Mesh Plan"),
         # On a result.
-        "role": EnumProperty(name="Role", items=[("NONE", "None", "Not a result")] + [
-            (role, what, "Result of a solve") for role, what in (ROLES | DESIGN_ROLES | COMPLETED_ROLES).items()]),
-        "source": PointerProperty(name="Plan", type=bpy.types.Object),
-        "placed_at": FloatVectorProperty(name="Placed At", size=3, subtype="TRANSLATION"),
+        "role": EnumProperty(name="Role", description="What this result is", items=_ROLE_ITEMS),
+        "source": PointerProperty(name="Plan", description="The plan this result comes from", type=bpy.types.Object),
+        "placed_at": FloatVectorProperty(
+            name="Placed At", description="Where the plan was when this result was written",
+            size=3, subtype="TRANSLATION"),
         "parked": BoolProperty(name="Parked", description="Hidden by Solve because not wanted now"),
         # On an empty.
         "anchor_weight": FloatProperty(
@@ -217,9 +241,10 @@ class CmcScene(bpy.types.PropertyGroup):
 class CmcRun(bpy.types.PropertyGroup):
     """What is running now, for the panel."""
 
-    running: BoolProperty(options={"SKIP_SAVE"})
-    progress: FloatProperty(min=0.0, max=1.0, subtype="FACTOR", options={"SKIP_SAVE"})
-    message: StringProperty(options={"SKIP_SAVE"})
+    running: BoolProperty(name="Running", description="Whether something is being worked on", options={"SKIP_SAVE"})
+    progress: FloatProperty(
+        name="Progress", description="How far it is", min=0.0, max=1.0, subtype="FACTOR", options={"SKIP_SAVE"})
+    message: StringProperty(name="Message", description="How far it is, in words", options={"SKIP_SAVE"})
     plan: StringProperty(name="Plan", description="Name of the plan being solved", options={"SKIP_SAVE"})
 
 
@@ -237,7 +262,8 @@ def register() -> None:
         bpy.utils.register_class(cls)
     for owner, cls in ATTACHED:
         owner.cmc = PointerProperty(type=cls)
-    bpy.types.Collection.cmc_plan = PointerProperty(name="Plan", type=bpy.types.Object)
+    bpy.types.Collection.cmc_plan = PointerProperty(
+        name="Plan", description="The plan whose results are in this collection", type=bpy.types.Object)
 
 
 def unregister() -> None:

@@ -117,9 +117,15 @@ def fitted_settings(values: dict, given=()) -> SimpleNamespace:
 
 
 _SETTINGS = {
-    "size": partial(EnumProperty, name="Size", items=_items(SIZES), default="MATCH_PLAN"),
-    "span": partial(FloatProperty, name="Span", default=10.0, min=1e-6, soft_min=0.01, subtype="DISTANCE"),
-    "rise": partial(FloatProperty, name="Rise", default=3.0, min=1e-6, soft_min=0.01, subtype="DISTANCE"),
+    "size": partial(
+        EnumProperty, name="Size", description="What says how large the shell is",
+        items=_items(SIZES), default="MATCH_PLAN"),
+    "span": partial(
+        FloatProperty, name="Span", description=_TEXTS["span"],
+        default=10.0, min=1e-6, soft_min=0.01, subtype="DISTANCE"),
+    "rise": partial(
+        FloatProperty, name="Rise", description=_TEXTS["rise"],
+        default=3.0, min=1e-6, soft_min=0.01, subtype="DISTANCE"),
     "radius": partial(
         FloatProperty, name="Radius", description="Radius of mean curvature, 1/H",
         default=5.0, min=1e-6, soft_min=0.01, subtype="DISTANCE"),
@@ -142,7 +148,9 @@ _SETTINGS = {
     "side": partial(
         EnumProperty, name="Side", description="Where two shells are equally good, and at corners between mirrors",
         items=_SIDES, default="FRONT"),
-    "ground": partial(EnumProperty, name="Ground", items=_items(GROUNDS), default="LOWEST"),
+    "ground": partial(
+        EnumProperty, name="Ground", description="What of the shell lies on the plane of the plan",
+        items=_items(GROUNDS), default="LOWEST"),
     "sheet": partial(
         EnumProperty, name="Sheet",
         description="Which of the two surfaces is the shell: it is placed and shown",

@@ -20,7 +20,8 @@ class CMC_OT_add_module(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     module: EnumProperty(
-        name="Module", items=[(name.upper(), preset.name, preset.description) for name, preset in PRESETS.items()])
+        name="Module", description="What is added",
+        items=[(name.upper(), preset.name, preset.description) for name, preset in PRESETS.items()])
     size: FloatProperty(
         name="Size", description="Longest side of the plan; 0 is the module's own",
         default=0.0, min=0.0, subtype="DISTANCE", options={"SKIP_SAVE"})

@@ -120,7 +120,9 @@ class CMC_OT_group_move(GroupOperator, bpy.types.Operator):
     bl_idname = "cmc.group_move"
     bl_label = "Move Boundary Group"
 
-    direction: EnumProperty(name="Direction", items=[("UP", "Up", ""), ("DOWN", "Down", "")])
+    direction: EnumProperty(
+        name="Direction", description="Which way it moves",
+        items=[("UP", "Up", "Before the group above"), ("DOWN", "Down", "Behind the group below")])
 
     def act(self, context, mesh):
         cmc = mesh.cmc

@@ -33,6 +33,7 @@ class CMC_OT_go_to(bpy.types.Operator):
 
     target: EnumProperty(
         name="Target",
+        description="Which of the objects that belong together",
         items=[
             ("OUTLINE", "Outline", "The drawn outline of the plan; it is shown if it was hidden"),
             ("PLAN", "Plan", "The plan that the shell comes from, or that the outline was meshed to"),

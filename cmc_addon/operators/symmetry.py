@@ -72,6 +72,7 @@ class CMC_OT_group_plane(OnOneGroup, bpy.types.Operator):
 
     plane: EnumProperty(
         name="Plane",
+        description="How the plane lies",
         items=[
             ("X", "X", "The plane is square to the X axis"),
             ("Y", "Y", "The plane is square to the Y axis"),
