@@ -6,10 +6,12 @@ import importlib
 from types import ModuleType
 
 MODULES = (
-    "properties", "session", "operators", "group_history", "mesh_cache", "overlay", "shading", "colours", "preview",
-    "following", "solved", "symmetry", "panels", "boundary_panel", "design_panel", "symmetry_panel", "results_panel",
-    "legend", "strokes_overlay", "colours_panel", "nearness", "periods", "periods_overlay", "periods_panel",
-    "export_panel", "menus", "preferences", "cli",
+    "properties", "session", "operators", "group_history", "mesh_cache",
+    "seeing_draw", "shading", "colours",
+    "preview", "following", "solved", "symmetry", "panels", "seeing_panel", "boundary_panel", "design_panel",
+    "symmetry_panel", "results_panel", "legend", "strokes_overlay", "colours_panel",
+    "nearness", "periods", "periods_panel", "export_panel",
+    "menus", "preferences", "cli",
 )
 """Sub-modules with register() and unregister(), in the order in which they need each other."""
 

@@ -6,9 +6,9 @@ import bpy
 
 from . import group_list
 from .mesh_cache import boundary_counts
-from .overlay import icon_of
 from .panels import Tab, hint, plan_to_solve, properties_column
 from .properties import KINDS, kind_parameters
+from .seeing_colours import icon_of
 from .symmetry_panel import draw_group
 
 

@@ -143,19 +143,6 @@ def mend_selection(mesh: bpy.types.Mesh) -> None:
         mesh.attributes.remove(attribute)
 
 
-def group_lines(mesh: bpy.types.Mesh, uids: frozenset[int]) -> dict[int, np.ndarray]:
-    """Uid -> ends (n, 2, 3) of the boundary edges of that group, local; never raises, as `count_boundary`."""
-    if mesh.is_editmode:
-        ends, groups = _edit_lines(bmesh.from_edit_mesh(mesh), uids)
-    else:
-        attribute = mesh.attributes.get(GROUP_ATTRIBUTE)
-        if attribute is None or (attribute.domain, attribute.data_type) != ("EDGE", "INT"):
-            return {}
-        kept = _boundary(mesh) & np.isin(groups := group_values(mesh), list(uids))
-        ends, groups = _ends(mesh)[kept], groups[kept]
-    return {uid: np.ascontiguousarray(ends[groups == uid]) for uid in np.unique(groups).tolist()}
-
-
 # --- how it is done ------------------------------------------------------------------------
 
 def _boundary(mesh: bpy.types.Mesh) -> np.ndarray:
@@ -184,24 +171,6 @@ def _layer(bm: bmesh.types.BMesh, create: bool = False):
 def _stamp_layers(mesh: bpy.types.Mesh) -> list:
     layers = bmesh.from_edit_mesh(mesh).faces.layers.int.values()
     return [layer for layer in layers if layer.name.startswith(_STAMP)]
-
-
-def _edit_lines(bm: bmesh.types.BMesh, uids: frozenset[int]) -> tuple[np.ndarray, np.ndarray]:
-    layer, edges = _layer(bm), []
-    if layer is not None:
-        bare = not bm.faces
-        edges = [edge for edge in bm.edges if edge[layer] in uids and (bare or edge.is_boundary)]
-    ends = np.array([[vertex.co for vertex in edge.verts] for edge in edges], dtype=np.float32)
-    return ends.reshape(-1, 2, 3), np.array([edge[layer] for edge in edges], dtype=np.int32)
-
-
-def _ends(mesh: bpy.types.Mesh) -> np.ndarray:
-    """Coordinates of the ends of all edges (E, 2, 3)."""
-    points = np.empty((len(mesh.vertices), 3), dtype=np.float32)
-    pairs = np.empty((len(mesh.edges), 2), dtype=np.int32)
-    mesh.attributes["position"].data.foreach_get("vector", points.reshape(-1))
-    mesh.attributes[".edge_verts"].data.foreach_get("value", pairs.reshape(-1))
-    return points[pairs]
 
 
 def _read_bmesh(bm: bmesh.types.BMesh) -> EdgeState:

@@ -7,8 +7,8 @@ The pie has no key of its own: in Preferences > Keymap add `wm.call_menu_pie` wi
 import bpy
 
 from .group_presets import PRESETS
-from .overlay import icon_of
 from .panels import plan_to_solve
+from .seeing_colours import icon_of
 
 
 class CMC_MT_group_presets(bpy.types.Menu):

@@ -24,11 +24,6 @@ def boundary_counts(mesh: bpy.types.Mesh) -> tuple[int, int]:
     return _cached(mesh, "counts", lambda: edge_bridge.count_boundary(mesh, group_list.uids(mesh)))
 
 
-def group_lines(mesh: bpy.types.Mesh):
-    """Uid of each group -> ends (n, 2, 3) of its boundary edges in the mesh's own coordinates."""
-    return _cached(mesh, "lines", lambda: edge_bridge.group_lines(mesh, group_list.uids(mesh)))
-
-
 def mirror_corners(mesh: bpy.types.Mesh) -> list[corner_bridge.Corner]:
     """The corners between two mirrors."""
     kinds = ",".join(f"{group.uid}:{group.kind}" for group in mesh.cmc.groups)

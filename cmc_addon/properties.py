@@ -37,6 +37,7 @@ from .design_settings import stored_design_annotations
 from .export_settings import stored_export_annotations
 from .group_list import free_name
 from .periods_settings import stored_period_annotations
+from .seeing_settings import seeing_annotations
 from .settings import setting_annotations
 from .symmetry_settings import stored_complete_annotations
 
@@ -227,12 +228,7 @@ class CmcScene(bpy.types.PropertyGroup):
 
     __annotations__ = {
         **plan_annotations(),
-        "show_groups": BoolProperty(
-            name="Show Groups", description="Draw the boundary groups of the active plan as coloured lines",
-            default=True),
-        "show_periods": BoolProperty(
-            name="Show Periods", description="Draw the gap around each hole of the active plan as an arrow",
-            default=True),
+        **seeing_annotations(),
         "shading_before": StringProperty(
             name="Shading", description="What the viewports showed before results were coloured"),
     }

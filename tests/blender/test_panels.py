@@ -78,7 +78,9 @@ class Properties:
 def panel_class(name):
     from cmc_formfinding import cmc_addon as addon
 
-    names = ("panels", "boundary_panel", "design_panel", "symmetry_panel", "results_panel", "periods_panel")
+    names = (
+        "panels", "seeing_panel", "boundary_panel", "design_panel", "symmetry_panel", "results_panel", "periods_panel",
+    )
     for module in (getattr(addon, name) for name in names):
         if hasattr(module, name):
             return getattr(module, name)
@@ -87,7 +89,7 @@ def panel_class(name):
 
 PANELS = (
     "CMC_PT_plan", "CMC_PT_boundary", "CMC_PT_shell", "CMC_PT_options", "CMC_PT_advanced", "CMC_PT_design",
-    "CMC_PT_symmetry", "CMC_PT_results", "CMC_PT_checks", "CMC_PT_solver", "CMC_PT_periods",
+    "CMC_PT_show", "CMC_PT_symmetry", "CMC_PT_results", "CMC_PT_checks", "CMC_PT_solver", "CMC_PT_periods",
 )
 
 
@@ -247,6 +249,21 @@ def test_every_setting_of_a_solve_can_be_reached(plan) -> None:
     assert set(SETTINGS) - drawn == {"flip"}, "which has a button of its own"
 
 
+def test_every_setting_of_the_view_can_be_reached(plan) -> None:
+    from cmc_formfinding.cmc_addon.seeing_settings import SEEING_SETTINGS
+
+    layout = Layout()
+    cls = panel_class("CMC_PT_show")
+    for part in (cls.draw_header, cls.draw):
+        part(Drawn(cls, layout), bpy.context)
+    assert sorted(layout.record.props) == sorted(SEEING_SETTINGS)
+    popover = panel_class("CMC_PT_overlay")
+    assert popover.bl_parent_id == "VIEW3D_PT_overlay" and popover.is_registered
+    view = SimpleNamespace(overlay=SimpleNamespace(show_overlays=True))
+    popover.draw(SimpleNamespace(layout=layout), SimpleNamespace(scene=bpy.context.scene, space_data=view))
+    assert sorted(layout.record.props) == sorted(2 * SEEING_SETTINGS)
+
+
 def test_every_setting_of_a_design_can_be_reached(plan) -> None:
     from cmc_formfinding.cmc_addon.design_settings import APPROXIMATE_SETTINGS, FIT_SETTINGS, KNOB_PROPERTY, POINTERS
 
@@ -365,22 +382,11 @@ def test_while_running() -> None:
     assert record.operators == ["cmc.cancel"] and "Step 2" in record.texts
 
 
-@pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
-def test_lines_of_the_groups_in_the_viewport(plan, mode) -> None:
-    from cmc_formfinding.cmc_addon import mesh_cache, overlay
+def test_groups_have_colours_of_their_own() -> None:
+    from cmc_formfinding.cmc_addon.seeing_colours import colour_of, icon_of
 
-    bpy.ops.cmc.select_ungrouped()
-    bpy.ops.cmc.group_add(name="rim", assign=True)
-    bpy.ops.cmc.group_add(name="empty")
-    bpy.ops.object.mode_set(mode=mode)
-    lines = mesh_cache.group_lines(plan.data)
-    assert set(lines) == {1}, "groups without edges have no lines"
-    assert lines[1].shape == (mesh_cache.boundary_counts(plan.data)[0], 2, 3)
-    assert (abs((lines[1][..., :2] ** 2).sum(-1) ** 0.5 - 3) < 0.05).all()
-    assert mesh_cache.group_lines(plan.data) is lines
-    assert overlay.shown_plan(bpy.context) == plan
-    assert len({overlay.icon_of(uid) for uid in range(1, 16)}) == 15
-    assert len({overlay.colour_of(uid) for uid in range(1, 16)}) > 10
+    assert {icon_of(uid) for uid in range(1, 16)} <= ICONS and len({icon_of(uid) for uid in range(1, 16)}) == 15
+    assert len({colour_of(uid) for uid in range(1, 16)}) > 10
 
 
 def test_the_specials_menu() -> None:

@@ -1,0 +1,509 @@
+"""What is drawn over the viewport: what the conditions prescribe along the rim, with shape, number and place exact."""
+
+from __future__ import annotations
+
+import json
+from itertools import pairwise
+
+import bpy
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from .scenes import activate, add_group, boundary_edges, mesh_object, quad_disc, quad_ring
+
+
+@pytest.fixture
+def rim(addon):
+    """Rim of a plan as it is seen now; world directions, places measured from the plan's origin."""
+
+    def look(plan):
+        bpy.context.view_layer.update()
+        return addon.cmc_addon.seeing._seen(bpy.context, plan).rim
+
+    return look
+
+
+def disc(kind="BINORMAL", **parameters):
+    plan = quad_disc()
+    add_group(plan, "rim", boundary_edges(plan.data), kind, **parameters)
+    return plan
+
+
+def arcs(plan, *angles):
+    """Boundary edges of a disc between following angles in degrees."""
+    edges = boundary_edges(plan.data)
+    ends = np.array([[plan.data.vertices[v].co for v in plan.data.edges[e].vertices] for e in edges])
+    at = np.degrees(np.arctan2(*ends.mean(axis=1)[:, 1::-1].T)) % 360
+    return [edges[(at >= a) & (at < b)] for a, b in pairwise(angles)]
+
+
+# --- what the conditions prescribe ----------------------------------------------------------
+
+def test_on_a_disc_normals_point_outwards(rim):
+    (walk,) = rim(disc()).walks
+    assert walk.closed and walk.uid == 1 and len(walk.points) == 25
+    assert_allclose(walk.normals, walk.points / 4.0, atol=1e-6)
+    assert_allclose(walk.length, 24 * 8 * np.sin(np.pi / 24), rtol=1e-6)
+
+
+@pytest.mark.parametrize("tilt", [-0.5, 0.3, np.pi / 2])
+def test_a_tilt_turns_them_upwards(rim, tilt):
+    (walk,) = rim(disc(tilt=tilt)).walks
+    radial = walk.points / 4.0
+    assert_allclose(walk.normals, np.cos(tilt) * radial + np.sin(tilt) * np.array([0, 0, 1]), atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "kind, parameters",
+    [("PLANE", {"normal": (1, 2, 2)}), ("TWISTED", {"m": 2.0}), ("GAUSS_MAP", {}), ("MIRROR", {"normal": (0, 0, 1)})],
+)
+@pytest.mark.parametrize("blend", [0.0, 3.0])
+@pytest.mark.parametrize("transform", ["plain", "stretched", "mirrored"])
+def test_they_are_those_of_the_whole_plan(addon, rim, kind, parameters, blend, transform):
+    plan = quad_disc(rise=1.0)
+    plan.matrix_world = matrix_of(transform)
+    first, second, third = arcs(plan, 0, 90, 200, 330)
+    add_group(plan, "a", first, kind, **parameters)
+    add_group(plan, "b", second, "BINORMAL", tilt=0.4)
+    add_group(plan, "c", third, "BINORMAL", tilt=0.8)
+    plan.cmc.blend = blend
+    seen = rim(plan)
+    fixed = {tuple(np.round(p, 4)): n for w in seen.walks for p, n in zip(w.points, w.normals, strict=True)}
+    points, normals, mirrors = whole(addon, plan)
+    assert len(points) + len(mirrors) == 24 and len(fixed) == 24
+    for point, normal in zip(points, normals, strict=True):
+        assert_allclose(fixed[tuple(np.round(point, 4))], normal, atol=1e-5)
+    for point in mirrors:
+        assert np.isnan(fixed[tuple(np.round(point, 4))]).all(), "on a mirror it may turn"
+    assert {w.uid for w in seen.walks} == {0, 1, 2, 3}
+
+
+def matrix_of(transform):
+    from mathutils import Matrix
+
+    turn = Matrix.Rotation(0.7, 4, (1.0, 2.0, 3.0))
+    scale = {"plain": (1, 1, 1), "stretched": (2, 0.7, 1.3), "mirrored": (1, -1.5, 1)}[transform]
+    return Matrix.Translation((5, -3, 2)) @ turn @ Matrix.Diagonal((*scale, 1))
+
+
+def whole(addon, plan):
+    """Points, normals and points on mirrors, from the conditions of the whole plan."""
+    from cmc_formfinding.cmc_addon import forming, session
+    from cmc_formfinding.solver.domain.sites import SiteGraph
+    from cmc_formfinding.solver.gauss.admissible import resolved
+    from cmc_formfinding.solver.plan import plan_conditions
+
+    bpy.context.view_layer.update()
+    order = forming.take_order(bpy.context, plan, forming.settings_of(plan.cmc))
+    prepared = session.prepare(order.mesh)
+    domain = prepared.solver.domain
+    settings = forming.solver_settings(order.settings)
+    conditions = plan_conditions(order.plan(prepared), settings, domain)
+    held = resolved(conditions, SiteGraph.of(domain, "vertices"))
+    points = order.mesh.positions - np.array(plan.matrix_world.translation)
+    return points[held.fixed], held.data, points[held.mirrors.sites]
+
+
+def test_around_a_court_they_point_into_it(rim):
+    plan = quad_ring()
+    walks = rim(add_group(plan, "all", boundary_edges(plan.data), "BINORMAL") and plan).walks
+    assert len(walks) == 2
+    for walk in walks:
+        centre = walk.points[:-1].mean(axis=0)
+        outwards = np.einsum("ij,ij->i", walk.normals, walk.points - centre)
+        assert (outwards > 0).all() or (outwards < 0).all()
+    assert sum((np.einsum("ij,ij->i", w.normals, w.points - w.points[:-1].mean(axis=0)) < 0).all() for w in walks) == 1
+
+
+def test_between_mirrors_the_shell_faces_as_the_mark_says(rim):
+    plan = square()
+    for k, (normal, edges) in enumerate(zip([(0, -1, 0), (1, 0, 0)], sides_of(plan)[:2], strict=True)):
+        add_group(plan, f"m{k}", edges, "MIRROR", normal=normal)
+    seen = rim(plan)
+    assert_allclose(seen.corners, [[2, -2, 0]], atol=1e-6)
+    assert_allclose(seen.corner_normals, [[0, 0, 1]], atol=1e-6)
+    mark = plan.data.attributes.new("cmc_flipped_corner", "INT", "POINT")
+    corner = next(v.index for v in plan.data.vertices if v.co.x > 1.9 and v.co.y < -1.9)
+    mark.data[corner].value = 1
+    plan.data.update()
+    assert_allclose(rim(plan).corner_normals, [[0, 0, -1]], atol=1e-6)
+
+
+def square(count: int = 5, size: float = 4.0):
+    ticks = np.linspace(-0.5 * size, 0.5 * size, count)
+    points = [(x, y, 0.0) for y in ticks for x in ticks]
+    faces = [
+        (r * count + c, r * count + c + 1, (r + 1) * count + c + 1, (r + 1) * count + c)
+        for r in range(count - 1) for c in range(count - 1)
+    ]
+    return mesh_object("Square", points, faces)
+
+
+def sides_of(plan):
+    """Edges of a square below, to the right, above, to the left."""
+    edges = boundary_edges(plan.data)
+    ends = np.array([[plan.data.vertices[v].co for v in plan.data.edges[e].vertices] for e in edges])
+    middle = ends.mean(axis=1)
+    return [edges[np.isclose(middle[:, k], s * 2.0)] for k, s in ((1, -1), (0, 1), (1, 1), (0, -1))]
+
+
+# --- what makes no sense --------------------------------------------------------------------
+
+def test_a_group_that_makes_no_sense_leaves_the_others(rim):
+    plan = quad_disc()
+    first, second = arcs(plan, 0, 90, 180)
+    add_group(plan, "bad", first, "PLANE", normal=(0, 0, 0))
+    add_group(plan, "good", second, "BINORMAL")
+    walks = {walk.uid: walk for walk in rim(plan).walks}
+    assert np.isnan(walks[1].normals[1:-1]).all() and np.isnan(walks[1].middles).all()
+    assert np.isfinite(walks[2].normals[1:-1]).all()
+
+
+def test_normals_that_cancel_are_left_out(rim):
+    plan = quad_disc()
+    first, second = arcs(plan, 0, 90, 180)
+    add_group(plan, "a", first, "PLANE", normal=(0, 0, 1))
+    add_group(plan, "b", second, "PLANE", normal=(0, 0, -1))
+    walks = {walk.uid: walk for walk in rim(plan).walks}
+    assert np.isnan(walks[1].normals[-1]).all() and np.isfinite(walks[1].normals[1:-1]).all()
+
+
+BAD = ["three faces", "flat", "not finite", "loose", "wire", "nothing", "all free", "closed"]
+
+
+@pytest.mark.parametrize("what", BAD)
+def test_bad_plans_are_drawn_as_far_as_they_can_be(addon, what):
+    points, faces = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2, 3)]
+    if what == "three faces":
+        points, faces = [*points, (0, 0, 1), (0, 0, -1)], [(0, 1, 2), (0, 1, 4), (0, 1, 5)]
+    if what == "flat":
+        points = [(k, 0, 0) for k in range(4)]
+    if what == "not finite":
+        points[0] = (float("nan"), 0, 0)
+    if what == "loose":
+        points = [*points, (9, 9, 9)]
+    if what in ("wire", "nothing"):
+        faces = []
+    if what == "closed":
+        points, faces = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)]
+    plan = mesh_object(what, [] if what == "nothing" else points, faces, [(0, 1), (1, 2)] if what == "wire" else [])
+    add_group(plan, "rim", range(len(plan.data.edges)), "FREE" if what == "all free" else "BINORMAL")
+    parts = frame(addon)
+    has_lines = what not in ("nothing", "closed")
+    assert bool(layers(parts)) == has_lines
+    for layer in layers(parts):
+        assert np.isfinite(layer.points).all()
+
+
+# --- what is drawn --------------------------------------------------------------------------
+
+def frame(addon):
+    bpy.context.view_layer.update()
+    return addon.cmc_addon.seeing.frame(bpy.context)
+
+
+def layers(parts, kind=None):
+    return [layer for part in parts for layer in part.layers if kind in (None, layer.kind)]
+
+
+def only(name):
+    """Switch all off but one."""
+    from cmc_formfinding.cmc_addon.seeing_settings import SHOWN
+
+    for other in SHOWN:
+        setattr(bpy.context.scene.cmc, other, other == name)
+
+
+def test_arrows_stand_on_the_rim_and_point_outwards(addon):
+    plan = disc()
+    only("show_normals")
+    shafts, heads = layers(frame(addon))
+    assert (shafts.kind, heads.kind) == ("LINES", "TRIS")
+    lines = shafts.points.reshape(-1, 2, 3)
+    assert len(lines) == 24
+    radial = lines[:, 0] / 4.0
+    assert_allclose(np.linalg.norm(radial, axis=1), 1.0, rtol=1e-6)
+    along = lines[:, 1] - lines[:, 0]
+    assert_allclose(along, np.linalg.norm(along, axis=1)[:, None] * radial, atol=1e-6)
+    tips = np.linalg.norm(heads.points, axis=1).max()
+    bpy.context.scene.cmc.arrow_scale = 2.0
+    assert_allclose(np.linalg.norm(layers(frame(addon), "TRIS")[0].points, axis=1).max() - 4, 2 * (tips - 4), rtol=1e-5)
+    assert_allclose(shafts.colour[:3], addon.cmc_addon.seeing_colours.colour_of(1))
+    assert plan == bpy.context.object
+
+
+def test_parts_are_placed_by_the_object(addon):
+    plan = disc()
+    plan.matrix_world = matrix_of("mirrored")
+    only("show_groups")
+    (part,) = frame(addon)
+    drawn = part.layers[0].points @ np.array(part.matrix)[:3, :3].T + np.array(part.matrix)[:3, 3]
+    world = np.array([plan.matrix_world @ v.co for v in plan.data.vertices])
+    assert len(drawn) == 48
+    for point in drawn:
+        assert np.linalg.norm(world - point, axis=1).min() < 1e-5
+
+
+@pytest.mark.parametrize("columns, count", [(24, 64), (400, 64), (400, 10)])
+def test_there_are_no_more_arrows_than_wanted(addon, columns, count):
+    plan = quad_disc(rings=2, columns=columns)
+    add_group(plan, "rim", boundary_edges(plan.data), "BINORMAL")
+    only("show_normals")
+    bpy.context.scene.cmc.arrow_count = count
+    lines = layers(frame(addon), "LINES")[0].points.reshape(-1, 2, 3)
+    assert len(lines) == min(columns, count)
+    turn = np.sort(np.arctan2(lines[:, 0, 1], lines[:, 0, 0]))
+    steps = np.diff(turn)
+    assert steps.max() - steps.min() < 2.01 * 2 * np.pi / columns, "evenly spaced, as far as there are vertices"
+
+
+def test_edges_in_no_group_are_dashed_and_grey(addon):
+    plan = quad_disc()
+    first, _ = arcs(plan, 0, 90, 180)
+    add_group(plan, "a", first, "BINORMAL")
+    only("show_ungrouped")
+    (layer,) = layers(frame(addon))
+    assert len(set(layer.colour[:3])) == 1
+    length = np.linalg.norm(np.diff(layer.points.reshape(-1, 2, 3), axis=1), axis=2).sum()
+    rest = 18 * 8 * np.sin(np.pi / 24)
+    assert_allclose(length, 0.55 * rest, rtol=0.02)
+    angle = np.degrees(np.arctan2(layer.points[:, 1], layer.points[:, 0])) % 360
+    assert angle[angle > 1e-3].min() > 89
+
+
+def test_tangent_planes_are_square_to_the_normals(addon):
+    disc(tilt=0.4)
+    only("show_tangents")
+    fill = layers(frame(addon), "TRIS")[0].points.reshape(-1, 3, 3)
+    assert len(fill) == 2 * 24
+    assert bpy.context.scene.cmc.bl_rna.properties["show_tangents"].default is False
+    normals = np.cross(fill[:, 1] - fill[:, 0], fill[:, 2] - fill[:, 0])
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    centre = 0.5 * (fill[::2, 0] + fill[::2, 2])
+    radial = centre / np.linalg.norm(centre, axis=1)[:, None]
+    expected = np.cos(0.4) * radial + np.sin(0.4) * np.array([0, 0, 1])
+    assert_allclose(np.abs(np.einsum("ij,ij->i", normals[::2], expected)), 1.0, atol=1e-5)
+
+
+def test_a_mirror_has_strokes_in_its_plane_and_its_plane_stands_on_its_edges(addon):
+    plan = square()
+    add_group(plan, "wall", sides_of(plan)[1], "MIRROR", normal=(1, 0, 0))
+    only("show_normals")
+    strokes = next(layer for layer in layers(frame(addon), "LINES") if layer.colour[:3] == colour(addon, 1))
+    lines = strokes.points.reshape(-1, 2, 3)
+    assert_allclose(lines[..., 0], 2.0, atol=1e-6)
+    assert_allclose(lines[:, 0, 1], lines[:, 1, 1], atol=1e-6)
+    only("show_mirrors")
+    fill = layers(frame(addon), "TRIS")[0].points
+    assert_allclose(fill[:, 0], 2.0, atol=1e-6)
+    assert fill[:, 1].min() < -2 and fill[:, 1].max() > 2 and fill[:, 2].max() > 1
+    plan.data.cmc.groups[0].normal = (0, 0, 1)
+    assert layers(frame(addon), "TRIS"), "a floor"
+    plan.data.cmc.groups[0].normal = (0, 1, 0)
+    assert not layers(frame(addon)), "square to its own edges: where it is, only the shell can tell"
+
+
+def colour(addon, uid):
+    return addon.cmc_addon.seeing_colours.colour_of(uid)
+
+
+def test_after_a_solve_the_plane_is_where_the_shell_has_it(addon):
+    plan = square(9)
+    add_group(plan, "wall", sides_of(plan)[1], "MIRROR", normal=(1, 0, 0))
+    bpy.ops.cmc.solve()
+    only("show_mirrors")
+    shell = plan.cmc.f_plus
+    shell.location.z += 3.0
+    (part,) = [part for part in frame(addon) if part.layers]
+    assert part.matrix == shell.matrix_world
+    fill = layers([part], "TRIS")[0].points
+    offset = json.loads(plan.cmc.report)["planes"][0]["offset"]
+    assert_allclose(fill[:, 0] + shell.cmc.placed_at[0], offset, atol=1e-5)
+    heights = np.array([v.co.z for v in shell.data.vertices])
+    assert fill[:, 2].min() <= heights.min() and fill[:, 2].max() >= heights.max()
+    shell.hide_set(True)
+    assert_allclose(layers(frame(addon), "TRIS")[0].points[:, 0], 2.0, atol=1e-6)
+    shell.hide_set(False)
+    plan.data.cmc.groups[0].normal = (1, 0.2, 0)
+    assert not any(part.matrix == shell.matrix_world for part in frame(addon)), "the group was changed since"
+
+
+# --- gaps and cuts --------------------------------------------------------------------------
+
+def court():
+    plan = quad_ring()
+    add_group(plan, "all", boundary_edges(plan.data), "BINORMAL", tilt=0.6)
+    bpy.ops.cmc.solve()
+    assert plan.cmc.f_plus is not None and len(plan.cmc.f_plus.data.vertices) > len(plan.data.vertices)
+    return plan
+
+
+def test_the_cut_is_drawn_on_the_plan_and_on_both_sides_of_the_shell(addon):
+    plan = court()
+    only("show_cut")
+    parts = [part for part in frame(addon) if part.layers]
+    on_shell = next(part for part in parts if part.matrix == plan.cmc.f_plus.matrix_world and len(part.layers))
+    on_plan = next(part for part in parts if part is not on_shell)
+    ends = on_plan.layers[0].points.reshape(-1, 2, 3)
+    assert 2 * len(ends) == len(on_shell.layers[0].points) // 2
+    radii = np.linalg.norm(ends - np.array([0.4, 0, 0]), axis=2)
+    assert np.ptp(radii) > 1.5, "from the court to the outer rim"
+    rim_edges = {tuple(plan.data.edges[e].vertices) for e in boundary_edges(plan.data)}
+    at = {tuple(np.round(v.co, 4)): v.index for v in plan.data.vertices}
+    for a, b in ends:
+        pair = sorted((at[tuple(np.round(a, 4))], at[tuple(np.round(b, 4))]))
+        assert tuple(pair) not in rim_edges
+    activate(plan.cmc.f_plus)
+    assert len(layers(frame(addon))) == 2, "also with the shell active"
+
+
+def test_a_shell_that_closes_has_no_cut(addon):
+    plan = disc(tilt=0.4)
+    bpy.ops.cmc.solve()
+    only("show_cut")
+    assert not layers(frame(addon))
+    assert "cmc_cut" not in plan.cmc.f_plus.data.attributes
+
+
+def test_the_gap_is_an_arrow_that_goes_with_the_shell(addon):
+    plan = court()
+    only("show_periods")
+    (part,) = [part for part in frame(addon) if part.layers]
+    hole = json.loads(plan.cmc.report)["holes"][0]
+    start = part.layers[0].points[0]
+    assert_allclose(np.array(part.matrix) @ [*start, 1], [*hole["at"], 1], atol=1e-4)
+    plan.cmc.f_plus.location.x += 2.0
+    (moved,) = [part for part in frame(addon) if part.layers]
+    assert_allclose(np.array(moved.matrix) @ [*start, 1] - [*hole["at"], 1], [2, 0, 0, 0], atol=1e-4)
+
+
+# --- when it is drawn -----------------------------------------------------------------------
+
+def test_nothing_is_drawn_of_what_is_hidden_or_no_plan(addon):
+    plan = disc()
+    assert frame(addon)
+    plan.hide_set(True)
+    assert not frame(addon)
+    plan.hide_set(False)
+    bpy.context.scene.cmc.show_all = False
+    assert not frame(addon)
+    bpy.context.scene.cmc.show_all = True
+    other = bpy.data.scenes.new("other")
+    with bpy.context.temp_override(scene=other, view_layer=other.view_layers[0]):
+        assert not addon.cmc_addon.seeing.frame(bpy.context)
+    quad_disc("just a mesh")
+    assert not frame(addon)
+    activate(None)
+    assert not frame(addon)
+    bpy.ops.object.camera_add()
+    assert not frame(addon)
+
+
+def test_a_result_that_is_active_shows_its_plan(addon):
+    plan = disc(tilt=0.4)
+    bpy.ops.cmc.solve()
+    activate(plan.cmc.f_plus)
+    only("show_groups")
+    assert len(layers(frame(addon))) == 1
+    plan.hide_set(True)
+    assert not layers(frame(addon)), "of a hidden plan nothing is drawn"
+
+
+@pytest.fixture
+def looked(addon, monkeypatch):
+    """How often a plan was worked out."""
+    calls = []
+    original = addon.cmc_addon.seeing.see_rim
+    monkeypatch.setattr(addon.cmc_addon.seeing, "see_rim", lambda *a: calls.append(1) or original(*a))
+    return calls
+
+
+def test_it_is_worked_out_once_a_change(addon, looked):
+    plan = disc()
+    first = frame(addon)
+    for _ in range(3):
+        assert frame(addon)[0].layers is first[0].layers
+    assert len(looked) == 1
+    plan.location.x += 3.0
+    moved = frame(addon)
+    assert moved[0].layers is first[0].layers and moved[0].matrix.translation.x == 3.0
+    bpy.context.scene.cmc.arrow_scale = 0.5
+    assert frame(addon)[0].layers is not first[0].layers
+    assert len(looked) == 1, "to move a plan, or to change how it is drawn, changes nothing of it"
+    for change in (
+        lambda: setattr(plan.data.cmc.groups[0], "tilt", 0.3),
+        lambda: setattr(plan.cmc, "blend", 1.0),
+        lambda: setattr(plan, "scale", (1, 2, 1)),
+        lambda: (setattr(plan.data.vertices[100].co, "x", 5.0), plan.data.update()),
+        lambda: bpy.ops.object.mode_set(mode="EDIT"),
+    ):
+        before = len(looked)
+        change()
+        frame(addon), frame(addon)
+        assert len(looked) == before + 1
+
+
+def test_another_object_that_changes_costs_nothing(addon, looked):
+    plan = disc(tilt=0.3)
+    bpy.ops.cmc.solve()
+    activate(plan)
+    frame(addon)
+    before = len(looked)
+    plan.cmc.f_plus.data.vertices[0].co.z += 1.0
+    plan.cmc.f_plus.data.update()
+    frame(addon)
+    assert len(looked) == before
+
+
+@pytest.mark.parametrize("modified", [False, True])
+@pytest.mark.parametrize("applied", [False, True])
+def test_in_edit_mode_the_edited_mesh_is_drawn(addon, rim, modified, applied):
+    plan = disc(tilt=0.3)
+    plan.cmc.apply_modifiers = applied
+    if modified:
+        plan.modifiers.new("wide", "SIMPLE_DEFORM").deform_method = "TAPER"
+        plan.modifiers["wide"].factor = 0.5
+    stored = rim(plan)
+    bpy.ops.object.mode_set(mode="EDIT")
+    edited = rim(plan)
+    for a, b in zip(stored.walks, edited.walks, strict=True):
+        assert_allclose(a.points, b.points, atol=1e-5)
+        assert_allclose(a.normals, b.normals, atol=1e-5)
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.transform.translate(value=(0, 0, 1.5))
+    updates = []
+    bpy.app.handlers.depsgraph_update_post.append(lambda _, graph: updates.extend(graph.updates))
+    after = rim(plan)
+    bpy.context.view_layer.update()
+    assert len(updates) == 0, "to look must not change anything"
+    bpy.app.handlers.depsgraph_update_post.pop()
+    if not (modified and applied):
+        assert_allclose(after.walks[0].points, edited.walks[0].points + [0, 0, 1.5], atol=1e-5)
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def test_what_is_slow_waits_for_a_pause(addon, monkeypatch):
+    cache = addon.cmc_addon.seeing_cache
+    clock = [100.0]
+    monkeypatch.setattr(cache.time, "perf_counter", lambda: clock[0])
+    entry = cache._Entry("value", "key", done=100.0, cost=0.001)
+    clock[0] = 100.01
+    assert entry.is_due("other", clock[0]), "what is quick is not put off"
+    slow = cache._Entry("value", "key", done=100.0, cost=0.2)
+    for step in range(20):
+        assert not slow.is_due(f"key {step}", 101.0 + 0.1 * step), "while it is dragged"
+    assert not slow.is_due("key 19", 103.2)
+    assert slow.is_due("key 19", 103.4)
+
+
+def test_handlers_come_and_go(addon):
+    module = addon.cmc_addon.seeing_cache
+    names = [name for name, _ in module._HANDLERS]
+    before = [len(getattr(bpy.app.handlers, name)) for name in names]
+    for _ in range(3):
+        addon.cmc_addon.unregister()
+        assert [len(getattr(bpy.app.handlers, name)) for name in names] < before
+        addon.cmc_addon.register()
+    assert [len(getattr(bpy.app.handlers, name)) for name in names] == before
+    assert addon.cmc_addon.seeing_draw.Drawing.handle is None, "nothing is drawn in the background"
