@@ -76,21 +76,20 @@ class Properties:
 
 
 def panel_class(name):
+    """A class of the add-on by its name: every panel is drawn, whatever module it is in."""
     from cmc_formfinding import cmc_addon as addon
 
-    names = (
-        "panels", "seeing_panel", "boundary_panel", "design_panel", "symmetry_panel", "results_panel", "periods_panel",
-    )
-    for module in (getattr(addon, name) for name in names):
+    for module in (getattr(addon, name) for name in addon.MODULES):
         if hasattr(module, name):
             return getattr(module, name)
     raise LookupError(name)
 
 
-PANELS = (
-    "CMC_PT_plan", "CMC_PT_boundary", "CMC_PT_shell", "CMC_PT_options", "CMC_PT_advanced", "CMC_PT_design",
-    "CMC_PT_show", "CMC_PT_symmetry", "CMC_PT_results", "CMC_PT_checks", "CMC_PT_solver", "CMC_PT_periods",
-)
+def panels() -> list[str]:
+    """All panels of the sidebar."""
+    from cmc_formfinding.cmc_addon import panels, sidebar
+
+    return [cls.__name__ for cls in sidebar._registered(panels.Tab)]
 
 
 def draw(*names) -> SimpleNamespace:
@@ -101,7 +100,7 @@ def draw(*names) -> SimpleNamespace:
         name: getattr(bpy.context, name)
         for name in ("object", "scene", "window_manager", "mode", "preferences", "view_layer")
     }, region=region)
-    for name in names or PANELS:
+    for name in names or panels():
         cls = panel_class(name)
         if getattr(cls, "poll", lambda _: True)(context):
             assert hasattr(bpy.types, name), f"{name} is not registered"

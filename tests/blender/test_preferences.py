@@ -21,12 +21,11 @@ def test_they_are_read_with_the_add_on_and_without(module, monkeypatch):
     assert module.get("line_width") == 3.0 and module.get("colour_cut") == (1.0, 0.2, 0.55)
 
 
-def test_colours_are_those_that_the_viewport_draws_with(addon, module):
-    colours = getattr(addon.cmc_addon, "seeing_colours", None)
-    if colours is None:
-        pytest.skip("nothing is drawn with them")
-    for name, usual in colours.USUAL.items():
-        assert module._PREFERENCES[name].keywords["default"] == usual
+def test_the_viewport_draws_with_these_colours(addon, module):
+    own = bpy.context.preferences.addons["cmc_formfinding"].preferences
+    for name in ("colour_ungrouped", "colour_periods", "colour_cut"):
+        setattr(own, name, (0.25, 0.5, 0.75))
+        assert addon.cmc_addon.seeing_colours.other_colour(name) == (0.25, 0.5, 0.75)
 
 
 def test_the_tab_of_the_sidebar(addon, module):
