@@ -83,7 +83,7 @@ def form(
     solver: CmcSolver | None = None,
     initial: ArrayLike | None = None,
     progress: Progress | None = None,
-    intersections: bool = True,
+    intersections: bool | Callable[[], bool] = True,
 ) -> Formed:
     """Solve for the shell over a plan, size and place it, and measure it.
 
@@ -91,7 +91,7 @@ def form(
     sites, energy and triangulation that the settings ask for, which saves factoring. initial (S, 3), one normal
     a site: a map to start from, `surface.harmonic.normals` of an earlier one.
     progress(iteration, residual) is called every step; False cancels. intersections=False leaves out the
-    slowest measure. Raises `CmcError` (`MeshError`, `ConditionError`, `PlacementError`) on input that
+    slowest measure; see `report`. Raises `CmcError` (`MeshError`, `ConditionError`, `PlacementError`) on input that
     cannot be used; a solve that does not converge is told by `Formed.converged` and `message`.
     """
     settings = settings or Settings()
@@ -116,11 +116,11 @@ def count_modes(plan: Plan, settings: Settings, formed: Formed) -> Formed:
 
 
 def form_surface(
-    plan: Plan, settings: Settings, surface: CmcSurface, solver: CmcSolver, *, intersections: bool = True
+    plan: Plan, settings: Settings, surface: CmcSurface, solver: CmcSolver, *, intersections: bool | Callable[[], bool] = True
 ) -> Formed:
     """Size, place and measure a surface over its plan, as `form` does with what it has solved for."""
-    _check_shown(surface, settings.sheet)
-    plane, similarity = _place(plan, settings, surface)
+    check_shown(surface, settings.sheet)
+    plane, similarity = place_over(plan, settings, surface)
     return finish(
         plan, settings, surface, plane, similarity, solver, outline=plan.positions, intersections=intersections
     )
@@ -136,11 +136,11 @@ def finish(
     *,
     outline: Array | list[Array],
     fit: Fit | None = None,
-    intersections: bool = True,
+    intersections: bool | Callable[[], bool] = True,
 ) -> Formed:
     """Place a surface and measure it. `plane` has the vertical; `outline`: see `report`."""
-    sheets = _check_shown(surface, settings.sheet)
-    placed, normals = _placed(surface, similarity, plane, sheets)
+    sheets = check_shown(surface, settings.sheet)
+    placed, normals = placed_sheets(surface, similarity, plane, sheets)
     measured = report(
         surface,
         outline if len(surface.domain.boundary_edges) else None,
@@ -182,7 +182,7 @@ def _solver(plan: Plan, settings: Settings, given: CmcSolver | None) -> CmcSolve
     return CmcSolver(domain, sites=sites, energy=energy, delaunay=delaunay)
 
 
-def _check_shown(surface: CmcSurface, shown: str) -> list[str]:
+def check_shown(surface: CmcSurface, shown: str) -> list[str]:
     """The sheets that are no points; raises `PlacementError` where the one to show is not among them."""
     sheets = [name for name in SHEETS if not surface.is_degenerate(name)]
     if not sheets or surface.status is Status.COLLAPSED:
@@ -195,7 +195,8 @@ def _check_shown(surface: CmcSurface, shown: str) -> list[str]:
     return sheets
 
 
-def _place(plan: Plan, settings: Settings, surface: CmcSurface) -> tuple[Plane, Similarity]:
+def place_over(plan: Plan, settings: Settings, surface: CmcSurface) -> tuple[Plane, Similarity]:
+    """Size and place a surface over its plan: the plane that it stands on, and from its points to the placed ones."""
     sheet, domain = settings.sheet, surface.domain
     vertices, weights, plane = plan_frame(plan.positions, domain, settings.ground)
     rows = np.flatnonzero(np.isin(surface.source, vertices))
@@ -216,9 +217,10 @@ def _place(plan: Plan, settings: Settings, surface: CmcSurface) -> tuple[Plane, 
     return plane, similarity
 
 
-def _placed(
+def placed_sheets(
     surface: CmcSurface, similarity: Similarity, plane: Plane, sheets: Sequence[str]
 ) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Points (n, 3) and normals (n, 3) of the placed sheets, of "g" and of "gauss"."""
     placed = {name: similarity.points(surface.sheet(name)) for name in (*sheets, "g")}
     N = similarity.directions(surface.normals)
     placed["gauss"] = plane.origin + 0.5 * similarity.scale / surface.mean_curvature * N
