@@ -61,6 +61,8 @@ def frame(context: bpy.types.Context, view: bpy.types.SpaceView3D | None = None)
             parts += _result_parts(result, look, planes if result == shell else [], seen)
     if report is not None and "show_periods" in look.shown:
         parts += _gap_parts(plan, report, shell, context, view, look)
+    if "show_cut" in look.shown and seen is not None and shell is not None:
+        parts += _plan_cut(plan, seen, shell, look)
     return parts
 
 
@@ -86,6 +88,7 @@ def look_of(context: bpy.types.Context, plan: bpy.types.Object) -> Look:
         colours=tuple((group.uid, colour_of(group.uid)) for group in plan.data.cmc.groups),
         active=0 if group is None else group.uid,
         width=preferences.get("line_width"),
+        editing=plan.data.is_editmode,
         ungrouped=other_colour("colour_ungrouped"),
         periods=other_colour("colour_periods"),
         cut=other_colour("colour_cut"),
@@ -162,18 +165,26 @@ def _result_parts(
             ("planes", result.session_uid), key,
             lambda: list(plane_layers(planes, points_of(mesh), origin, length, look)),
         ))
-    if "show_cut" not in look.shown:
-        return
-    ends, pairs = kept(("cut", result.session_uid), (state, mesh.is_editmode), lambda: cut_of(mesh))
-    if len(ends):
-        yield Part(result.matrix_world, kept(
-            ("cut layer", result.session_uid), (state, look), lambda: [cut_layer(ends, look.cut)]
-        ))
-        if seen is not None and pairs.max() < len(seen.mesh.positions):
-            yield Part(Matrix.Translation(result.cmc.source.matrix_world.translation), kept(
-                ("plan cut", result.session_uid), (state, look, seen.number),
-                lambda: [cut_layer(seen.mesh.positions[pairs], look.cut)],
-            ))
+    ends, _ = _cut(result)
+    if "show_cut" in look.shown and len(ends):
+        layers = kept(("cut layer", result.session_uid), (state, look), lambda: [cut_layer(ends, look.cut)])
+        yield Part(result.matrix_world, layers)
+
+
+def _cut(result: bpy.types.Object) -> tuple[Array, NDArray[np.integer]]:
+    """Where a result is cut open, see `cut_of`."""
+    mesh = result.data
+    return kept(("cut", result.session_uid), (version(result, mesh), mesh.is_editmode), lambda: cut_of(mesh))
+
+
+def _plan_cut(plan: bpy.types.Object, seen: Seen, shell: bpy.types.Object, look: Look) -> Iterator[Part]:
+    """The same on the plan, whether the shell is to be seen or not."""
+    _, pairs = _cut(shell)
+    if len(pairs) and pairs.max() < len(seen.mesh.positions):
+        key = version(shell, shell.data), look, seen.number
+        ends = seen.mesh.positions[pairs]
+        layers = kept(("plan cut", plan.session_uid), key, lambda: [cut_layer(ends, look.cut)])
+        yield Part(Matrix.Translation(plan.matrix_world.translation), layers)
 
 
 def _gap_parts(plan, report: dict, shell, context, view, look: Look) -> list[Part]:

@@ -93,7 +93,7 @@ def _draw_layer(layer: Layer, shader, scale: float, alpha: float) -> None:
     *colour, own = layer.colour
     if layer.kind == "LINES":
         shader.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
-        if layer.width > _EDGE and alpha == 1.0:
+        if layer.edged and layer.width > _EDGE and alpha == 1.0:
             shader.uniform_float("lineWidth", scale * (layer.width + _EDGE))
             shader.uniform_float("color", (0.0, 0.0, 0.0, _EDGE_ALPHA * own))
             batch.draw(shader)

@@ -24,10 +24,10 @@ NO_TRIANGLES = np.zeros((0, 3, 3))
 # --- where along the rim --------------------------------------------------------------------
 
 def spread(walk: Walk, spacing: float) -> tuple[Array, Array, Array]:
-    """Points, normals and tangents (n, 3) along a walk, about `spacing` apart in arc length.
+    """Points, normals and tangents (n, 3) along a walk, evenly spaced in arc length and not nearer than `spacing`.
 
-    They are vertices of the walk, the nearest to places that are evenly spaced; its ends, where another group begins,
-    only where it is a whole loop. A single edge has its middle.
+    Where there are no more vertices than that, they are the vertices; else places between them, with normals between
+    theirs. The ends of a walk, where another group begins, are left out. A single edge has its middle.
     """
     steps = np.diff(walk.points, axis=0)
     lengths = np.linalg.norm(steps, axis=1)
@@ -36,25 +36,25 @@ def spread(walk: Walk, spacing: float) -> tuple[Array, Array, Array]:
         return tuple(np.zeros((3, 0, 3)))
     if len(steps) == 1:
         return 0.5 * (walk.points[:1] + walk.points[1:]), walk.middles, steps / total
-    at = np.concatenate([[0.0], np.cumsum(lengths)])[:-1]
-    tangents = _unit(steps + np.roll(steps, 1, axis=0))
-    inside = slice(0, None) if walk.closed else slice(1, None)
-    points, normals, at, tangents = walk.points[:-1][inside], walk.normals[:-1][inside], at[inside], tangents[inside]
-    chosen = _nearest(at, _even(total, spacing, walk.closed))
-    return points[chosen], normals[chosen], tangents[chosen]
+    at = np.concatenate([[0.0], np.cumsum(lengths)])
+    tangents = _unit(_unit(steps) + np.roll(_unit(steps), 1, axis=0))
+    values = np.concatenate([walk.points, walk.normals, np.concatenate([tangents, tangents[:1]])], axis=1)
+    inside = slice(0, -1) if walk.closed else slice(1, -1)
+    places = _even(total, spacing, walk.closed)
+    if len(at[inside]) > len(places):
+        if not walk.closed:
+            at, values = at[inside], values[inside]
+        values = np.stack([np.interp(places, at, column) for column in values.T], axis=1)
+    else:
+        values = values[inside]
+    points, normals, tangents = np.split(values, 3, axis=1)
+    return points, _unit(normals), _unit(tangents)
 
 
 def _even(total: float, spacing: float, closed: bool) -> Array:
     """Places evenly spaced along a length, at most so many as fit."""
     count = max(1, int(total / spacing + 1e-9)) if spacing > 0.0 else 1
     return (np.arange(count) + (0.0 if closed else 0.5)) * total / count
-
-
-def _nearest(at: Array, places: Array) -> NDArray[np.integer]:
-    """Where sorted values are nearest to each of the places; each once."""
-    right = np.searchsorted(at, places).clip(1, max(len(at) - 1, 1)) if len(at) > 1 else np.zeros(1, dtype=np.int64)
-    left = (right - 1).clip(0)
-    return np.unique(np.where(places - at[left] <= at[right] - places, left, right))
 
 
 def dashes(points: Array, period: float, part: float = 0.55) -> Array:
@@ -163,4 +163,4 @@ def wall(points: Array, normal: Array, up: Array, least: float, offset: float | 
 def _unit(vectors: Array) -> Array:
     """Unit vectors along the last axis; zero where there is no direction."""
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0.0)
+    return np.divide(vectors, length, out=np.full_like(vectors, 0.0), where=length != 0.0)

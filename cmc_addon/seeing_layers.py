@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,8 @@ _FLAT = 0.01
 # The active group's lines, in widths of the others'; in pixels: shafts of arrows, strokes, outlines, cuts and gaps.
 _ACTIVE, _SHAFT, _STROKE, _OUTLINE, _BOLD = 1.7, 2.0, 2.0, 1.5, 3.0
 _FILL, _PLATE = 0.12, 0.3
+# Lines of groups while the mesh is edited: how much broader, and alpha.
+_BROAD, _PALE = 2.2, 0.5
 _CORNER: Colour = (0.92, 0.92, 0.92)
 
 PLANAR = {"mirror", "plane"}
@@ -34,7 +36,7 @@ class Layer:
     """Points (n, 3), pairs that are lines or triples that are triangles, with a colour (red, green, blue, alpha).
 
     width: of lines, in pixels of a window at scale 1. hides: whether what lies behind something is left out, as of
-    planes; else it is drawn faintly.
+    planes; else it is drawn faintly. edged: whether lines have a dark edge, to be read on any ground.
     """
 
     kind: str
@@ -42,12 +44,13 @@ class Layer:
     colour: tuple[float, float, float, float]
     width: float = 1.0
     hides: bool = False
+    edged: bool = True
 
 
 @dataclass(frozen=True)
 class Look:
-    """How it is to be drawn: `shown` names of switches, colours of groups by uid, the active group's uid, and the width
-    of lines of groups in pixels."""
+    """How it is to be drawn: `shown` names of switches, colours of groups by uid, the active group's uid, the width
+    of lines of groups in pixels, and whether the mesh is being edited: then what is selected is to be seen below."""
 
     shown: frozenset[str]
     scale: float
@@ -55,6 +58,7 @@ class Look:
     colours: tuple[tuple[int, Colour], ...]
     active: int
     width: float
+    editing: bool
     ungrouped: Colour
     periods: Colour
     cut: Colour
@@ -97,14 +101,21 @@ def arrow_length(rim: Rim, look: Look) -> float:
 def _groups(rim: Rim, look: Look) -> Iterator[Layer]:
     for uid, ends in rim.lines.items():
         if uid != NOBODY:
-            yield lines(ends, look.colour(uid), look.width * (_ACTIVE if uid == look.active else 1.0))
+            yield _edges(ends, look.colour(uid), look.width * (_ACTIVE if uid == look.active else 1.0), look)
+
+
+def _edges(ends: Array, colour: Colour, width: float, look: Look) -> Layer:
+    """Edges of the mesh in the colour of their group; broad and pale where Blender draws the same edges as selected."""
+    if not look.editing:
+        return lines(ends, colour, width)
+    return replace(lines(ends, colour, _BROAD * width, _PALE), edged=False)
 
 
 def _ungrouped(rim: Rim, look: Look) -> Iterator[Layer]:
     period = max(_DASH * rim.size, rim.length / _DASHES)
     found = [shapes.dashes(walk.points, period) for walk in rim.walks if walk.uid == NOBODY]
     whole = [] if rim.walks else [rim.lines.get(NOBODY, shapes.NO_LINES)]
-    yield lines(np.concatenate([shapes.NO_LINES, *found, *whole]), look.ungrouped, look.width)
+    yield _edges(np.concatenate([shapes.NO_LINES, *found, *whole]), look.ungrouped, look.width, look)
 
 
 def _normals(rim: Rim, look: Look) -> Iterator[Layer]:

@@ -28,7 +28,7 @@ _SHOWN = {
         description="Draw the planes of mirrors and constant planes: as the plan's edges suggest them, and after a "
         "solve where the shell has them"),
     "show_periods": partial(
-        BoolProperty, name="Periods", default=True,
+        BoolProperty, name="Gaps", default=True,
         description="Draw the gap around each hole of the active plan as an arrow"),
     "show_cut": partial(
         BoolProperty, name="Cut", default=True,

@@ -254,8 +254,9 @@ def test_there_are_no_more_arrows_than_wanted(addon, columns, count):
     lines = layers(frame(addon), "LINES")[0].points.reshape(-1, 2, 3)
     assert len(lines) == min(columns, count)
     turn = np.sort(np.arctan2(lines[:, 0, 1], lines[:, 0, 0]))
-    steps = np.diff(turn)
-    assert steps.max() - steps.min() < 2.01 * 2 * np.pi / columns, "evenly spaced, as far as there are vertices"
+    assert_allclose(np.diff(turn), 2 * np.pi / len(turn), rtol=2e-4)
+    along = lines[:, 1] - lines[:, 0]
+    assert_allclose(np.cross(along, lines[:, 0])[:, 2], 0.0, atol=1e-4)
 
 
 def test_edges_in_no_group_are_dashed_and_grey(addon):
@@ -270,6 +271,17 @@ def test_edges_in_no_group_are_dashed_and_grey(addon):
     assert_allclose(length, 0.55 * rest, rtol=0.02)
     angle = np.degrees(np.arctan2(layer.points[:, 1], layer.points[:, 0])) % 360
     assert angle[angle > 1e-3].min() > 89
+
+
+def test_in_edit_mode_lines_let_the_selection_through(addon):
+    disc()
+    only("show_groups")
+    (before,) = layers(frame(addon))
+    bpy.ops.object.mode_set(mode="EDIT")
+    (after,) = layers(frame(addon))
+    assert before.colour[3] == 1.0 and before.edged
+    assert after.colour[3] < 0.6 and after.width > before.width and not after.edged
+    bpy.ops.object.mode_set(mode="OBJECT")
 
 
 def test_tangent_planes_are_square_to_the_normals(addon):
@@ -356,6 +368,10 @@ def test_the_cut_is_drawn_on_the_plan_and_on_both_sides_of_the_shell(addon):
         assert tuple(pair) not in rim_edges
     activate(plan.cmc.f_plus)
     assert len(layers(frame(addon))) == 2, "also with the shell active"
+    plan.cmc.f_plus.hide_set(True)
+    activate(plan)
+    assert_allclose(layers(frame(addon))[0].points, on_plan.layers[0].points)
+    assert len(layers(frame(addon))) == 1
 
 
 def test_a_shell_that_closes_has_no_cut(addon):
