@@ -19,29 +19,29 @@ Array = NDArray[np.float64]
 _SEQUENTIAL = np.array(
     [
         (0.976, 0.956, 0.745),
-        (0.710, 0.865, 0.565),
-        (0.345, 0.750, 0.560),
-        (0.110, 0.590, 0.590),
-        (0.105, 0.420, 0.580),
-        (0.155, 0.240, 0.490),
-        (0.140, 0.080, 0.280),
+        (0.740, 0.880, 0.580),
+        (0.410, 0.785, 0.580),
+        (0.150, 0.650, 0.620),
+        (0.130, 0.490, 0.640),
+        (0.170, 0.320, 0.580),
+        (0.210, 0.150, 0.400),
     ]
 )
 _DIVERGING = np.array(
     [
-        (0.070, 0.215, 0.490),
-        (0.150, 0.405, 0.710),
-        (0.470, 0.655, 0.860),
+        (0.085, 0.290, 0.600),
+        (0.200, 0.455, 0.760),
+        (0.500, 0.680, 0.870),
         (0.930, 0.930, 0.910),
-        (0.885, 0.580, 0.290),
-        (0.690, 0.320, 0.050),
-        (0.400, 0.150, 0.020),
+        (0.890, 0.600, 0.310),
+        (0.735, 0.375, 0.080),
+        (0.510, 0.205, 0.020),
     ]
 )
 RAMPS = {"sequential": _SEQUENTIAL, "diverging": _DIVERGING}
 """Name of a ramp -> its colours (k, 3), sRGB, evenly spaced; straight lines between them."""
 
-NOT_KNOWN = (0.5, 0.5, 0.5)
+NOT_KNOWN = (0.72, 0.72, 0.72)
 """Colour (sRGB) where there is no number."""
 
 # Of the numbers this part at either end does not count for the range: corners and poor faces are far off.
@@ -145,8 +145,8 @@ def _told(known: Array, low: float, high: float, centre: float | None) -> Range:
 
 
 def decimals(numbers: list[float]) -> int:
-    """How many decimals tell these numbers apart to a hundredth of their distances."""
+    """How many decimals tell these numbers apart to a tenth of their distances."""
     ordered = sorted(set(numbers))
     gaps = [b - a for a, b in pairwise(ordered)]
     least = min(gaps, default=abs(ordered[0]) if ordered else 1.0)
-    return 0 if least <= 0.0 else max(0, min(9, 2 - math.floor(math.log10(least))))
+    return 0 if least <= 0.0 else max(0, min(9, 1 - math.floor(math.log10(least))))

@@ -55,7 +55,7 @@ def legend_of(context: bpy.types.Context) -> Legend | None:
     found = _range(plan, result)
     if found is None:
         return Legend(by.label, f"Not measured on {result.name}: Solve does", [], None)
-    parts = [_unit(plan.cmc.colour_by), result.name]
+    parts = [_unit(plan.cmc.colour_by, result.cmc.role), result.name]
     return Legend(by.label, "  ".join(part for part in parts if part), labels(plan.cmc.colour_by, found), found)
 
 
@@ -86,9 +86,10 @@ def _range(plan: bpy.types.Object, result: bpy.types.Object) -> Range | None:
     return own
 
 
-def _unit(by: str) -> str:
-    power = QUANTITIES[by].power
-    return {-1: per_length(), -2: f"{per_length()}²"}.get(power, "1 keeps shapes" if by == "DISTORTION" else "")
+def _unit(by: str, role: str) -> str:
+    if by == "DEVIATION":
+        return "from the surface" if role == "NEAREST" else "of the rim"
+    return {-1: per_length(), -2: f"{per_length()}²"}.get(QUANTITIES[by].power, "1 keeps shapes")
 
 
 def labels(by: str, found: Range) -> list[tuple[float, str]]:
@@ -109,7 +110,7 @@ def labels(by: str, found: Range) -> list[tuple[float, str]]:
 
 
 def _number(value: float, digits: int) -> str:
-    return f"{value:.3g}" if digits > 5 or abs(value) >= 1e5 else f"{value:.{digits}f}"
+    return f"{value:.3g}" if not value or digits > 5 or abs(value) >= 1e5 else f"{value:.{digits}f}"
 
 
 # --- drawing -------------------------------------------------------------------------------

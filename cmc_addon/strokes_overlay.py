@@ -19,11 +19,12 @@ from .colours import families
 from .panels import plan_to_solve
 from .strokes import spread, strokes, usual_spacing
 
-# Along the larger and the smaller principal curvature: the two ends of the diverging ramp, darkened.
-_COLOURS = ((0.62, 0.20, 0.0, 1.0), (0.0, 0.20, 0.52, 1.0))
-_WIDTH = 1.6
-# Of the depth of the view: strokes are drawn so much nearer, so that their own surface does not hide them.
-_NEARER = 2e-4
+# Along the larger and the smaller principal curvature; under both a dark edge, to be seen on any colour.
+_COLOURS = ((1.0, 0.62, 0.12, 1.0), (0.45, 0.85, 1.0, 1.0))
+_EDGE = (0.05, 0.05, 0.05, 0.6)
+_WIDTH, _EDGE_WIDTH = 1.6, 3.6
+# Strokes are drawn nearer by this part of their distance, so that their own surface does not hide them.
+_NEARER = 2e-3
 
 _handle = None
 # Mesh -> what its strokes are made of; the strokes as the graphics card has them; which vertices have one.
@@ -67,29 +68,43 @@ def _draw() -> None:
     shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
     shader.bind()
     shader.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
-    shader.uniform_float("lineWidth", context.preferences.system.ui_scale * _WIDTH)
     gpu.state.depth_test_set("LESS_EQUAL")
+    gpu.state.blend_set("ALPHA")
     with gpu.matrix.push_pop_projection():
-        gpu.matrix.load_projection_matrix(nearer(gpu.matrix.get_projection_matrix()))
+        projection, distance = gpu.matrix.get_projection_matrix(), context.region_data.view_distance
+        gpu.matrix.load_projection_matrix(nearer(projection, distance))
         for ob in shown_results(context, plan):
-            _draw_on(shader, ob, plan.cmc)
+            _draw_on(shader, ob, plan.cmc, context.preferences.system.ui_scale)
+    gpu.state.blend_set("NONE")
     gpu.state.depth_test_set("NONE")
 
 
-def nearer(projection: Matrix) -> Matrix:
-    """A projection whose depths are a little less."""
-    moved = projection.copy()
-    moved[2] = moved[2] - _NEARER * moved[3]
-    return moved
+def nearer(projection: Matrix, distance: float) -> Matrix:
+    """A projection for things a little nearer to the eye, at the same place of the picture.
+
+    distance: of the view, which counts where the projection is parallel.
+    """
+    perspective = projection[3][3] == 0.0
+    moved = Matrix.Scale(1.0 - _NEARER, 4) if perspective else Matrix.Translation((0.0, 0.0, _NEARER * distance))
+    if perspective:
+        moved[3][3] = 1.0
+    return projection @ moved
 
 
-def _draw_on(shader, ob: bpy.types.Object, settings) -> None:
+def _draw_on(shader, ob: bpy.types.Object, settings, scale: float) -> None:
+    batches = [pair for pair in zip(_batches_of(shader, ob.data, settings), _COLOURS, strict=True) if pair[0]]
     with gpu.matrix.push_pop():
         gpu.matrix.multiply_matrix(ob.matrix_world)
-        for batch, colour in zip(_batches_of(shader, ob.data, settings), _COLOURS, strict=True):
-            if batch is not None:
-                shader.uniform_float("color", colour)
-                batch.draw(shader)
+        for batch, _ in batches:
+            _draw_lines(shader, batch, _EDGE, scale * _EDGE_WIDTH)
+        for batch, colour in batches:
+            _draw_lines(shader, batch, colour, scale * _WIDTH)
+
+
+def _draw_lines(shader, batch, colour: tuple[float, ...], width: float) -> None:
+    shader.uniform_float("color", colour)
+    shader.uniform_float("lineWidth", width)
+    batch.draw(shader)
 
 
 def _batches_of(shader, mesh: bpy.types.Mesh, settings) -> list:

@@ -169,15 +169,17 @@ def test_strokes_stay_where_they_are_while_a_shell_changes_its_shape():
     assert module("strokes_overlay")._places[result.data.session_uid][1] is kept
 
 
-def test_depths_are_a_little_less():
+def test_strokes_are_drawn_a_little_nearer_and_at_the_same_place():
     from mathutils import Matrix, Vector
 
     projection = Matrix(((1.2, 0, 0, 0), (0, 1.6, 0, 0), (0, 0, -1.002, -0.2), (0, 0, -1, 0)))
-    moved = module("strokes_overlay").nearer(projection)
-    for z in (-1.0, -30.0):
-        clip, other = (matrix @ Vector((0.0, 0.0, z, 1.0)) for matrix in (projection, moved))
-        assert other.z / other.w == pytest.approx(clip.z / clip.w - 2e-4, abs=1e-6)
-        assert (other.x, other.w) == (clip.x, clip.w)
+    moved = module("strokes_overlay").nearer(projection, 20.0)
+    parallel = Matrix(((0.2, 0, 0, 0), (0, 0.3, 0, 0), (0, 0, -0.01, 0), (0, 0, 0, 1)))
+    for old, new in ((projection, moved), (parallel, module("strokes_overlay").nearer(parallel, 20.0))):
+        for z in (-1.0, -30.0):
+            here, there = (matrix @ Vector((0.7, -0.4, z, 1.0)) for matrix in (old, new))
+            assert tuple(there.xy / there.w) == pytest.approx(tuple(here.xy / here.w), abs=1e-6)
+            assert there.z / there.w < here.z / here.w - 1e-5
 
 
 # --- the Gauss image -----------------------------------------------------------------------

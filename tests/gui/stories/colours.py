@@ -1,0 +1,75 @@
+"""Colours by hand: Colour by from its menu, the legend, strokes, the Gauss image, undo, and the shading as it was."""
+
+from __future__ import annotations
+
+import bpy
+
+
+def until(condition, what: str, seconds: float = 60.0):
+    """Wait for something to become true."""
+    waited = 0.0
+    while not condition():
+        assert waited < seconds, f"waited in vain until {what}"
+        waited += 0.05
+        yield 0.05
+
+
+def plan():
+    return bpy.data.objects["Rectangle"]
+
+
+def shading(hands) -> str:
+    return hands.area.spaces.active.shading.color_type
+
+
+HEADER = 28  # height of a panel's header, and of what is between two
+
+
+def open_look(hands):
+    """Look alone is open, whatever panels there are: it has all of the sidebar's height."""
+    side = hands.sidebar
+    x, top = side.x + 60, side.y + side.height - 15
+    yield from hands.click(x, top, ctrl=True)
+    yield from hands.click(x, top)
+    for k in range(10):
+        yield 0.5
+        yield from hands.click(x, top - k * HEADER)
+        yield 0.5
+        try:
+            yield from hands.find("cmc.gauss_image")
+            return
+        except LookupError:
+            yield from hands.click(x, top - k * HEADER)
+    raise LookupError("no panel Look")
+
+
+def tell(hands):
+    bpy.ops.cmc.add_plan(shape="RECTANGLE")
+    plan().data.cmc.groups[0].tilt = 0.4
+    bpy.ops.cmc.solve("EXEC_DEFAULT")
+    bpy.ops.ed.undo_push(message="Solved")
+    hands.area.spaces.active.region_3d.view_distance = 22.0
+    yield 0.5
+    was = shading(hands)
+    assert was != "VERTEX"
+    yield from open_look(hands)
+    for by in ("MEAN_CURVATURE", "GAUSS_CURVATURE", "DISTORTION", "DEVIATION"):
+        plan().cmc.colour_by = by
+        assert shading(hands) == "VERTEX"
+        yield from hands.picture(by.lower().replace("_", "-"))
+    plan().cmc.colour_by = "GAUSS_CURVATURE"
+    plan().cmc.strokes = "BOTH"
+    yield from hands.picture("strokes")
+    hands.area.spaces.active.region_3d.view_rotation = (0.35, 0.9, 0.2, 0.1)
+    yield from hands.picture("below")
+    bpy.ops.ed.undo_push(message="Strokes")
+    hands.area.spaces.active.region_3d.view_rotation = (0.81, 0.46, 0.17, 0.3)
+    yield from hands.click_button("cmc.gauss_image")
+    assert plan().cmc.gauss is not None
+    yield from hands.picture("gauss-image")
+    yield from hands.press("Z", ctrl=True)
+    assert plan().cmc.gauss is None
+    plan().cmc.strokes = "NONE"
+    plan().cmc.colour_by = "NONE"
+    assert shading(hands) == was
+    yield from hands.picture("none")
