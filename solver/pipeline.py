@@ -111,8 +111,8 @@ def count_modes(plan: Plan, settings: Settings, formed: Formed) -> Formed:
     """
     assert formed.solver is not None
     conditions = plan_conditions(plan, settings, formed.solver.domain)
-    modes = modes_on(formed.solver, conditions, formed.surface)
-    return replace(formed, report=replace(formed.report, index=modes.index, nullity=modes.nullity))
+    index, nullity = modes_on(formed.solver, conditions, formed.surface)
+    return replace(formed, report=replace(formed.report, index=index, nullity=nullity))
 
 
 def form_surface(

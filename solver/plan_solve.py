@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 from .errors import ConditionError, Status
 from .gauss.conditions import Conditions
 from .gauss.initial import over_the_other_pole
-from .gauss.saddle_maps import Modes
 from .plan import Plan, Settings, plan_conditions
 from .plan_metric import at_sites, start_map
 from .surface.cmc import CmcSurface
@@ -105,13 +104,19 @@ def off_degree(surface: CmcSurface, degree: float) -> bool:
     return abs(surface.harmonic.degree - degree) > _OTHER_CLASS
 
 
-def modes_on(solver: CmcSolver, conditions: Conditions, surface: CmcSurface) -> Modes:
-    """Unstable and null modes of a surface's map under its conditions; see `modes_of`.
+def modes_on(solver: CmcSolver, conditions: Conditions, surface: CmcSurface) -> tuple[int, int]:
+    """Numbers of unstable and of null modes of a surface's map under its conditions (see `saddle_maps.index_of`).
 
-    Raises `ConditionError` where the map is not critical, since it has no index then.
+    Raises `ConditionError` where the map is not critical, since it has no index then, and where a mode cannot be told
+    from a null one.
     """
     if surface.harmonic.status is not Status.CONVERGED:
         raise ConditionError(
             "Unstable modes are counted at a map that has converged; let the solve reach its tolerance first."
         )
-    return solver.modes(conditions, surface.harmonic.normals)
+    try:
+        return solver.index(conditions, surface.harmonic.normals)
+    except ArithmeticError as error:
+        raise ConditionError(
+            "The modes of this map cannot be counted: one lies between the unstable and the null ones; refine the plan."
+        ) from error

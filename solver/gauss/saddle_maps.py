@@ -102,12 +102,7 @@ def modes_of(
     Lanczos' method finds them. null: fields along which the energy hardly changes; `symmetries.drifts` unless given.
     Modes that are mostly along these, or along free rotations, are null whatever the sign of their λ.
     """
-    problem = problem_of(solver, conditions)
-    system = TangentSystem.of(problem, problem.at(normals))
-    turns = np.cross(free_rotations(problem, normals)[:, None, :], normals)
-    null = null or drifts(problem, normals)
-    fields = turns if null is None else np.concatenate([turns, null(normals)])
-    gauge = system.orthonormal(system.coordinates(fields))
+    system, gauge = _at(solver, conditions, normals, null)
     values, vectors = system.lowest(max(count, system.below(tolerance)), np.zeros((len(system.gradient), 0)))
     known = np.sum((gauge.T @ (system.K @ vectors)) ** 2, axis=0) > 0.5
     is_null = known | (np.abs(values) <= tolerance)
@@ -118,6 +113,37 @@ def modes_of(
         values=values,
         fields=np.stack([system.in_space(v) for v in vectors.T]),
     )
+
+
+def index_of(
+    solver: HarmonicSolver,
+    conditions: Conditions,
+    normals: Array,
+    *,
+    null: Fields | None = None,
+    tolerance: float = _NULL,
+) -> tuple[int, int]:
+    """Index and nullity of a map (S, 3) alone, as `modes_of` has them, at the price of two factorisations.
+
+    Raises `ArithmeticError` where a mode has |λ| equal to the tolerance to all digits.
+    """
+    system, gauge = _at(solver, conditions, normals, null)
+    if np.abs(np.linalg.eigvalsh(gauge.T @ (system.H @ gauge))).max(initial=0.0) < tolerance:
+        gauge = gauge[:, :0]  # null by themselves; a border would be filled by the factorisation
+    index, above = (system.below(shift, gauge) for shift in (-tolerance, tolerance))
+    return index, above - index + gauge.shape[1]
+
+
+def _at(
+    solver: HarmonicSolver, conditions: Conditions, normals: Array, null: Fields | None
+) -> tuple[TangentSystem, Array]:
+    """The second order at a map, and the directions (n, k) along which nothing should change."""
+    problem = problem_of(solver, conditions)
+    system = TangentSystem.of(problem, problem.at(normals))
+    turns = np.cross(free_rotations(problem, normals)[:, None, :], normals)
+    null = null or drifts(problem, normals)
+    fields = turns if null is None else np.concatenate([turns, null(normals)])
+    return system, system.orthonormal(system.coordinates(fields))
 
 
 def problem_of(solver: HarmonicSolver, conditions: Conditions) -> EnergyProblem:

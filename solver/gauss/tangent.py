@@ -130,12 +130,21 @@ class TangentSystem:
         values, vectors = np.linalg.eigh(half @ lifted @ half.T)
         return values[:count], half.T @ vectors[:, :count]
 
-    def below(self, shift: float) -> int:
-        """How many eigenvalues of H v = λ K v are below `shift`: negative pivots of H - shift K (Sylvester)."""
-        factor = _lu(self.H - shift * self.K, 0.0)
+    def below(self, shift: float, gauge: Array | None = None) -> int:
+        """How many eigenvalues of H v = λ K v are below `shift`: negative pivots of H - shift K (Sylvester).
+
+        gauge: (n, k) orthonormal directions that are lifted out of the way. They border the matrix, with -1 over the
+        lift on the diagonal, which adds one negative pivot each.
+        """
+        matrix, count = self.H - shift * self.K, 0
+        if gauge is not None and gauge.shape[1]:
+            count = gauge.shape[1]
+            border = sp.csc_array(self.K @ gauge)
+            matrix = sp.block_array([[matrix, border], [border.T, -sp.eye_array(count) / _LIFTED]])
+        factor = _lu(matrix, 0.0)
         if not np.array_equal(factor.perm_r, factor.perm_c):
             raise ArithmeticError("a pivot vanished")
-        return int((factor.U.diagonal() < 0.0).sum())
+        return int((factor.U.diagonal() < 0.0).sum()) - count
 
 
 def _frames(problem: EnergyProblem, N: Array) -> sp.csr_array:

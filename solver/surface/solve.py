@@ -18,7 +18,7 @@ from ..gauss.admissible import resolved
 from ..gauss.harmonic import HarmonicMap, HarmonicSolver
 from ..gauss.minimise import Progress
 from ..gauss.prescribed import Conditions
-from ..gauss.saddle_maps import Modes, modes_of
+from ..gauss.saddle_maps import index_of
 from .cmc import CmcSurface
 from .conjugate import Conjugate, Conjugation
 from .offsets import AVERAGINGS, Averaging
@@ -99,11 +99,11 @@ class CmcSolver:
         conjugate = self.conjugation.conjugate(harmonic.normals, self.harmonic.energy, planes)
         return self._surface(harmonic, conjugate, averaging, scale, period_tolerance)
 
-    def modes(self, conditions: Conditions, normals: ArrayLike) -> Modes:
-        """Index and null modes of a map (S, 3) that was found under these conditions; see `modes_of`."""
+    def index(self, conditions: Conditions, normals: ArrayLike) -> tuple[int, int]:
+        """Numbers of unstable and of null modes of a map (S, 3) that was found under these conditions."""
         if self._carried:
             conditions = conditions.carried(self._carried.edges)
-        return modes_of(self.harmonic, conditions, np.asarray(normals, dtype=np.float64))
+        return index_of(self.harmonic, conditions, np.asarray(normals, dtype=np.float64))
 
     def _check_on_rim(self, conditions: Conditions) -> None:
         """Fixed sites must lie on the boundary: elsewhere the conjugate would not close around them."""
