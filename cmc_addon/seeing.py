@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from ..solver.errors import CmcError
 from . import group_list, preferences
-from .mesh_bridge import PlanMesh
 from .panels import plan_to_solve
 from .properties import ROLES, parameter_values
 from .results import results_of
@@ -27,7 +26,7 @@ from .seeing_cache import kept, version
 from .seeing_colours import colour_of, other_colour
 from .seeing_layers import Layer, Look, arrow_length, cut_layer, rim_layers
 from .seeing_result import gap_layers, measured, plane_layers, shell_of
-from .seeing_rim import GroupState, Rim, see_rim
+from .seeing_rim import Drawn, GroupState, Rim, see_rim
 from .seeing_settings import SHOWN
 from .settings import SIDES
 
@@ -112,29 +111,31 @@ class Seen:
     number: of its own, in place of a comparison.
     """
 
-    mesh: PlanMesh
+    drawn: Drawn
     rim: Rim
     number: int = field(default_factory=count().__next__)
 
 
 def _seen(context: bpy.types.Context, plan: bpy.types.Object) -> Seen | None:
-    """The plan's arrays and its rim; None where it cannot be read."""
+    """The plan and its rim; None where it cannot be read."""
     settings, groups = plan.cmc, group_states(plan.data)
     matrix = plan.matrix_world.to_3x3().to_4x4()
-    modified = settings.apply_modifiers
-    plain = (settings.blend, SIDES[settings.side])
-    key = (version(plan, plan.data), plan.mode, modified, tuple(map(tuple, matrix)), groups, plain)
+    uids, modified = tuple(group.uid for group in groups), settings.apply_modifiers
+    shape = (version(plan, plan.data), plan.mode, modified, tuple(map(tuple, matrix)), uids)
+    prescribed = groups, settings.blend, SIDES[settings.side]
 
-    def make() -> Seen | None:
+    def draw() -> Drawn | None:
         depsgraph = context.view_layer.depsgraph or context.evaluated_depsgraph_get()
         try:
-            mesh = seen_plan(plan, depsgraph, np.array(matrix, dtype=np.float64), modified)
+            return Drawn.of(seen_plan(plan, depsgraph, np.array(matrix, dtype=np.float64), modified), uids)
         except CmcError:
             return None
-        with np.errstate(all="ignore"):  # of faces without area no more is known than that
-            return Seen(mesh, see_rim(mesh, groups, *plain))
 
-    return kept(("plan", plan.session_uid), key, make)
+    with np.errstate(all="ignore"):  # of faces without area no more is known than that
+        drawn = kept(("drawn", plan.session_uid), shape, draw)
+        key = id(drawn), prescribed
+        seen = kept(("seen", plan.session_uid), key, lambda: drawn and Seen(drawn, see_rim(drawn, *prescribed)))
+    return seen
 
 
 def _plan_parts(plan: bpy.types.Object, seen: Seen, look: Look, walls: frozenset[int]) -> list[Part]:
@@ -180,9 +181,9 @@ def _cut(result: bpy.types.Object) -> tuple[Array, NDArray[np.integer]]:
 def _plan_cut(plan: bpy.types.Object, seen: Seen, shell: bpy.types.Object, look: Look) -> Iterator[Part]:
     """The same on the plan, whether the shell is to be seen or not."""
     _, pairs = _cut(shell)
-    if len(pairs) and pairs.max() < len(seen.mesh.positions):
+    if len(pairs) and pairs.max() < len(seen.drawn.positions):
         key = version(shell, shell.data), look, seen.number
-        ends = seen.mesh.positions[pairs]
+        ends = seen.drawn.positions[pairs]
         layers = kept(("plan cut", plan.session_uid), key, lambda: [cut_layer(ends, look.cut)])
         yield Part(Matrix.Translation(plan.matrix_world.translation), layers)
 

@@ -50,6 +50,7 @@ def kept(slot: object, key: object, make: Callable[[], T]) -> T:
     """The value of `make()`, made again when the key has changed: at once, or soon, with the last one until then."""
     entry, now = _kept.get(slot), time.perf_counter()
     if entry is not None:
+        _kept.move_to_end(slot)
         if entry.key == key:
             return entry.value  # type: ignore[return-value]
         if not bpy.app.background and not entry.is_due(key, now):

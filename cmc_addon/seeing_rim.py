@@ -65,7 +65,7 @@ class Rim:
     """The rim of a plan. lines: uid → ends (n, 2, 3) of its boundary edges; there even where nothing else is known.
 
     corners, corner_normals (k, 3): vertices between two mirrors, and which way the shell faces there. up (3,): the area
-    vector of the plan. size: the diagonal of its bounding box.
+    vector of the plan. size: the diagonal of the bounding box of its boundary.
     """
 
     groups: tuple[GroupState, ...]
@@ -84,25 +84,43 @@ class Rim:
         return next((group for group in self.groups if group.uid == uid), None)
 
 
-def see_rim(mesh: PlanMesh, groups: Sequence[GroupState], blend: float = 0.0, side: int = 1) -> Rim:
-    """The rim of a plan as it is drawn. Never raises for what is drawn: what cannot be known is left out.
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """A plan as it is drawn, whatever its groups prescribe: what stays when only that changes.
+
+    positions (V, 3); lines and size as in `Rim`; strip: the faces along the rim, None where they are no surface.
+    """
+
+    positions: Array
+    lines: dict[int, Array]
+    size: float
+    flipped: tuple[int, ...] = ()
+    strip: _Strip | None = None
+
+    @classmethod
+    def of(cls, mesh: PlanMesh, uids: Sequence[int]) -> Drawn:
+        """Of a mesh whose groups have these uids. Never raises for what is drawn: what cannot be known is left out."""
+        owner = np.where(np.isin(mesh.groups, np.array(uids, dtype=np.int64)), mesh.groups, NOBODY)
+        rim = _rim_edges(mesh)
+        lines = {int(uid): mesh.positions[mesh.edges[rim[owner[rim] == uid]]] for uid in np.unique(owner[rim])}
+        bare = cls(mesh.positions, lines, _diagonal(mesh.positions[mesh.edges[rim].ravel()]), mesh.flipped_corners)
+        if len(mesh.starts) < 2 or not len(rim):
+            return bare
+        try:
+            return replace(bare, strip=_Strip.of(mesh, rim, owner[rim]))
+        except CmcError:
+            return bare
+
+
+def see_rim(drawn: Drawn, groups: Sequence[GroupState], blend: float = 0.0, side: int = 1) -> Rim:
+    """What groups prescribe along the rim of a plan as it is drawn; never raises for what they do.
 
     Where the conditions contradict each other, groups that make no sense are left out, and after that single vertices.
     """
-    uids = np.array([group.uid for group in groups], dtype=np.int64)
-    owner = np.where(np.isin(mesh.groups, uids), mesh.groups, NOBODY)
-    rim = _rim_edges(mesh)
-    lines = {
-        int(uid): mesh.positions[mesh.edges[rim[owner[rim] == uid]]] for uid in np.unique(owner[rim])
-    }
-    bare = Rim(tuple(groups), lines, _diagonal(mesh.positions))
-    if len(mesh.starts) < 2 or not len(rim):
+    bare, strip = Rim(tuple(groups), drawn.lines, drawn.size), drawn.strip
+    if strip is None:
         return bare
-    try:
-        strip = _Strip.of(mesh, rim, owner[rim])
-    except CmcError:
-        return bare
-    held = _held(strip, groups, blend, side, mesh.flipped_corners)
+    held = _held(strip, groups, blend, side, drawn.flipped)
     at = held.corners[held.corners < strip.rim_count]
     return replace(
         bare,
