@@ -1,6 +1,6 @@
 """Inverse problems: the boundary normals whose surface comes nearest to what is wanted."""
 
-from .bubbles import Bubble, wente
+from .bubbles import Bubble, wente, wente_start
 from .closing import Closing, close_periods
 from .fit import Fit, FitStatus, Start, fit
 from .gauss_map import fit_gauss_map
@@ -30,4 +30,5 @@ __all__ = [
     "tubes",
     "wente",
     "wente_height",
+    "wente_start",
 ]

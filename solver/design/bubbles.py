@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..domain import shapes
 from ..domain.domain import Domain
@@ -19,7 +19,8 @@ from ..errors import ConditionError
 from ..gauss import conditions as ways
 from ..gauss.conditions import Conditions
 from ..gauss.saddle_maps import flat_axis
-from ..linalg import check_number
+from ..gauss.sphere import exp
+from ..linalg import as_numbers, check_number
 from ..surface.cmc import CmcSurface
 from ..surface.sides import Side
 from ..surface.solve import CmcSolver
@@ -120,6 +121,19 @@ def wente(
         solver = CmcSolver(domain)
         surface = solver.solve(held, mean_curvature=mean_curvature, progress=progress if closing is None else None)
     return Bubble(float(angle), domain, positions, held, sides, surface, first, closing, cylinder_count(angle))
+
+
+def wente_start(points: ArrayLike, angle: float, height: float, push: float = 1.5) -> Array:
+    """N (V, 3) of a start on the whole cylinder, of unrolled points (x, y) in [0, 2π) × [0, height].
+
+    The long arc, pushed off its plane by `push` radians times sin(π y / height) sin x. From there `saddle` finds the
+    map of index 1 on meshes that have none of its symmetries; a push of 0.6 is too little.
+    """
+    check_angle(angle)
+    x, y = as_numbers(points, "Points of a cylinder", ConditionError)[:, :2].T
+    turn = (angle - 2.0 * np.pi) * y / height
+    arc = np.column_stack([np.cos(turn), np.sin(turn), np.zeros_like(turn)])
+    return exp(arc, np.outer(push * np.sin(np.pi * y / height) * np.sin(x), AXIS))
 
 
 def cylinder_count(angle: float) -> int | None:

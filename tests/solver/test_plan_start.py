@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from solver import CmcError, MeshError, complete, shapes
+from solver import CmcError, MeshError, complete, shapes, wente
 from solver.errors import JobError
 from solver.job import make_job, run_job
 from solver.pipeline import Group, Plan, Settings, count_modes, form
@@ -16,14 +16,13 @@ from solver.plan import matches, plan_domain
 from solver.plan_metric import side_lengths
 from solver.start_table import write_start
 from solver.surface.whole import whole
-from tests.solver.wente import closed_quarter
 
 
 @pytest.fixture(scope="module")
 def torus() -> Plan:
     """Wente's torus as a map of a flat one, drawn as a lump: only the lengths say that it is a torus."""
-    closing, sides, _ = closed_quarter(120, 8, 1.7)
-    found = whole(complete(closing.surface, sides))
+    quarter = wente(np.radians(120), 8)
+    found = whole(complete(quarter.surface, quarter.sides))
     drawn = 3.0 * found.normals + np.random.default_rng(0).uniform(-0.3, 0.3, found.normals.shape) + [5.0, 1.0, 2.0]
     return Plan(drawn, found.domain.faces, lengths=found.domain.side_lengths, initial=found.normals)
 

@@ -1,50 +1,30 @@
-"""Wente's tori for tests: quarters that are minimisers, closed over their height, and whole cylinders."""
+"""Whole Wente cylinders whose meshes have no symmetry, and maps moved a little, for tests of saddles."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from solver import Side, close_periods, conditions, shapes
-from solver.design.closing import Closing
-from solver.design.moduli import tube
-from solver.gauss.sphere import exp
+from solver import HarmonicSolver, conditions
+from solver.design import wente_height, wente_start
+from solver.gauss.saddle_maps import problem_of
+from solver.gauss.sphere import normalize
 from tests.solver import exact
 from tests.solver.pieces import edges_where
 
-HEIGHTS = {120: 1.6248255393, 60: 2.0891548753}
 
-
-def far_normal(angle: float) -> np.ndarray:
-    return np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle)), 0.0])
-
-
-def closed_quarter(angle: float, columns: int, height: float) -> tuple[Closing, list[Side], float]:
-    """From that height: N goes the long way along the left side, a mirror; the right side is free. It closes where the
-    mirror's plane goes through the point in which the free side inverts."""
-    shape, far = shapes.strip(0.5 * np.pi, height, columns), far_normal(angle)
-    domain, sides = shape.domain, shape.sides
-    ends = conditions.fixed(domain, sides["bottom"], [1, 0, 0]) + conditions.fixed(domain, sides["top"], far)
-    held = ends + conditions.mirror(domain, sides["left"], [0, 0, 1], winding=1)
-    named = [
-        Side("left", sides["left"], "mirror", (0, 0, 1)),
-        Side("right", sides["right"], "free"),
-        Side("bottom", sides["bottom"], "tangent", (1, 0, 0)),
-        Side("top", sides["top"], "tangent", far),
-    ]
-    every = np.arange(len(domain.faces))
-    longer = tube(domain, shape.positions[domain.faces], every, (0, 1))
-    closing = close_periods(domain, held, by="moduli", moduli=longer, coplanar=[named[:2]], tolerance=1e-10)
-    return closing, named, height * float(np.exp(closing.moduli[0]))
-
-
-def jittered_cylinder(angle: float, columns: int, seed: int, push: float = 1.5):
-    """A whole cylinder, its conditions, and a start: the long arc pushed off its plane by sin · sin."""
-    height = HEIGHTS[int(angle)]
+def jittered_cylinder(angle: float, columns: int, seed: int):
+    """A cylinder of the height that closes, its conditions, and the start that is told in docs/bubbles.md. Radians."""
+    height = wente_height(angle)
     domain, points = exact.cylinder(height, columns, seed=seed)
     bottom, top = (edges_where(domain, points, lambda p, y=y: np.abs(p[:, 1] - y) < 1e-9) for y in (0.0, height))
-    held = conditions.fixed(domain, bottom, [1, 0, 0]) + conditions.fixed(domain, top, far_normal(angle))
-    x, y = points.T
-    turn = (np.radians(angle) - 2.0 * np.pi) * y / height
-    arc = np.column_stack([np.cos(turn), np.sin(turn), 0.0 * turn])
-    off = push * np.sin(np.pi * y / height) * np.sin(x)
-    return domain, held, exp(arc, np.outer(off, [0.0, 0.0, 1.0]))
+    held = conditions.fixed(domain, bottom, [1, 0, 0])
+    held += conditions.fixed(domain, top, [np.cos(angle), np.sin(angle), 0.0])
+    return domain, held, wente_start(points, angle, height)
+
+
+def nearby(solver: HarmonicSolver, normals: np.ndarray, amount: float = 0.05) -> np.ndarray:
+    """The normals of a closed domain moved by a smooth random field of up to `amount`."""
+    problem = problem_of(solver, conditions.Conditions())
+    noise = np.random.default_rng(1).standard_normal(normals.shape)
+    smooth = problem.dirichlet.precondition(problem.graph.areas[:, None] * noise)
+    return normalize(normals + amount * smooth / np.abs(smooth).max())
