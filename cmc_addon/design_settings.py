@@ -4,7 +4,6 @@ Knobs come from the solver's registry: one added there appears here, and needs t
 """
 
 import math
-from collections.abc import Callable
 from functools import partial
 from types import SimpleNamespace
 
@@ -13,6 +12,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty
 
 from ..solver.design.wishes import KNOBS
 from ..solver.errors import CmcError
+from .changes import tell, telling
 
 KNOB_PROPERTY = {name.upper(): f"fit_{name}" for name in KNOBS}
 """Knob (an enum identifier) -> the setting with its number."""
@@ -167,21 +167,12 @@ def _can_be_curve(owner, ob) -> bool:
     return ob.type in {"MESH", "CURVE"} and ob.cmc.role == "NONE" and ob != owner.id_data
 
 
-watchers: list[Callable[[bpy.types.Object], None]] = []
-"""Called with the plan of which a setting of Fit to Outline has changed."""
-
-
-def _tell(owner, _context) -> None:
-    for told in watchers:
-        told(owner.id_data)
-
-
 def stored_design_annotations() -> dict:
     """The settings of both operators, for `Object.cmc`."""
     stored = {name: make() for name, make in _APPROXIMATE.items()}
-    stored |= {name: make(update=_tell) for name, make in _FIT.items()}
+    stored |= {name: telling(make) for name, make in _FIT.items()}
     stored["follow"] = BoolProperty(
-        name="Follow", description="The fitted shell follows while the settings above are changed", update=_tell
+        name="Follow", description="The fitted shell follows while the settings above are changed", update=tell
     )
     stored["fit_curve"] = PointerProperty(
         name="Curve",

@@ -7,42 +7,39 @@ number. What came of it is one step of undo.
 
 from __future__ import annotations
 
-from collections.abc import Generator
 from types import SimpleNamespace
 
 import bpy
 from bpy.app.handlers import persistent
 
 from ..solver.errors import CmcError
-from . import preview, session
-from .design_settings import FIT_SETTINGS, KNOB_PROPERTY, stored_settings, watchers
+from . import preview
+from .changes import watchers
+from .design_settings import FIT_SETTINGS, KNOB_PROPERTY, stored_settings
+from .errands import TICK, Errand, listen, may_start, rest, unlisten, wake
 from .fit_order import FitOrder, Latest, fulfilled, go_on, take_fit
 from .operators.solve import by_uid, redraw
 from .results import check_writable, result_of
 
-_TICK = 0.02
-
 
 class Following:
-    """The plan whose shell follows, as the number that survives undo; its fit while one runs; whether it has moved; the
-    plan with which something went wrong, and what."""
+    """The plan whose shell follows, as the number that survives undo; its fit while one is under way; whether it
+    has moved; the plan with which something went wrong, and what."""
 
     uid: int | None = None
-    order: FitOrder | None = None
-    work: Generator | None = None
+    errand: Errand | None = None
     moved: bool = False
     problem: tuple[int, str] | None = None
 
 
-def changed(plan: bpy.types.Object) -> None:
-    """A setting of this plan has changed: see to it from the next tick on."""
-    if not plan.cmc.follow or result_of(plan, "FIT") is None:
+def changed(what: bpy.types.ID) -> None:
+    """A setting has changed: if it is one of a plan whose shell follows, see to it from the next tick on."""
+    if not isinstance(what, bpy.types.Object) or not what.cmc.follow or result_of(what, "FIT") is None:
         return
-    if Following.uid != plan.session_uid:
+    if Following.uid != what.session_uid:
         stop()
-    Following.uid, Following.problem = plan.session_uid, None
-    if not bpy.app.background and not bpy.app.timers.is_registered(tick):  # there timers never fire
-        bpy.app.timers.register(tick, first_interval=0.0)
+    Following.uid, Following.problem = what.session_uid, None
+    wake(tick)
 
 
 def tick() -> float | None:
@@ -52,7 +49,7 @@ def tick() -> float | None:
         stop()
         return None
     try:
-        return _TICK if _advance(bpy.context, plan) else None
+        return TICK if _advance(bpy.context, plan) else None
     except CmcError as error:
         stop()
         Following.problem = plan.session_uid, str(error)
@@ -63,25 +60,23 @@ def tick() -> float | None:
 def _advance(context: bpy.types.Context, plan: bpy.types.Object) -> bool:
     """Whether there is more to do."""
     wanted = stored_settings(plan.cmc, FIT_SETTINGS)
-    if Following.work is None:
-        if session.Running.stop is not None:
+    if Following.errand is None:
+        if not may_start():
             return True
         if _is(wanted, fulfilled(plan)):
             return _end()
         check_writable(plan)
-        order = go_on(take_fit(context, plan, wanted, plan.cmc.fit_curve, plan.cmc.fit_anchors), plan)
-        Following.order = order
-        Following.work = session.steps(order.work, order.settings.tolerance, wait=0.0, gives_way=True)
-    elif not _is(wanted, Following.order.settings):
-        Following.order.newer.set()
-    try:
-        while next(Following.work) is not None:
-            pass
-    except StopIteration as end:
-        return _deliver(context, plan, end.value)
-    if Following.order.latest is not None:
-        preview.show(*Following.order.latest)
-        Following.order.latest = None
+        order = take_fit(context, plan, wanted, plan.cmc.fit_curve, plan.cmc.fit_anchors)
+        Following.errand = Errand(go_on(order, plan))
+    elif not _is(wanted, Following.errand.order.settings):
+        Following.errand.order.newer.set()
+    has_ended, outcome = Following.errand.look()
+    if has_ended:
+        return _deliver(context, plan, outcome)
+    order: FitOrder = Following.errand.order
+    if order.latest is not None:
+        preview.show(*order.latest)
+        order.latest = None
         redraw(context)
     return True
 
@@ -96,7 +91,7 @@ def _is(wanted: SimpleNamespace, settings: SimpleNamespace | None) -> bool:
 
 
 def _deliver(context: bpy.types.Context, plan: bpy.types.Object, outcome) -> bool:
-    order, Following.order, Following.work = Following.order, None, None
+    order, Following.errand = Following.errand.order, None
     preview.clear()
     if outcome is None:  # it has given way to a solve, after which it begins again
         return True
@@ -120,10 +115,10 @@ def _end() -> bool:
 
 def stop() -> None:
     """Leave the shell as it is now."""
-    if Following.work is not None:
-        Following.work.close()
+    if Following.errand is not None:
+        Following.errand.drop()
         preview.clear()
-    Following.uid = Following.order = Following.work = None
+    Following.uid = Following.errand = None
     Following.moved, Following.problem = False, None
 
 
@@ -140,23 +135,17 @@ def _on_load(*_) -> None:
     Latest.fit = Latest.drawn = Latest.settings = None
 
 
-def _handlers() -> list[tuple[list, object]]:
-    handlers = bpy.app.handlers
-    return [(handlers.undo_pre, _on_undo), (handlers.redo_pre, _on_undo), (handlers.load_pre, _on_load)]
+_HANDLERS = {"undo_pre": _on_undo, "redo_pre": _on_undo, "load_pre": _on_load}
 
 
 def register() -> None:
     watchers.append(changed)
-    for handlers, told in _handlers():
-        handlers.append(told)
+    listen(_HANDLERS)
 
 
 def unregister() -> None:
     stop()
-    if bpy.app.timers.is_registered(tick):
-        bpy.app.timers.unregister(tick)
+    rest(tick)
     if changed in watchers:
         watchers.remove(changed)
-    for handlers, told in _handlers():
-        if told in handlers:
-            handlers.remove(told)
+    unlisten(_HANDLERS)

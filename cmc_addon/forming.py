@@ -6,6 +6,7 @@ Between the two lies the work itself, which sees no Blender data and may run in 
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 
@@ -58,7 +59,7 @@ class Order:
                 settings,
                 solver=prepared.solver,
                 progress=progress,
-                intersections=self.settings.intersections,
+                intersections=self.settings.intersections and asking(progress),
             )
         except CmcError as error:
             raise in_plan_numbers(error, self.mesh, prepared.triangles, prepared.owners) from error
@@ -84,6 +85,11 @@ class Order:
     def deliver(self, context: bpy.types.Context, plan: bpy.types.Object, outcome: Outcome) -> list[str]:
         """Write the results of the plan; see `deliver`."""
         return deliver(context, plan, self, outcome)
+
+
+def asking(progress: session.Progress) -> Callable[[], bool]:
+    """Whether work without steps is still wanted: its progress is that of the last of the steps before it."""
+    return lambda: progress(-1, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -238,9 +244,19 @@ def deliver(
 
     Raises `CmcError`, with nothing changed, where the plan is not what it was when the order was taken.
     """
+    check_unchanged(plan, plan_depsgraph(context, order.settings), order.mesh)
+    warnings = put_results(context, plan, order, outcome)
+    for name in SETTINGS:
+        setattr(plan.cmc, name, getattr(order.settings, name))
+    return warnings
+
+
+def put_results(
+    context: bpy.types.Context, plan: bpy.types.Object, order: Order, outcome: Outcome
+) -> list[str]:
+    """The same for a plan whose polygons, at least, are those that the order was taken with; its settings stay."""
     settings, formed = order.settings, outcome.formed
     depsgraph = plan_depsgraph(context, settings)
-    check_unchanged(plan, depsgraph, order.mesh)
     wanted = wanted_roles(settings)
     warnings = [*order.warnings, *formed.warnings]
     writer = Writer(context, plan, depsgraph, order.mesh, outcome.cut)
@@ -263,8 +279,6 @@ def deliver(
     tell(context, plan, outcome, warnings)
     show_wanted(plan, wanted)
     hide_completed(plan, True)
-    for name in SETTINGS:
-        setattr(plan.cmc, name, getattr(settings, name))
     plan.cmc.message = formed.message
     colours.repaint(plan)
     return warnings

@@ -32,13 +32,15 @@ from bpy.props import (
 )
 
 from ..solver.gauss.conditions import KINDS
+from .changes import tell
 from .colour_settings import stored_colour_annotations
 from .design_settings import stored_design_annotations
 from .export_settings import stored_export_annotations
 from .group_list import free_name
+from .live_settings import live_annotations
 from .periods_settings import stored_period_annotations
 from .seeing_settings import seeing_annotations
-from .settings import setting_annotations
+from .settings import stored_setting_annotations
 from .symmetry_settings import stored_complete_annotations
 
 GROUP_ATTRIBUTE = "cmc_group"
@@ -74,8 +76,8 @@ def parameter_values(kind: str, owner) -> dict:
     return values
 
 
-def _parameter_property(parameter, options: set):
-    texts = {"name": parameter.label, "description": parameter.description, "options": options}
+def _parameter_property(parameter, options: set, more: dict):
+    texts = {**more, "name": parameter.label, "description": parameter.description, "options": options}
     if isinstance(parameter.default, (tuple, list)):
         return FloatVectorProperty(**texts, size=3, default=parameter.default, subtype="DIRECTION")
     if parameter.unit in ("radians", "rad", "angle", "degrees"):
@@ -83,15 +85,15 @@ def _parameter_property(parameter, options: set):
     return FloatProperty(**texts, default=parameter.default)
 
 
-def condition_annotations(options=frozenset()) -> dict:
-    """`kind` and the parameters of every kind, for a group or an operator."""
+def condition_annotations(options=frozenset(), **more) -> dict:
+    """`kind` and the parameters of every kind, for a group or an operator; `more` goes to each property."""
     options = set(options)
     annotations = {"kind": EnumProperty(
         name="Kind", description="What the tangent planes of the shell do along these edges",
         items=kind_items(), default="BINORMAL", options=options)}
     for kind in KINDS.values():
         for parameter in kind.parameters:
-            annotations[parameter.name] = _parameter_property(parameter, options)
+            annotations[parameter.name] = _parameter_property(parameter, options, more)
     return annotations
 
 
@@ -139,7 +141,7 @@ class CmcGroup(bpy.types.PropertyGroup):
     __annotations__ = {
         "name": StringProperty(name="Name", description="Name of the group", update=_keep_names_different),
         "uid": IntProperty(name="Identifier", description="Value of the edge attribute for this group"),
-        **condition_annotations(),
+        **condition_annotations(update=tell),
         "across": EnumProperty(
             name="Goes On", description="Whether Complete by Symmetry continues the shell across these edges",
             items=_ACROSS, default="AUTO"),
@@ -169,7 +171,8 @@ class CmcObject(bpy.types.PropertyGroup):
     """Settings of a plan and links to its results; on a result its role and its plan."""
 
     __annotations__ = {
-        **setting_annotations(),
+        **stored_setting_annotations(),
+        **live_annotations(),
         **stored_design_annotations(),
         **stored_complete_annotations(),
         **stored_period_annotations(),

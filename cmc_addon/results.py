@@ -165,7 +165,7 @@ class Writer:
         measures: attribute -> values, of a sheet that is measured; those that are missing are removed.
         """
         fresh = fresh_mesh(self.plan, self.depsgraph, self.mesh, self.cut)
-        self._place(self._put(role, fresh, self._cut_weights()), points, normals, measures)
+        put_points(self._put(role, fresh, self._cut_weights()), self.origin, points, normals, measures)
 
     def write_polygons(
         self,
@@ -178,13 +178,13 @@ class Writer:
         """The same with the polygons of a dual or corner mesh, formed on the plan's triangles (see `polygon_mesh`)."""
         fresh = polygon_mesh(self.plan, self.depsgraph, self.mesh, triangles, owners, sheet)
         result = self._put(role, fresh, row_weights(sheet, self.weights, len(self.mesh.positions)))
-        self._place(result, sheet.points, sheet.normals, measures)
+        put_points(result, self.origin, sheet.points, sheet.normals, measures)
 
     def write_alike(self, role: str, like: bpy.types.Object, points: NDArray, normals: NDArray) -> bpy.types.Object:
         """Make the result in this role with the mesh of another result, and points of its own."""
         weights = vertex_weights(like.data, len(self.group_names))
         result = self._put(role, like.data.copy(), weights)
-        self._place(result, points, normals, {})
+        put_points(result, self.origin, points, normals, {})
         return result
 
     def _put(self, role: str, fresh: bpy.types.Mesh, weights: list[dict[int, float]]) -> bpy.types.Object:
@@ -194,23 +194,11 @@ class Writer:
             result = self._new(role, fresh)
         else:
             put_mesh(result, fresh)
-            self._follow(result)
+            move_along(result, self.origin)
         if result.data.shape_keys is not None:
             result.shape_key_clear()
         put_weights(result, self.group_names, weights)
         return result
-
-    def _place(
-        self,
-        result: bpy.types.Object,
-        points: NDArray,
-        normals: NDArray,
-        measures: Mapping[str, NDArray] | None,
-    ) -> None:
-        if measures is not None:
-            put_measures(result.data, measures)
-        set_attribute(result.data, NORMAL_ATTRIBUTE, "FLOAT_VECTOR", "POINT", normals)
-        set_positions(result.data, points - self.origin)
 
     def _new(self, role: str, mesh: bpy.types.Mesh) -> bpy.types.Object:
         _forget(self.plan, role)
@@ -227,13 +215,6 @@ class Writer:
         setattr(self.plan.cmc, role.lower(), result)
         return result
 
-    def _follow(self, result: bpy.types.Object) -> None:
-        """Move a result by as much as its plan was moved since it was written."""
-        moved = self.origin - np.array(result.cmc.placed_at, dtype=np.float64)
-        if moved.any() and result.parent is None:
-            result.location = np.array(result.location, dtype=np.float64) + moved
-        result.cmc.placed_at = self.origin
-
     def _collection(self) -> bpy.types.Collection:
         """The plan's own collection, made if it has none in this scene."""
         collection = self.plan.cmc.collection
@@ -248,6 +229,30 @@ class Writer:
         self.scene.collection.children.link(collection)
         self.plan.cmc.collection = collection
         return collection
+
+
+def move_along(result: bpy.types.Object, origin: NDArray) -> None:
+    """Move a result by as much as its plan, whose origin (3,) is given, was moved since it was written."""
+    moved = origin - np.array(result.cmc.placed_at, dtype=np.float64)
+    if not moved.any():
+        return
+    if result.parent is None:
+        result.location = np.array(result.location, dtype=np.float64) + moved
+    result.cmc.placed_at = origin
+
+
+def put_points(
+    result: bpy.types.Object,
+    origin: NDArray,
+    points: NDArray,
+    normals: NDArray,
+    measures: Mapping[str, NDArray] | None,
+) -> None:
+    """Write points (n, 3) in the world, normals (n, 3) and measures into a result; origin (3,): that of the plan."""
+    if measures is not None:
+        put_measures(result.data, measures)
+    set_attribute(result.data, NORMAL_ATTRIBUTE, "FLOAT_VECTOR", "POINT", normals)
+    set_positions(result.data, points - origin)
 
 
 def _forget(plan: bpy.types.Object, role: str) -> None:

@@ -2,9 +2,8 @@
 
 A plan that has not moved keeps its triangles, its domain and the solver's factorisation, found by a
 fingerprint of positions and polygons and by what the solver is made for (sites, energy, triangulation), so that
-changing a boundary condition costs no new factorisation. The
-work itself runs in a thread that never touches Blender's data; `steps` is the one way to run it, for a script
-that waits and for a window that goes on drawing.
+changing a boundary condition costs no new factorisation. The work itself runs in a thread that never touches
+Blender's data; `steps` is the one way to run it, for a script that waits and for a window that goes on drawing.
 """
 
 from __future__ import annotations
@@ -18,10 +17,12 @@ from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from typing import TypeVar
 
+import bpy
 import numpy as np
 from numpy.typing import NDArray
 
 from ..solver.errors import CmcError
+from ..solver.linalg import Patience
 from ..solver.plan import Settings, plan_domain
 from ..solver.polygons import triangulate_polygons
 from ..solver.surface.solve import CmcSolver
@@ -85,19 +86,72 @@ def _prepare(plan: PlanMesh, drawn: bytes, choice: Choice) -> Prepared:
     return Prepared(triangles, owners, solver)
 
 
+# Unknowns whose factorisation by cholespy would hold up a window for about a tenth of a second.
+_PATIENT = 20_000
+
+
 def register() -> None:
-    """Nothing to do: what is kept comes with use."""
+    """Beside a window large matrices are factored in a way that lets it go on drawing."""
+    Patience.largest = math.inf if bpy.app.background else _PATIENT
 
 
 def unregister() -> None:
     """Stop what runs, drop what is kept."""
     cancel()
     forget()
+    Patience.largest = math.inf
 
 
 def forget() -> None:
     """Drop the prepared plans."""
     _prepared.clear()
+
+
+def prepare_near(plan: PlanMesh, choice: Choice, other: PlanMesh, prepared: Prepared) -> Prepared:
+    """A plan made ready for an answer while its vertices are dragged, from `other`, prepared, before the last move.
+
+    Where only positions have changed, and the triangles are the same, what was worked out of them serves again, and
+    the factors do nearly. Nothing of this is kept here. Raises `MeshError` in the plan's own numbering.
+    """
+    if not same_polygons(plan, other) or plan.lengths is not None or plan.initial is not None:
+        return prepare(plan, choice)
+    if np.array_equal(plan.positions, other.positions):
+        return prepared
+    if not _same_triangles(plan, other, prepared):
+        return prepare(plan, choice)
+    a, b = prepared.solver.domain.edges.T
+    lengths = np.linalg.norm(plan.positions[b] - plan.positions[a], axis=1)
+    try:
+        return Prepared(prepared.triangles, prepared.owners, prepared.solver.moved(lengths))
+    except CmcError as error:
+        raise in_plan_numbers(error, plan, prepared.triangles, prepared.owners) from error
+
+
+def same_polygons(plan: PlanMesh, other: PlanMesh) -> bool:
+    """Whether two plans have the same polygons of the same vertices."""
+    return (
+        len(plan.positions) == len(other.positions)
+        and plan.mirrored == other.mirrored
+        and np.array_equal(plan.corners, other.corners)
+        and np.array_equal(plan.starts, other.starts)
+    )
+
+
+def _same_triangles(plan: PlanMesh, other: PlanMesh, prepared: Prepared) -> bool:
+    """Whether the polygons with more than three corners of which a vertex has moved are cut as before."""
+    sizes = np.diff(plan.starts)
+    has_moved = (plan.positions != other.positions).any(axis=1)
+    touched = (sizes > 3) & np.logical_or.reduceat(has_moved[plan.corners], plan.starts[:-1])
+    if not touched.any():
+        return True
+    polygons = [plan.corners[plan.starts[k] : plan.starts[k + 1]] for k in np.flatnonzero(touched)]
+    if plan.mirrored:
+        polygons = [polygon[::-1] for polygon in polygons]
+    try:
+        triangles = triangulate_polygons(plan.positions, polygons)[0]
+    except CmcError:  # told where the whole plan is made ready
+        return False
+    return np.array_equal(triangles, prepared.triangles[touched[prepared.owners]])
 
 
 @dataclass(frozen=True)
@@ -174,7 +228,8 @@ def _run(
     before: threading.Thread | None,
 ) -> None:
     def progress(iteration: int, residual: float) -> bool:
-        news.put(("update", (iteration, residual)))
+        if iteration >= 0:
+            news.put(("update", (iteration, residual)))
         return not stop.is_set()
 
     try:

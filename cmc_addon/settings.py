@@ -18,6 +18,7 @@ from ..solver.plan import usual_sheet
 from ..solver.surface.cmc import COMBINATORICS
 from ..solver.surface.offsets import AVERAGINGS
 from ..solver.surface.placement import GROUNDS, SIZES
+from .changes import telling
 
 SIZE_PROPERTY = {
     "MATCH_PLAN": None,
@@ -202,3 +203,8 @@ def setting_annotations(options=frozenset()) -> dict:
     """The settings of a solve as property annotations; operators pass {'SKIP_SAVE'}, so that
     the values of the last call on another plan are not taken over in silence."""
     return {name: make(options=set(options)) for name, make in _SETTINGS.items()}
+
+
+def stored_setting_annotations() -> dict:
+    """The same for `Object.cmc`, telling of changes."""
+    return {name: telling(make) for name, make in _SETTINGS.items()}

@@ -18,15 +18,15 @@ _solved: OrderedDict[tuple, tuple[Order, Outcome]] = OrderedDict()
 
 def remember(order: Order, outcome: Outcome) -> None:
     """Keep what an order gave."""
-    _solved[_key(order)] = (order, outcome)
-    _solved.move_to_end(_key(order))
+    _solved[key_of(order)] = (order, outcome)
+    _solved.move_to_end(key_of(order))
     while len(_solved) > _KEPT:
         _solved.popitem(last=False)
 
 
 def recall(order: Order) -> Outcome | None:
     """What the same order gave, if that is still known."""
-    known = _solved.get(_key(order))
+    known = _solved.get(key_of(order))
     return None if known is None else known[1]
 
 
@@ -41,7 +41,7 @@ def forget(which: Callable[[Outcome], bool]) -> None:
         del _solved[key]
 
 
-def _key(order: Order) -> tuple:
+def key_of(order: Order) -> tuple:
     """Equal for orders that give the same: plan, conditions, settings."""
     groups = [
         (group.name, group.kind, sorted(group.parameters.items()), np.asarray(group.edges).tobytes())

@@ -74,6 +74,10 @@ _SENTENCES = {
 }
 
 
+class Interrupted(Exception):  # noqa: N818  nothing is wrong
+    """Raised by work that has asked whether it is still wanted, and is not."""
+
+
 def listed(indices: Iterable[int]) -> str:
     """Write indices for a message: all of a few, the first ones of many."""
     items = [str(int(i)) for i in indices]

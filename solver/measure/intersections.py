@@ -9,11 +9,12 @@ an edge are not looked at. A mesh that is a graph over a plane needs no search.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..errors import Interrupted
 from .arrays import Array, Indices, points_in_space, triangles_of
 from .boxes import Pairs, overlapping_boxes
 from .graph import is_graph
@@ -22,25 +23,30 @@ from .graph import is_graph
 _TOUCHING = 1e-9
 
 
-def self_intersections(vertices: ArrayLike, faces: ArrayLike) -> NDArray[np.int32]:
+def self_intersections(
+    vertices: ArrayLike, faces: ArrayLike, is_wanted: Callable[[], bool] | None = None
+) -> NDArray[np.int32]:
     """Pairs of faces that intersect, (k, 2), i < j, sorted; empty (0, 2) where the mesh is embedded.
 
     `vertices` (n, 3), `faces` (F, 3), any mixture of sizes; faces with nan or without area intersect nothing.
-    Vertices are the same when their index is. Raises `MeshError` on a bad shape or index.
+    Vertices are the same when their index is. Raises `MeshError` on a bad shape or index, and `Interrupted` as soon as
+    `is_wanted`, asked now and then, says no.
     """
     points = points_in_space(vertices)
     triangles = triangles_of(faces, len(points))
     if len(triangles) == 0 or is_graph(points, triangles):
         return np.zeros((0, 2), dtype=np.int32)
-    return _search(points, triangles)
+    return _search(points, triangles, is_wanted or (lambda: True))
 
 
-def _search(points: Array, triangles: Indices) -> NDArray[np.int32]:
+def _search(points: Array, triangles: Indices, is_wanted: Callable[[], bool]) -> NDArray[np.int32]:
     corners = points[triangles]
     normals = _normals(corners)
     corners[np.isnan(normals[:, 0])] = np.nan
     found = [np.zeros((0, 2), dtype=np.int64)]
     for pairs in overlapping_boxes(corners.min(axis=1), corners.max(axis=1)):
+        if not is_wanted():
+            raise Interrupted
         shared = _shared_vertices(triangles, pairs)
         apart, joined = pairs[shared == 0], pairs[shared == 1]
         for a, b in ((0, 1), (1, 0)):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from enum import Enum
 from typing import TYPE_CHECKING, Any
@@ -100,7 +100,7 @@ def report(
     *,
     sheet: str = "f+",
     positions: ArrayLike | Mapping[str, ArrayLike] | None = None,
-    intersections: bool = True,
+    intersections: bool | Callable[[], bool] = True,
     up: ArrayLike = (0.0, 0.0, 1.0),
 ) -> Report:
     """Measure a surface: the solve, and curvature, distortion, size, overhang, intersections of its sheets.
@@ -112,7 +112,8 @@ def report(
     positions: (n, 3) points of the shown sheet where they were placed, or a mapping from "f+", "f-" to such points;
         only these sheets are measured. They must be similarity images of the surface's own (moved, turned,
         mirrored, scaled), all by the same; normals and target curvature follow. Default: both sheets as they are.
-    intersections: False leaves out self-intersections, the slowest part.
+    intersections: False leaves out self-intersections, the slowest part. A function is asked now and then whether
+        they are still wanted; where not, `Interrupted` is raised.
     up: the vertical (3,), for overhang, span and rise.
 
     Raises `MeshError` where arrays do not match the surface, `CmcError` on another sheet name.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -130,13 +130,13 @@ def measure_sheet(
     *,
     degenerate: bool = False,
     outline: ArrayLike | Sequence[ArrayLike] | None = None,
-    intersections: bool = True,
+    intersections: bool | Callable[[], bool] = True,
     up: ArrayLike = (0.0, 0.0, 1.0),
 ) -> SheetReport:
     """Measure `points` (n, 3), `faces` (F, 3) as the domain's, unit `normals` (n, 3), against H = `target`.
 
-    `outline` as in `outline_segments`. `intersections=False` leaves out the slowest part. Raises `MeshError`
-    on arrays that do not match.
+    `outline` as in `outline_segments`. `intersections=False` leaves out the slowest part; see `report`. Raises
+    `MeshError` on arrays that do not match.
     """
     areas = face_areas_in_space(points, faces)
     sides = boundary_sides(domain, faces)
@@ -155,7 +155,7 @@ def measure_sheet(
         mean_curvature=_curvature(points, faces, normals, target, areas, inside) if measurable else None,
         distortion=_distortion(domain, points, faces, areas, inside) if measurable else None,
         overhang=_overhang(points, faces, areas, vertical) if measurable and len(sides) else None,
-        intersections=_intersections(points, faces) if measurable and intersections else None,
+        intersections=_intersections(points, faces, intersections) if measurable and intersections else None,
         outline=_outline(domain, points, sides, outline, vertical) if measurable and outline is not None else None,
     )
 
@@ -210,8 +210,8 @@ def _overhang(points: Array, faces: Indices, areas: Array, up: Array) -> Overhan
     )
 
 
-def _intersections(points: Array, faces: Indices) -> IntersectionReport:
-    pairs = self_intersections(points, faces)
+def _intersections(points: Array, faces: Indices, wanted: bool | Callable[[], bool]) -> IntersectionReport:
+    pairs = self_intersections(points, faces, wanted if callable(wanted) else None)
     first = tuple((int(i), int(j)) for i, j in pairs[:_LISTED_PAIRS])
     return IntersectionReport(count=len(pairs), face_count=len(np.unique(pairs)), pairs=first)
 
