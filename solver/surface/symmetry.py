@@ -17,6 +17,7 @@ from .cells import compact
 from .cmc import CmcSurface
 from .completion import Completion
 from .copies import Copy, Found, cell, generate, translation
+from .own_symmetry import translation_seams
 from .placement import Similarity
 from .seams import Seam, cut_seams, side_seams
 from .sides import Side, SymmetryError, surface_size
@@ -64,7 +65,8 @@ def complete(
         translation.
     tolerance: translations of copies that differ by less, as a part of the surface's size, are the same copy; it is
         lowered where two parallel planes are close to each other.
-    A surface that is cut open goes on across its cuts as well.
+    A surface that is cut open goes on across its cuts as well. One that is itself so symmetric that mirrors at obtuse
+    angles lead to the same as translations goes on by these, once in every place.
 
     Raises `SymmetryError` on sides that contradict each other, name the wrong kind, or generate what has no end.
     """
@@ -81,6 +83,7 @@ def complete(
     if not seams and translations is None:
         raise SymmetryError("The surface has no sides to go on across; name some, or give translations.")
     within = min(tolerance * surface_size(surface), _NARROW * arrangement.narrowest)
+    seams = translation_seams(surface, arrangement.planes, within) or seams
     limit = _limit(copies)
     steps = [seam.step for seam in seams]
     own = np.zeros((0, 3))
