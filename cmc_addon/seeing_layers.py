@@ -24,7 +24,7 @@ _FLAT = 0.01
 _ACTIVE, _SHAFT, _STROKE, _OUTLINE, _BOLD = 1.7, 2.0, 2.0, 1.5, 3.0
 _FILL, _PLATE = 0.12, 0.3
 # Lines of groups while the mesh is edited: how much broader, and alpha.
-_BROAD, _PALE = 2.2, 0.5
+_BROAD, _PALE = 2.4, 0.35
 _CORNER: Colour = (0.92, 0.92, 0.92)
 
 PLANAR = {"mirror", "plane"}
