@@ -3,6 +3,7 @@
 import bpy
 
 from ..solver.errors import CmcError
+from .operators import add_bubble
 from .operators.add_plan import first_in_add_menu, in_add_menu
 from .panels import TALL, hint, plan_to_solve, properties_column
 from .periods import tile_counts
@@ -68,10 +69,12 @@ def register() -> None:
         bpy.utils.register_class(cls)
     bpy.types.CMC_MT_add.prepend(first_in_add_menu)
     bpy.types.CMC_MT_add.append(in_add_menu)
+    bpy.types.CMC_MT_add.append(add_bubble.in_add_menu)
 
 
 def unregister() -> None:
     if hasattr(bpy.types, "CMC_MT_add"):
+        bpy.types.CMC_MT_add.remove(add_bubble.in_add_menu)
         bpy.types.CMC_MT_add.remove(in_add_menu)
         bpy.types.CMC_MT_add.remove(first_in_add_menu)
     for cls in reversed(CLASSES):

@@ -21,17 +21,20 @@ _NARROWEST = 0.05
 class StartPlan:
     """points (V, 3) of a domain, uvs (F, 3, 2) of its corners, edges that are seams of these (n,), sides: name → edges,
     the kind of condition on each and its parameters, settings of `Object.cmc`. remesh: Mesh Plan makes it finer in
-    place, from its own rim."""
+    place, from its own rim. own_lengths: whether the domain's edge lengths are others than those of the points.
+    initial (V, 3): the map to start from."""
 
     name: str
     domain: Domain
     points: Array
     uvs: Array
     sides: dict[str, NDArray[np.integer]]
-    kinds: dict[str, tuple[str, dict[str, float]]]
+    kinds: dict[str, tuple[str, dict[str, object]]]
     seams: NDArray[np.integer] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     settings: dict[str, object] = field(default_factory=dict)
     remesh: bool = False
+    own_lengths: bool = False
+    initial: Array | None = None
 
 
 def annulus(size: float, hole: float, offset: float, columns: int) -> StartPlan:
@@ -66,10 +69,10 @@ def cylinder(size: float, height: float, columns: int) -> StartPlan:
     sides = {"Bottom": shape.sides["bottom"], "Top": shape.sides["top"]}
     kinds = {name: ("twisted", {"m": 1.0}) for name in sides}
     settings = {"size": "SPAN", "span": 2.0 * size}  # its ends are no outlines that could be matched
-    return StartPlan("Cylinder Strip", domain, points, uvs, sides, kinds, _seams(domain, uvs), settings)
+    return StartPlan("Cylinder Strip", domain, points, uvs, sides, kinds, seams_of(domain, uvs), settings)
 
 
-def _seams(domain: Domain, uvs: Array) -> NDArray[np.integer]:
+def seams_of(domain: Domain, uvs: Array) -> NDArray[np.integer]:
     """Edges whose two faces have them at different places of the texture."""
     inside = domain.interior_edges
     left, right = domain.half_edges[inside].T

@@ -12,6 +12,7 @@ from .design.fit import Fit
 from .domain.delaunay import speed_note
 from .errors import Status
 from .gauss.energies import ENERGIES
+from .gauss.methods import METHODS
 from .measure.curvature import mean_curvature_of
 from .measure.report import Report, report
 from .plan import SHEETS, Group, Plan, Settings, matches, plan_conditions, plan_domain, plan_warnings
@@ -186,6 +187,11 @@ def check_shown(surface: CmcSurface, shown: str) -> list[str]:
     """The sheets that are no points; raises `PlacementError` where the one to show is not among them."""
     sheets = [name for name in SHEETS if not surface.is_degenerate(name)]
     if not sheets or surface.status is Status.COLLAPSED:
+        if not len(surface.domain.boundary_edges):
+            raise PlacementError(
+                "The normals came to be all the same, as nothing holds those of a closed plan; choose the method "
+                f"{METHODS['critical'].label}, which stays near the map that is given to start from."
+            )
         raise PlacementError(Status.COLLAPSED.sentence)
     if shown not in sheets:
         raise PlacementError(

@@ -11,6 +11,7 @@ from ..outline_bridge import write_boundary_groups
 from ..periods_bridge import mark_seams
 from ..periods_plans import StartPlan, annulus, cylinder
 from ..result_bridge import build_polygons
+from ..start_bridge import write_lengths, write_normals
 from ..start_plans import court, l_shape, rectangle, round_plan
 
 ORDINARY = [
@@ -127,8 +128,13 @@ def new_plan(context: bpy.types.Context, start: StartPlan) -> bpy.types.Object:
             setattr(group, key, value)
         pairs.append(start.domain.edges[edges])
         uids.append(np.full(len(edges), group.uid))
-    mesh.cmc.active_index = 0
-    write_boundary_groups(mesh, np.concatenate(pairs), np.concatenate(uids))
+    if pairs:
+        mesh.cmc.active_index = 0
+        write_boundary_groups(mesh, np.concatenate(pairs), np.concatenate(uids))
+    if start.own_lengths:
+        write_lengths(mesh, start.domain.edges, start.domain.edge_lengths)
+    if start.initial is not None:
+        write_normals(mesh, start.initial)
     plan = bpy.data.objects.new(start.name, mesh)
     plan.location = context.scene.cursor.location
     context.collection.objects.link(plan)

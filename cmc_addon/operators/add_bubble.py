@@ -1,0 +1,94 @@
+"""Add > Mesh > CMC: Wente's cylinder and torus, the honeycomb ring; all that Solve needs is with them."""
+
+import math
+
+import bpy
+from bpy.props import EnumProperty, FloatProperty, IntProperty
+
+from ...solver.errors import CmcError
+from ..bubble_plans import ring_plan, torus_plan, wente_plan
+from ..readiness import LEAVE_EDIT_MODE, allow
+from .add_plan import new_plan
+
+BUBBLES = [
+    ("WENTE", "Wente Cylinder", "A quarter of one of the cylinders that a Wente torus is made of: Solve, then Complete "
+     "by Symmetry makes the torus, or a strip of bubbles"),
+    ("TORUS", "Wente Torus", "The whole torus as a map of a flat one, a saddle: Solve makes the closed surface"),
+    ("RING", "Honeycomb Ring", "A hexagon of tubes with six half tubes that leave it, a saddle: Solve, then Complete "
+     "by Symmetry makes a honeycomb of rings"),
+]
+_MAKE = {
+    "WENTE": (wente_plan, ("size", "angle", "height", "columns")),
+    "TORUS": (torus_plan, ("size", "angle", "columns")),
+    "RING": (ring_plan, ("size", "slenderness", "columns")),
+}
+"""Bubble → what makes it, and the settings that it takes, in this order."""
+_OWN_COLUMNS = {"WENTE": 16, "TORUS": 12, "RING": 6}
+
+
+class CMC_OT_add_bubble(bpy.types.Operator):
+    """Add the plan of a surface whose normals are no minimum, with all that Solve needs to find it"""
+
+    bl_idname = "cmc.add_bubble"
+    bl_label = "Add CMC Bubble"
+    bl_options = {"REGISTER", "UNDO"}
+
+    bubble: EnumProperty(name="Bubble", description="What is added", items=BUBBLES)
+    size: FloatProperty(
+        name="Size", description="About the width of the whole",
+        default=8.0, min=1e-3, subtype="DISTANCE", options={"SKIP_SAVE"})
+    angle: FloatProperty(
+        name="Angle", description="Between the normals of the two ends of a cylinder; a simple part of 180° makes a "
+        "torus. Smaller ones need more edges",
+        default=math.radians(120.0), min=math.radians(1.0), max=math.radians(179.0), subtype="ANGLE", step=100,
+        options={"SKIP_SAVE"})
+    height: FloatProperty(
+        name="Height", description="Of the cylinder, as a part of the height at which it closes; at others it becomes "
+        "a strip of bubbles",
+        default=1.0, min=0.3, max=3.0, soft_min=0.7, soft_max=1.5, options={"SKIP_SAVE"})
+    slenderness: FloatProperty(
+        name="Slenderness", description="From stocky to slender, with thin necks",
+        default=0.6, min=0.0, max=1.0, subtype="FACTOR", options={"SKIP_SAVE"})
+    columns: IntProperty(
+        name="Edges", description="Edges around a quarter of a cylinder, or along half a tube: more are finer",
+        default=12, min=4, max=200, soft_max=60, options={"SKIP_SAVE"})
+
+    @classmethod
+    def poll(cls, context):
+        return allow(cls, LEAVE_EDIT_MODE if context.mode != "OBJECT" else "")
+
+    @classmethod
+    def description(cls, context, properties):
+        return cls.bl_rna.properties["bubble"].enum_items[properties.bubble].description
+
+    def execute(self, context):
+        if not self.properties.is_property_set("columns"):
+            self.columns = _OWN_COLUMNS[self.bubble]
+        make, names = _MAKE[self.bubble]
+        try:
+            start = make(*(getattr(self, name) for name in names))
+        except CmcError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        plan = new_plan(context, start)
+        for other in context.selected_objects:
+            other.select_set(False)
+        plan.select_set(True)
+        context.view_layer.objects.active = plan
+        return {"FINISHED"}
+
+    def draw(self, context):
+        column = self.layout.column()
+        column.use_property_split = True
+        for name in ("bubble", *_MAKE[self.bubble][1]):
+            column.prop(self, name)
+
+
+def in_add_menu(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
+    """Rows below all others."""
+    menu.layout.separator()
+    for identifier, label, _ in BUBBLES:
+        menu.layout.operator("cmc.add_bubble", text=label).bubble = identifier
+
+
+CLASSES = (CMC_OT_add_bubble,)
