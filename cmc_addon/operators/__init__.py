@@ -7,8 +7,8 @@ import importlib
 import bpy
 
 MODULES = (
-    "boundary", "plan", "go_to", "solve", "design", "symmetry", "add", "add_plan", "add_bubble", "modes", "periods", "look",
-    "export", "group_presets",
+    "boundary", "plan", "go_to", "solve", "design", "symmetry", "add", "add_plan", "add_bubble", "modes", "periods",
+    "look", "export", "group_presets",
 )
 """Files with a tuple CLASSES of operator (and list) classes."""
 
