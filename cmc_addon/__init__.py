@@ -10,7 +10,7 @@ MODULES = (
     "seeing_draw", "shading", "colours",
     "preview", "following", "solved", "symmetry", "panels", "seeing_panel", "boundary_panel", "design_panel",
     "symmetry_panel", "results_panel", "legend", "strokes_overlay", "colours_panel",
-    "nearness", "periods", "periods_panel", "export_panel",
+    "nearness", "live", "live_panel", "periods", "periods_panel", "export_panel",
     "menus", "preferences", "cli",
 )
 """Sub-modules with register() and unregister(), in the order in which they need each other."""
