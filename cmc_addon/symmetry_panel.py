@@ -76,7 +76,7 @@ class CMC_PT_complete(Tab, bpy.types.Panel):
         if plan is None:
             hint(self.layout, "Select a plan or its shell", "to continue it")
         elif not _goes_on(plan) and not has_holes(context):
-            hint(self.layout, "A shell goes on across groups that", "are mirrors, planes or free,", "and around holes")
+            hint(self.layout, "A shell goes on across mirrors,", "planes, free sides, and around holes")
 
 
 def _goes_on(plan: bpy.types.Object) -> bool:

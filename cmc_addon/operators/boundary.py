@@ -138,6 +138,11 @@ class CMC_OT_group_assign(OnOneGroup, bpy.types.Operator):
     bl_idname = "cmc.group_assign"
     bl_label = "Assign to Boundary Group"
 
+    @classmethod
+    def description(cls, context, properties):
+        where = f"the group '{properties.group}'" if properties.group else "the active group"
+        return f"Put the selected boundary edges into {where}, out of any other"
+
     def act(self, context, mesh):
         group = self.chosen(mesh)
         edges = selected_boundary(self, mesh)

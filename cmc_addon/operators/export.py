@@ -1,5 +1,6 @@
 """Export: the shell as a file for other programs, and its report."""
 
+import re
 from pathlib import Path
 
 import bpy
@@ -26,6 +27,12 @@ def why_not_export(context: bpy.types.Context) -> str:
     except CmcError as error:
         return str(error).removesuffix(".")
     return ""
+
+
+def file_name(plan: bpy.types.Object, result: bpy.types.Object) -> str:
+    """What a file is called unless somebody says otherwise: after the plan and what is written of it."""
+    what = {"FIT": "fitted", "NEAREST": "nearest", "COMPLETED": "completed"}.get(result.cmc.role, "shell")
+    return re.sub(r'[\\/:*?"<>|\x00-\x1f]', "_", f"{plan.name} {what}")
 
 
 class CMC_OT_export(Working, bpy.types.Operator):
@@ -59,12 +66,12 @@ class CMC_OT_export(Working, bpy.types.Operator):
         plan = plan_of(context.view_layer.objects.active)
         self._take_settings(plan)
         try:
-            name = wanted_objects(context, plan, self.export_what)[0].name
+            name = file_name(plan, wanted_objects(context, plan, self.export_what)[0])
         except CmcError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         folder = Path(bpy.data.filepath).parent if bpy.data.filepath else Path.home()
-        self.filepath = str(folder / f"{bpy.path.clean_name(name)}{self._suffix}")
+        self.filepath = str(folder / f"{name}{self._suffix}")
         self._browsing = True
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}

@@ -121,6 +121,15 @@ def test_copies_are_one_mesh(tmp_path, made_as):
     assert json.loads((tmp_path / "grid.json").read_text(encoding="utf-8"))["copies"] == 4
 
 
+def test_files_are_named_after_the_plan(plan):
+    from cmc_formfinding.cmc_addon.operators.export import file_name
+
+    plan.name = "Hall: north/south"
+    assert file_name(plan, plan.cmc.f_plus) == "Hall_ north_south shell"
+    bpy.ops.cmc.fit_outline()
+    assert file_name(plan, plan.cmc.fit) == "Hall_ north_south fitted"
+
+
 def test_the_ending_says_the_format(plan, tmp_path):
     bpy.ops.cmc.export(filepath=str(tmp_path / "hall.v2"), export_format="STL", export_report=False)
     assert os.listdir(tmp_path) == ["hall.v2.stl"]
