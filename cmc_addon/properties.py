@@ -90,7 +90,7 @@ def condition_annotations(options=frozenset(), **more) -> dict:
     options = set(options)
     annotations = {"kind": EnumProperty(
         name="Kind", description="What the tangent planes of the shell do along these edges",
-        items=kind_items(), default="BINORMAL", options=options)}
+        items=kind_items(), default="BINORMAL", options=options, **more)}
     for kind in KINDS.values():
         for parameter in kind.parameters:
             annotations[parameter.name] = _parameter_property(parameter, options, more)
