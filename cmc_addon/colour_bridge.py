@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..solver.measure import vertex_gauss_curvature, vertex_mean_curvature, vertex_principal_curvatures
-from .colour_maps import linear
 from .measures import ATTRIBUTES
 from .mesh_bridge import NORMAL_ATTRIBUTE, read, remove_attribute, set_attribute
 
@@ -79,6 +78,11 @@ def surface_of(mesh: bpy.types.Mesh) -> tuple[Array, NDArray[np.int32], Array]:
     return points, triangles, -normals if np.nanmedian(H) < 0.0 else normals
 
 
+def points_of(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
+    """Points (n, 3) of a result."""
+    return read(mesh, "position", len(mesh.vertices), np.float32, 3)
+
+
 def points_and_lines(mesh: bpy.types.Mesh) -> tuple[Array, Array, Array] | None:
     """Points, normals and directions (n, 3) of a result; None where it has none."""
     if mesh.is_editmode or not has_measure(mesh, NORMAL_ATTRIBUTE):
@@ -90,10 +94,9 @@ def points_and_lines(mesh: bpy.types.Mesh) -> tuple[Array, Array, Array] | None:
     return points.astype(np.float64), normals.astype(np.float64), lines
 
 
-def paint(mesh: bpy.types.Mesh, colours: Array) -> None:
-    """Give the vertices sRGB colours (n, 3) and make them the ones that the viewport shows."""
-    rgba = np.column_stack([linear(colours), np.ones(len(colours))])
-    set_attribute(mesh, COLOUR_ATTRIBUTE, "FLOAT_COLOR", "POINT", rgba)
+def paint(mesh: bpy.types.Mesh, colours: NDArray[np.float32]) -> None:
+    """Give the vertices linear colours (n, 4) and make them the ones that the viewport shows."""
+    set_attribute(mesh, COLOUR_ATTRIBUTE, "FLOAT_COLOR", "POINT", colours)
     active = mesh.color_attributes.active_color_name
     if active != COLOUR_ATTRIBUTE or _BEFORE not in mesh:
         mesh[_BEFORE] = active if active and active != COLOUR_ATTRIBUTE else ""

@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.spatial import cKDTree
 
 Array = NDArray[np.float64]
 
@@ -43,6 +45,9 @@ RAMPS = {"sequential": _SEQUENTIAL, "diverging": _DIVERGING}
 
 NOT_KNOWN = (0.72, 0.72, 0.72)
 """Colour (sRGB) where there is no number."""
+
+# Colours of a ramp that are told apart.
+_STEPS = 2047
 
 # Of the numbers this part at either end does not count for the range: corners and poor faces are far off.
 _FAR = 0.02
@@ -84,12 +89,41 @@ class Range:
         found = np.stack([np.interp(places, knots, channel) for channel in table.T], axis=-1)
         return np.where(known[..., None], found, NOT_KNOWN)
 
+    def linear_colours(self, values: ArrayLike) -> NDArray[np.float32]:
+        """Linear colours with alpha (n, 4) of numbers (n,), as Blender stores them; from a table, since it is quick."""
+        numbers = np.asarray(values, dtype=np.float64)
+        known = np.isfinite(numbers)
+        places = self.places(np.where(known, numbers, self.low))
+        return _table(self.ramp)[np.where(known, np.rint(places * _STEPS), _STEPS + 1).astype(np.int32)]
+
+    def faded_colours(self, values: ArrayLike, points: ArrayLike, width: float) -> NDArray[np.float32]:
+        """The same for numbers that are known here and there: within so far of the nearest of these points (n, 3) its
+        colour fades out, for a rim to be seen on a fine mesh, too."""
+        found, numbers, places = self.linear_colours(values), np.asarray(values), np.asarray(points)
+        known = np.isfinite(numbers)
+        if known.all() or not known.any():
+            return found
+        away, nearest = cKDTree(places[known]).query(places[~known], distance_upper_bound=width)
+        near = np.isfinite(away)
+        share = (1.0 - away[near] / width)[:, None]
+        rows = np.flatnonzero(~known)[near]
+        found[rows] += (share * (found[known][nearest[near]] - found[rows])).astype(np.float32)
+        return found
+
     def ticks(self) -> list[float]:
         """The numbers to write beside the ramp: its ends, and its centre or its middle."""
         middle = 0.5 * (self.low + self.high) if self.centre is None else self.centre
         near = 0.1 * (self.high - self.low)
         inside = [middle] if self.low + near < middle < self.high - near else []
         return [self.low, *inside, self.high]
+
+
+@lru_cache
+def _table(ramp: str) -> NDArray[np.float32]:
+    """Linear colours (k, 4) of a ramp, evenly spaced, and the colour of what is not known."""
+    low, centre = 0.0, 0.5 if ramp == "diverging" else None
+    srgb = Range(low, 1.0, centre).colours([*np.linspace(0.0, 1.0, _STEPS + 1), np.nan])
+    return np.column_stack([linear(srgb), np.ones(len(srgb))]).astype(np.float32)
 
 
 def linear(colours: ArrayLike) -> Array:

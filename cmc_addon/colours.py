@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import shading
-from .colour_bridge import measure, paint, put_measure, unpaint
-from .colour_maps import NOT_KNOWN, Range, fit_about, fit_around_zero, fit_from, fixed_range
+from .colour_bridge import measure, paint, points_of, put_measure, unpaint
+from .colour_maps import Range, fit_about, fit_around_zero, fit_from, fixed_range
 from .colour_settings import QUANTITIES, watchers
 from .measures import ATTRIBUTES, DIRECTION, USUAL
 from .properties import COMPLETED_ROLES, DESIGN_ROLES
@@ -24,6 +24,8 @@ from .results import copies_of, result_of, results_of
 
 Array = NDArray[np.float64]
 
+# Width, as a part of the size, of the band by which a rim that alone has numbers shows them.
+_RIM = 0.03
 # Least widths of ranges, so that rounding is not made to look like something: parts of H, of Q, of the size.
 _LEAST_H, _LEAST_Q, _LEAST_PART = 0.02, 0.02, 1e-4
 
@@ -55,11 +57,11 @@ class Family:
         return (self.shell, *self.others, *self.images)
 
 
-def families(plan: bpy.types.Object) -> list[Family]:
-    """All results of a plan that can be coloured."""
+def families(plan: bpy.types.Object, sheet: str = "") -> list[Family]:
+    """All results of a plan that can be coloured. sheet: the role that is the shell, if not the one of the settings."""
     found = []
     solved = results_of(plan)
-    shell = solved.pop(plan.cmc.sheet, None)
+    shell = solved.pop(sheet or plan.cmc.sheet, None)
     if shell is not None:
         images = [solved.pop(role) for role in ("G", "GAUSS") if role in solved]
         found.append(Family(shell, [*solved.values(), *_completed(plan)], images))
@@ -77,10 +79,10 @@ def _completed(plan: bpy.types.Object) -> list[bpy.types.Object]:
 
 # --- painting ------------------------------------------------------------------------------
 
-def repaint(plan: bpy.types.Object) -> None:
-    """Colour the results of a plan as its settings say, or take the colours away."""
+def repaint(plan: bpy.types.Object, sheet: str = "") -> None:
+    """Colour the results of a plan as its settings say, or take the colours away; see `families`."""
     quantity = QUANTITIES.get(plan.cmc.colour_by)
-    for family in families(plan):
+    for family in families(plan, sheet):
         for member in family.members():
             if quantity is None and member.data.is_editable and not member.data.is_editmode:
                 unpaint(member.data)
@@ -99,10 +101,10 @@ def _paint(settings, family: Family) -> None:
             continue
         own = values if member in family.images or member is family.shell else measure(mesh, attribute)
         if stretched is None or own is None or len(own) != len(mesh.vertices):
-            paint(mesh, np.tile(NOT_KNOWN, (len(mesh.vertices), 1)))
+            paint(mesh, Range(0.0, 1.0).linear_colours(np.full(len(mesh.vertices), np.nan)))
             member.cmc.colour_range = (0.0,) * 6
             continue
-        paint(mesh, stretched.colours(own))
+        paint(mesh, stretched.faded_colours(own, points_of(mesh), _RIM * max(member.dimensions)))
         member.cmc.colour_range = _stored(stretched)
 
 

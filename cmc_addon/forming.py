@@ -280,5 +280,5 @@ def put_results(
     show_wanted(plan, wanted)
     hide_completed(plan, True)
     plan.cmc.message = formed.message
-    colours.repaint(plan)
+    colours.repaint(plan, settings.sheet)
     return warnings

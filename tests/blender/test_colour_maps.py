@@ -106,5 +106,24 @@ def test_ticks_and_decimals(maps):
     assert maps.decimals([0.1001, 0.1002]) == 5
 
 
+def test_the_table_is_the_ramp(maps):
+    values = np.append(np.random.default_rng(5).uniform(-2.0, 2.0, 200), np.nan)
+    for ramp in (maps.Range(-1.0, 1.5, 0.2), maps.Range(-1.0, 1.5)):
+        found = ramp.linear_colours(values)
+        assert (found.shape, found.dtype) == ((201, 4), np.float32)
+        assert_allclose(found[:, :3], maps.linear(ramp.colours(values)), atol=2e-3)
+        assert (found[:, 3] == 1.0).all()
+
+
+def test_known_rims_fade_out(maps):
+    """A row of points, of which the first is known: its colour, half of it, none."""
+    ramp, places = maps.Range(0.0, 1.0), np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0]])
+    found = ramp.faded_colours([1.0, np.nan, np.nan, np.nan], places, 2.0)
+    grey, dark = maps.linear(maps.NOT_KNOWN), maps.linear(maps.RAMPS["sequential"][-1])
+    assert_allclose(found[:, :3], [dark, 0.5 * (dark + grey), grey, grey], atol=1e-6)
+    for values in ([np.nan] * 4, [0.0, 0.2, 0.4, 0.6]):
+        assert_allclose(ramp.faded_colours(values, places, 2.0), ramp.linear_colours(values))
+
+
 def test_linear_light(maps):
     assert_allclose(maps.linear([0.0, 0.5, 1.0]), [0.0, 0.21404, 1.0], atol=1e-5)

@@ -131,9 +131,9 @@ def test_colours_are_those_of_the_numbers(by):
     name = module("colour_settings").QUANTITIES[by].attribute
     found = module("colours").stored_range(result)
     told = numbers(result, name)
-    told[told < 0] = np.nan if by == "DEVIATION" else told[told < 0]
+    known = told >= 0.0 if by == "DEVIATION" else np.isfinite(told)
     expected = maps().linear(found.colours(told))
-    assert_allclose(colours(result)[:, :3], expected, atol=2e-3)
+    assert_allclose(colours(result)[known, :3], expected[known], atol=2e-3)
     assert_allclose(colours(result)[:, 3], 1.0)
     assert shown(result) == ("CMC", True)
 

@@ -36,7 +36,7 @@ def open_look(hands):
         yield from hands.click(x, top - k * HEADER)
         yield 0.5
         try:
-            yield from hands.find("cmc.gauss_image")
+            yield from hands.find("cmc.gauss_image", near=top - k * HEADER - 100)
             return
         except LookupError:
             yield from hands.click(x, top - k * HEADER)
