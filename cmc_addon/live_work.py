@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ..solver.answering import Answer, answer
 from ..solver.errors import CmcError
 from ..solver.plan import SHEETS
+from ..solver.surface.cmc import CmcSurface
 from . import colours, session, solved
 from .forming import Order, Outcome, plan_depsgraph, put_results, settings_of, solver_settings, take_order
 from .measures import Measured, sheet_measures
@@ -66,13 +67,13 @@ def read(context: bpy.types.Context, plan: bpy.types.Object) -> Reading:
 
 @dataclass(frozen=True, eq=False)
 class Memory:
-    """What the next answer goes on from: a reading, what was made ready for it, its map (S, 3), and the faces (F, 3) of
-    the results, in their rows."""
+    """What the next answer goes on from: a reading, what was made ready for it, its map (S, 3), and where the results
+    are cut open the triangles (F, 3) of their rows, which a cut elsewhere would not fit."""
 
     reading: Reading
     prepared: session.Prepared
     normals: Array
-    faces: NDArray[np.int32]
+    cut: NDArray[np.int32] | None
 
     def serves(self, reading: Reading) -> bool:
         mine, other = self.reading.order, reading.order
@@ -129,7 +130,8 @@ class GoingOn:
         """Write points and normals into the results that are wanted; None, and nothing, where these do not fit."""
         found, wanted = outcome.found, wanted_roles(self.settings)
         results = {role: result_of(plan, role) for role in wanted}
-        if not np.array_equal(found.surface.faces, self.memory.faces) or not all(
+        cut = _cut_of(found.surface)
+        if not _alike(cut, self.memory.cut) or not all(
             ROLES[role] in found.placed and ob is not None and len(ob.data.vertices) == len(found.surface.source)
             for role, ob in results.items()
         ):
@@ -143,7 +145,15 @@ class GoingOn:
         _hide_older(plan, wanted)
         if self.reading.shown:
             colours.repaint(plan)
-        return Memory(self.reading, outcome.prepared, found.surface.harmonic.normals, self.memory.faces)
+        return Memory(self.reading, outcome.prepared, found.surface.harmonic.normals, cut)
+
+
+def _cut_of(surface: CmcSurface) -> NDArray[np.int32] | None:
+    return surface.faces if surface.is_open else None
+
+
+def _alike(a: NDArray[np.int32] | None, b: NDArray[np.int32] | None) -> bool:
+    return a is b is None or (a is not None and b is not None and np.array_equal(a, b))
 
 
 def _hide_older(plan: bpy.types.Object, wanted: list[str]) -> None:
@@ -178,7 +188,7 @@ class Anew:
             return None
         put_results(context, plan, order, outcome)
         surface = outcome.formed.surface
-        return Memory(self.reading, outcome.prepared, surface.harmonic.normals, outcome.formed.faces)
+        return Memory(self.reading, outcome.prepared, surface.harmonic.normals, _cut_of(surface))
 
 
 def _mesh_of(context: bpy.types.Context, plan: bpy.types.Object, order: Order) -> PlanMesh:

@@ -1,0 +1,80 @@
+"""What a user does with Live on, and the crank that the timer turns in a window."""
+
+from __future__ import annotations
+
+import time
+
+import bpy
+import numpy as np
+
+from .scenes import add_group, boundary_edges, positions, quad_disc
+
+EXACT = 2e-6
+"""Of the size of a shell: two solves of the same plan, stored in single precision."""
+
+
+def live_disc(name: str = "Disc", **shape) -> bpy.types.Object:
+    """A round plan, half of its rim in a group, live."""
+    plan = quad_disc(name, **shape)
+    edges = boundary_edges(plan.data)
+    add_group(plan, "Half", edges[: len(edges) // 2], "BINORMAL", tilt=0.3)
+    plan.cmc.live = True
+    return plan
+
+
+def settle(live, seconds: float = 30.0) -> int:
+    """Turn the crank until there is nothing more to do; how often."""
+    bpy.context.view_layer.update()
+    ticks = 1
+    while live.tick() is not None:
+        ticks += 1
+        assert ticks < seconds / 0.003, "never ends"
+        time.sleep(0.003)
+    return ticks
+
+
+def catch_up(live, seconds: float = 30.0) -> None:
+    """Turn it until the results show the last change, and no further."""
+    bpy.context.view_layer.update()
+    until = time.monotonic() + seconds
+    live.tick()
+    while any(state.is_dirty or state.is_behind for state in live.Live.states.values()):
+        assert time.monotonic() < until, "never catches up"
+        time.sleep(0.003)
+        live.tick()
+
+
+def state_of(live, plan):
+    return live.Live.states[plan.session_uid]
+
+
+def solved_anew(addon, plan) -> np.ndarray:
+    """Points that a solve gives for the plan as it is, with nothing kept from before."""
+    forming, session = addon.cmc_addon.forming, addon.cmc_addon.session
+    bpy.context.view_layer.update()
+    order = forming.take_order(bpy.context, plan, forming.settings_of(plan.cmc))
+    session.forget()
+    return order.work(lambda *_: True).formed.placed[forming.ROLES[plan.cmc.sheet]]
+
+
+def off_by(addon, plan) -> float:
+    """How far the shown sheet is from where a solve would put it, as a part of its size."""
+    expected = solved_anew(addon, plan)
+    found = positions(getattr(plan.cmc, plan.cmc.sheet.lower()))
+    return float(np.abs(found - expected).max() / np.linalg.norm(np.ptp(expected, axis=0)))
+
+
+def move(plan, index: int, by) -> None:
+    """Move a vertex as a tool does in object or in edit mode."""
+    if plan.mode == "EDIT":
+        import bmesh
+
+        mesh = bmesh.from_edit_mesh(plan.data)
+        mesh.verts.ensure_lookup_table()
+        mesh.verts[index].co += type(mesh.verts[index].co)(by)
+        bmesh.update_edit_mesh(plan.data)
+    else:
+        for axis, amount in enumerate(by):
+            plan.data.vertices[index].co[axis] += amount
+        plan.data.update()
+    bpy.context.view_layer.update()
