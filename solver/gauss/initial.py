@@ -91,8 +91,9 @@ def wound_start(dirichlet: Dirichlet, start: Array, degree: float) -> Array:
     """A map with the boundary normals of `start` (S, 3) whose degree is the one nearest to `degree` in its
     class.
 
-    On a domain with two boundary loops whose normals are a and -a it winds around the axis a. On a disc it
-    grafts a bubble in the middle. Other domains raise `ConditionError`.
+    On a domain with two boundary loops whose normals are a and -a it winds around the axis a. On a disc it goes over
+    the other pole if that is the degree asked for; else a bubble is grafted in the middle. Other domains raise
+    `ConditionError`.
     """
     graph = dirichlet.graph
     turns = round(degree - degree_of(start, graph.triangles))
@@ -103,6 +104,10 @@ def wound_start(dirichlet: Dirichlet, start: Array, degree: float) -> Array:
         wound = _winding_cylinder(dirichlet, start, round(degree))
         other = _winding_cylinder(dirichlet, start, -round(degree))
     elif len(rings) == 1 and genus == 0:
+        if start.mean(axis=0).any():  # it shrinks less easily than a bubble does
+            lifted = over_the_other_pole(dirichlet, start)
+            if abs(degree_of(lifted, graph.triangles) - degree) < 0.5:
+                return lifted
         wound = _grafted(dirichlet, start, turns)
         other = _grafted(dirichlet, start, -turns)
     else:
