@@ -103,6 +103,7 @@ def _on_other_data(*_: object) -> None:
 
 _HANDLERS = (
     ("depsgraph_update_post", _on_change),
+    ("frame_change_post", _on_change),
     ("undo_post", _on_other_data),
     ("redo_post", _on_other_data),
     ("load_post", _on_other_data),

@@ -48,6 +48,7 @@ class Drawing:
 def _draw() -> None:
     """Errors are told once in the console: a viewport that cannot be drawn any more would be worse than a sign less."""
     context = bpy.context
+    state = gpu.state.blend_get(), gpu.state.depth_test_get(), gpu.state.depth_mask_get()
     try:
         parts = seeing.frame(context, context.space_data)
         if parts:
@@ -57,7 +58,10 @@ def _draw() -> None:
             Drawing.told = repr(error)
             traceback.print_exc()
     finally:
-        _restore()
+        blend, test, mask = state
+        gpu.state.blend_set(blend)
+        gpu.state.depth_test_set(test)
+        gpu.state.depth_mask_set(mask)
 
 
 def _draw_parts(parts: list[seeing.Part], context: bpy.types.Context) -> None:
@@ -116,12 +120,6 @@ def _drop_unused() -> None:
     """Let go of what was in none of the last frames; each viewport draws its own."""
     for key in [key for key, known in Drawing.batches.items() if known.used < Drawing.frame - 20]:
         del Drawing.batches[key]
-
-
-def _restore() -> None:
-    gpu.state.depth_test_set("NONE")
-    gpu.state.depth_mask_set(False)
-    gpu.state.blend_set("NONE")
 
 
 def register() -> None:

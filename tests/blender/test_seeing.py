@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from .scenes import activate, add_group, boundary_edges, mesh_object, quad_disc, quad_ring
+from .scenes import activate, add_group, boundary_edges, mesh_object, positions, quad_disc, quad_ring
 
 
 @pytest.fixture
@@ -69,13 +69,12 @@ def test_they_are_those_of_the_whole_plan(addon, rim, kind, parameters, blend, t
     add_group(plan, "c", third, "BINORMAL", tilt=0.8)
     plan.cmc.blend = blend
     seen = rim(plan)
-    fixed = {tuple(np.round(p, 4)): n for w in seen.walks for p, n in zip(w.points, w.normals, strict=True)}
+    found = np.concatenate([np.hstack([w.points, w.normals])[:-1] for w in seen.walks])
     points, normals, mirrors = whole(addon, plan)
-    assert len(points) + len(mirrors) == 24 and len(fixed) == 24
-    for point, normal in zip(points, normals, strict=True):
-        assert_allclose(fixed[tuple(np.round(point, 4))], normal, atol=1e-5)
-    for point in mirrors:
-        assert np.isnan(fixed[tuple(np.round(point, 4))]).all(), "on a mirror it may turn"
+    assert len(points) + len(mirrors) == len(found) == 24
+    for point, normal in zip([*points, *mirrors], [*normals, *np.full_like(mirrors, np.nan)], strict=True):
+        (at,) = np.flatnonzero(np.linalg.norm(found[:, :3] - point, axis=1) < 1e-4)
+        assert_allclose(found[at, 3:], normal, atol=1e-5)
     assert {w.uid for w in seen.walks} == {0, 1, 2, 3}
 
 
@@ -128,6 +127,25 @@ def test_between_mirrors_the_shell_faces_as_the_mark_says(rim):
     mark.data[corner].value = 1
     plan.data.update()
     assert_allclose(rim(plan).corner_normals, [[0, 0, -1]], atol=1e-6)
+
+
+def test_the_side_a_plan_looks_to_is_that_of_the_whole(addon, rim):
+    plan = square()
+    below, right, above, _ = sides_of(plan)
+    for name, normal, edges in (("m0", (0, 1, 0), below), ("m1", (1, 0, 0), right)):
+        add_group(plan, name, edges, "MIRROR", normal=normal)
+    add_group(plan, "rim", above, "BINORMAL")
+    for vertex in plan.data.vertices:  # a mushroom: along the rim its faces look down
+        if max(abs(vertex.co.x), abs(vertex.co.y)) < 1.9:
+            vertex.co *= 4.0
+            vertex.co.z = 1.0
+    plan.data.update()
+    seen = rim(plan)
+    assert_allclose(seen.up, [0, 0, 16], atol=1e-5)
+    points, normals, _ = whole(addon, plan)
+    (at,) = np.flatnonzero(np.linalg.norm(points - [2, -2, 0], axis=1) < 1e-5)
+    assert_allclose(normals[at], [0, 0, 1], atol=1e-6)
+    assert_allclose(seen.corner_normals, [normals[at]], atol=1e-6)
 
 
 def square(count: int = 5, size: float = 4.0):
@@ -362,9 +380,9 @@ def test_the_cut_is_drawn_on_the_plan_and_on_both_sides_of_the_shell(addon):
     radii = np.linalg.norm(ends - np.array([0.4, 0, 0]), axis=2)
     assert np.ptp(radii) > 1.5, "from the court to the outer rim"
     rim_edges = {tuple(plan.data.edges[e].vertices) for e in boundary_edges(plan.data)}
-    at = {tuple(np.round(v.co, 4)): v.index for v in plan.data.vertices}
-    for a, b in ends:
-        pair = sorted((at[tuple(np.round(a, 4))], at[tuple(np.round(b, 4))]))
+    points = positions(plan)
+    for end in ends:
+        pair = sorted(np.linalg.norm(points - point, axis=1).argmin() for point in end)
         assert tuple(pair) not in rim_edges
     activate(plan.cmc.f_plus)
     assert len(layers(frame(addon))) == 2, "also with the shell active"
@@ -497,6 +515,21 @@ def test_in_edit_mode_the_edited_mesh_is_drawn(addon, rim, modified, applied):
     if not (modified and applied):
         assert_allclose(after.walks[0].points, edited.walks[0].points + [0, 0, 1.5], atol=1e-5)
     bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def test_modifiers_that_move_are_followed(addon, rim):
+    plan = disc()
+    plan.cmc.apply_modifiers = True
+    bend = plan.modifiers.new("wide", "SIMPLE_DEFORM")
+    bend.deform_method, bend.deform_axis, bend.factor = "STRETCH", "X", 0.0
+    bend.keyframe_insert("factor", frame=1)
+    bend.factor = 0.5
+    bend.keyframe_insert("factor", frame=10)
+    bpy.context.scene.frame_set(1)
+    before = rim(plan).walks[0].points
+    assert_allclose(np.linalg.norm(before, axis=1), 4.0, rtol=1e-5)
+    bpy.context.scene.frame_set(10)
+    assert rim(plan).walks[0].points[:, 0].max() > 4.2
 
 
 def test_what_is_slow_waits_for_a_pause(addon, monkeypatch):

@@ -15,7 +15,17 @@ FROM_OUTSIDE, FROM_INSIDE = (0.86, 0.31, 0.13, 0.37), (0.36, 0.17, 0.39, 0.83)
 
 def drawing():
     """The drawing of the installed extension."""
-    return next(module for name, module in sys.modules.items() if name.endswith("cmc_addon.seeing_draw")).Drawing
+    return _module("seeing_draw").Drawing
+
+
+def seen(hands):
+    """All that is drawn now."""
+    parts = _module("seeing").frame(bpy.context, hands.area.spaces.active)
+    return [layer for part in parts for layer in part.layers]
+
+
+def _module(last):
+    return next(module for name, module in sys.modules.items() if name.endswith(f"cmc_addon.{last}"))
 
 
 def look(hands, rotation=FROM_OUTSIDE):
@@ -142,7 +152,18 @@ def court(hands):
     yield from hands.picture("cut-on-the-plan")
     plan.hide_set(True)
     yield from hands.picture("hidden")
+    assert not seen(hands)
     plan.hide_set(False)
+    bpy.ops.mesh.primitive_cube_add()
+    region = next(region for region in hands.area.regions if region.type == "WINDOW")
+    with bpy.context.temp_override(window=hands.window, area=hands.area, region=region):
+        bpy.ops.view3d.localview()
+        bpy.context.view_layer.objects.active = plan
+        yield 0.5
+        assert not seen(hands), "only the cube is viewed"
+        bpy.ops.view3d.localview()
+    yield 0.5
+    assert seen(hands)
 
 
 def popover(hands):
