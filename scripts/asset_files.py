@@ -30,7 +30,7 @@ def _identifier(shelf: str) -> str:
     return str(uuid.uuid5(uuid.NAMESPACE_URL, f"cmc-formfinding/assets/{shelf}"))
 
 
-SHELVES = {shelf: _identifier(shelf) for shelf in ("plans", "modules")}
+SHELVES = {shelf: _identifier(shelf) for shelf in ("plans", "modules", "bubbles")}
 
 
 def obj_data(plan: bpy.types.Object) -> MeshData:

@@ -1,5 +1,6 @@
 """Draw the plans of `plans.py` in Blender and write them into assets/: .blend marked as Blender assets, and .obj.
-The modules of Add > Mesh > CMC are written by `make_modules.py`, which this calls at the end.
+The modules and bubbles of Add > Mesh > CMC are written by `make_modules.py` and `make_bubbles.py`, which this calls at
+the end.
 
     .venvs/full-4.5/bin/python scripts/make_assets.py
 
@@ -20,6 +21,7 @@ import plans
 package = blender_session.start()
 
 import bpy  # noqa: E402
+import make_bubbles  # noqa: E402
 import make_modules  # noqa: E402
 import numpy as np  # noqa: E402
 import portrait  # noqa: E402
@@ -43,6 +45,7 @@ def main() -> None:
         save(ASSETS / f"{file_name}.blend", plan)
         print(f"{plan.name}: {len(plan.data.polygons)} faces, {len(plan.data.cmc.groups)} boundary groups")
     make_modules.main()
+    make_bubbles.main()
 
 
 # --- the plan as an object -----------------------------------------------------------------

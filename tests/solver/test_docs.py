@@ -73,12 +73,13 @@ def job_keys() -> set[str]:
     elsewhere = {"default_kind", "default_tilt", "size", "value"}
     solving = {field.name for field in fields(plan.Settings)} - elsewhere
     tables = {"[shape]", "[[conditions]]", "[default]", "[size]", "[solver]", "[output]", "[fit]", "[complete]"}
-    files = {*SHEET_KEYS, "report", "mesh", "up"} | tables | {"[close]", *CLOSE_KEYS}
+    files = {*SHEET_KEYS, "report", "mesh", "up", "start"} | tables | {"[close]", *CLOSE_KEYS}
+    start = {"normals", "edges", "lengths"}
     names = {*SITES, *ENERGIES, *METHODS, *COMBINATORICS, *AVERAGINGS}
     words = {*WAYS, *KINDS, *job.SHAPES, "kind", "scale", *plan.SHEETS}
     fitting = {*FIT_KEYS, *ANCHOR_KEYS, "[[fit.anchors]]"} - {"anchors"}
     completing = {*COMPLETE_KEYS, "flipped_corners"}
-    return words | parameters | shapes | placing | solving | files | names | fitting | completing
+    return words | parameters | shapes | placing | solving | files | start | names | fitting | completing
 
 
 def test_every_key_of_a_job_is_described():
