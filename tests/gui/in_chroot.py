@@ -16,7 +16,7 @@ PICTURES = Path("/pictures")
 ARCHIVE = Path("/tmp/extension.zip")
 USER = Path("/tmp/blender")
 INSTALLED = USER / "extensions" / "user_default" / "cmc_formfinding" / "blender_manifest.toml"
-LIMIT = 420.0  # seconds for a story
+LIMIT = 600.0  # seconds for a story; a quiet machine takes a tenth
 WIDTH, HEIGHT = 1280, 900
 
 
@@ -79,7 +79,8 @@ def in_window(story: str, output) -> int | None:
 
 def main(stories: list[str]) -> int:
     begun = time.monotonic()
-    known = sorted(path.stem for path in (HERE / "stories").glob("*.py"))
+    files = (HERE / "stories").glob("*.py")
+    known = sorted(path.stem for path in files if "\ndef tell(" in path.read_text())
     unknown = set(stories) - set(known)
     if unknown:
         sys.exit(f"there is no story {', '.join(sorted(unknown))}; there are {', '.join(known)}")

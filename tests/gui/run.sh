@@ -43,4 +43,4 @@ export ROOT CHECKOUT SCRATCH
   mount -o remount,bind,ro "$ROOT/checkout"
   mount --bind "$CHECKOUT/build/gui" "$ROOT/pictures"
   exec chroot "$ROOT" env -i PATH=/usr/bin:/bin:/usr/games HOME=/tmp LC_ALL=C.UTF-8 LIBGL_ALWAYS_SOFTWARE=1 \
-    PYTHONDONTWRITEBYTECODE=1 CMC_GUI_JOBS="${CMC_GUI_JOBS-}" python3 /checkout/tests/gui/in_chroot.py "$@"' run "$@"
+    PYTHONDONTWRITEBYTECODE=1 MESA_SHADER_CACHE_DIR=/var/cache/mesa CMC_GUI_JOBS="${CMC_GUI_JOBS-}" python3 /checkout/tests/gui/in_chroot.py "$@"' run "$@"

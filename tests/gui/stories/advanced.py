@@ -5,15 +5,6 @@ from __future__ import annotations
 import bpy
 
 
-def until(condition, what: str, seconds: float = 30.0):
-    """Wait for something to become true."""
-    waited = 0.0
-    while not condition():
-        assert waited < seconds, f"waited in vain until {what}"
-        waited += 0.05
-        yield 0.05
-
-
 def plan():
     return bpy.data.objects["Circle Plan"]
 
@@ -27,17 +18,17 @@ def tell(hands):
     bpy.ops.cmc.mesh_plan(edge_length=0.5)
     bpy.ops.ed.undo_push(message="Plan")
     yield from hands.click_button("cmc.solve")
-    yield from until(lambda: plan().cmc.f_plus is not None, "the shell is there")
+    yield from hands.wait_for(lambda: plan().cmc.f_plus is not None, "the shell is there")
     before = [tuple(vertex.co) for vertex in plan().cmc.f_plus.data.vertices]
 
     yield from hands.press("F9")
     yield from hands.picture("vertices")
-    x, y = hands.view
-    yield from hands.click(x + 250, y + 10)  # Faces
-    yield from until(lambda: choice() == ("FACES", "DUAL_COTAN"), "normals are on faces, with their usual energy")
+    yield from hands.redo_click("Faces")
+    usual = ("FACES", "DUAL_COTAN")
+    yield from hands.wait_for(lambda: choice() == usual, "normals are on faces, with their usual energy")
     assert [tuple(vertex.co) for vertex in plan().cmc.f_plus.data.vertices] != before
     yield from hands.picture("faces")
     yield from hands.press("ESC")
     yield from hands.press("Z", ctrl=True)
-    yield from until(lambda: plan().cmc.f_plus is None, "undo has taken it back")
+    yield from hands.wait_for(lambda: plan().cmc.f_plus is None, "undo has taken it back")
     assert choice() == ("VERTICES", "COTAN")

@@ -9,15 +9,6 @@ import bpy
 import numpy as np
 
 
-def until(condition, what: str, seconds: float = 120.0):
-    """Wait for something to become true."""
-    waited = 0.0
-    while not condition():
-        assert waited < seconds, f"waited in vain until {what}"
-        waited += 0.05
-        yield 0.05
-
-
 def running() -> bool:
     return bpy.context.window_manager.cmc.running
 
@@ -26,9 +17,12 @@ def preview():
     return next(module for name, module in sys.modules.items() if name.endswith("cmc_addon.preview")).Preview
 
 
+def fits() -> list:
+    return [ob for ob in bpy.data.objects if ob.cmc.role == "FIT"]
+
+
 def top() -> float:
-    shell = next(ob for ob in bpy.data.objects if ob.cmc.role == "FIT")
-    return max(v.co.z for v in shell.data.vertices)
+    return max(v.co.z for v in fits()[0].data.vertices)
 
 
 def following() -> bool:
@@ -42,23 +36,23 @@ def tell(hands):
     plan = bpy.context.object
     bpy.ops.ed.undo_push(message="Plan")
     yield 0.5
-    shell = yield from hands.find("cmc.flip", (0.85,))
-    yield from hands.click(hands.sidebar.x + 60, shell[1] - 88)  # the header of Design, the last of three below
-    yield 0.5
+    for panel in ("Plan", "Boundary"):
+        yield from hands.panel(panel, False)
+    yield from hands.panel("Design")
     yield from hands.picture("panel")
     button = yield from hands.find("cmc.fit_outline")
 
     yield from hands.click(*button)
-    yield from until(lambda: preview().shape is not None, "a shape is shown")
+    yield from hands.wait_for(lambda: preview().shape is not None, "a shape is shown")
     yield from hands.picture("running")
     assert running(), "it ended before anyone could look; use a finer plan"
     yield from hands.press("ESC")
-    yield from until(lambda: not running(), "Esc has stopped it")
+    yield from hands.wait_for(lambda: not running(), "Esc has stopped it")
     assert plan.cmc.fit is None and preview().handle is None
     yield 1.0  # the panel moves back to where it was
 
     yield from hands.click(*button)
-    yield from until(lambda: plan.cmc.fit is not None, "the shell is there")
+    yield from hands.wait_for(lambda: plan.cmc.fit is not None, "the shell is there")
     assert abs(top() - 2.0) < 0.02, top()
     yield from hands.picture("fitted")
 
@@ -66,19 +60,19 @@ def tell(hands):
     for rise in (0.52, 0.56, 0.6):
         plan.cmc.fit_rise = rise
         yield 0.1
-    yield from until(lambda: abs(top() - 2.4) < 0.02, "the shell has followed")
+    yield from hands.wait_for(lambda: abs(top() - 2.4) < 0.02, "the shell has followed")
     assert not running(), "the panel can be used meanwhile"
-    yield from until(lambda: not following(), "it is at rest")
+    yield from hands.wait_for(lambda: not following(), "it is at rest")
     yield from hands.picture("followed")
     yield from hands.press("Z", ctrl=True)
-    yield from until(lambda: abs(top() - 2.0) < 0.02, "undo has taken back what it has followed")
+    yield from hands.wait_for(lambda: abs(top() - 2.0) < 0.02, "undo has taken back what it has followed")
     yield 1.0
     assert abs(top() - 2.0) < 0.02, "and it stays there"
 
     yield from hands.press("Z", ctrl=True)
-    yield from until(lambda: not [ob for ob in bpy.data.objects if ob.cmc.role == "FIT"], "undo has taken it back")
+    yield from hands.wait_for(lambda: not fits(), "undo has taken it back")
     yield from hands.press("Z", ctrl=True, shift=True)
-    yield from until(lambda: [ob for ob in bpy.data.objects if ob.cmc.role == "FIT"], "redo has brought it again")
+    yield from hands.wait_for(fits, "redo has brought it again")
 
     plan = next(ob for ob in bpy.data.objects if ob.cmc.meshed)
     for vertex in plan.data.vertices:

@@ -8,7 +8,6 @@ import bmesh
 import bpy
 import numpy as np
 
-
 # From the south-east, and from the north-east into the corner of the walls.
 FROM_OUTSIDE, FROM_INSIDE = (0.86, 0.31, 0.13, 0.37), (0.36, 0.17, 0.39, 0.83)
 
@@ -155,15 +154,20 @@ def court(hands):
     assert not seen(hands)
     plan.hide_set(False)
     bpy.ops.mesh.primitive_cube_add()
+    local_view(hands)
+    bpy.context.view_layer.objects.active = plan
+    yield 0.5
+    assert not seen(hands), "only the cube is viewed"
+    local_view(hands)
+    yield 0.5
+    assert seen(hands)
+
+
+def local_view(hands):
+    """View only what is selected, or everything again."""
     region = next(region for region in hands.area.regions if region.type == "WINDOW")
     with bpy.context.temp_override(window=hands.window, area=hands.area, region=region):
         bpy.ops.view3d.localview()
-        bpy.context.view_layer.objects.active = plan
-        yield 0.5
-        assert not seen(hands), "only the cube is viewed"
-        bpy.ops.view3d.localview()
-    yield 0.5
-    assert seen(hands)
 
 
 def popover(hands):

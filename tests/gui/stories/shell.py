@@ -15,10 +15,7 @@ def tell(hands):
     assert plan.name == "BézierCircle Plan" and len(plan.data.polygons) > 1000
     yield from hands.picture("meshed")
     yield from hands.press("F9")
-    field = hands.view[0] + 206, hands.view[1] - 55  # Edge Length, in the panel that has opened at the mouse
-    yield from hands.click(*field)
-    yield from hands.press("A", field, ctrl=True)
-    yield from hands.type("0.2", field)
+    yield from hands.redo_enter("Edge Length", "0.2")
     yield from hands.picture("redo-panel")
     plan = bpy.context.object
     assert len(bpy.data.objects) == 2 and 1000 < len(plan.data.polygons) < 2000
@@ -30,18 +27,18 @@ def tell(hands):
     assert bpy.context.mode == "EDIT_MESH"
     select_half(plan)
     bpy.ops.ed.undo_push(message="Select")
-    yield from hands.click_button("cmc.group_add", (0.93,))
-    yield from hands.click_button("cmc.group_assign", (0.15,))
+    yield from hands.click_button("cmc.group_add")
+    yield from hands.click_button("cmc.group_assign")
     assert membership(plan) == {0: count(plan) - half(plan), 1: half(plan)}, membership(plan)
     yield from hands.picture("assigned")
-    yield from hands.click_button("cmc.group_deselect", (0.9,))
+    yield from hands.click_button("cmc.group_deselect")
     assert not any(edge.select for edge in bmesh.from_edit_mesh(plan.data).edges)
-    yield from hands.click_button("cmc.group_select", (0.65,))
+    yield from hands.click_button("cmc.group_select")
     assert sum(edge.select for edge in bmesh.from_edit_mesh(plan.data).edges) == half(plan)
 
     plan.data.cmc.groups[0].tilt = np.radians(30)
     yield from hands.press("TAB")
-    yield from hands.click_button("cmc.solve", (0.4,))
+    yield from hands.click_button("cmc.solve")
     for _ in range(200):
         if not bpy.context.window_manager.cmc.running:
             break

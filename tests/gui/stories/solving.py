@@ -5,15 +5,6 @@ from __future__ import annotations
 import bpy
 
 
-def until(condition, what: str, seconds: float = 60.0):
-    """Wait for something to become true."""
-    waited = 0.0
-    while not condition():
-        assert waited < seconds, f"waited in vain until {what}"
-        waited += 0.05
-        yield 0.05
-
-
 def running() -> bool:
     return bpy.context.window_manager.cmc.running
 
@@ -27,36 +18,33 @@ def tell(hands):
     bpy.context.object.name = "Plan"
     yield 0.5
     button = yield from hands.find("cmc.solve")
-    # while it runs, the bar with its cross is where the first of the settings was, two rows up
-    cross = (hands.sidebar.x + 0.83 * hands.sidebar.width, button[1] + 52)
 
     yield from hands.click(*button)
-    yield from until(running, "the solve runs")
+    yield from hands.wait_for(running, "the solve runs")
     yield from hands.picture("running")
     assert running(), "the solve ended before anyone could cancel it; use a finer plan"
     yield from hands.press("ESC")
-    yield from until(lambda: not running(), "Esc has stopped it")
+    yield from hands.wait_for(lambda: not running(), "Esc has stopped it")
     assert len(bpy.data.objects) == 1
 
     plan().data.vertices[0].co.z += 0.01  # else all that is kept from the first time makes it too quick
     yield from hands.click(*button)
-    yield from until(running, "the solve runs again")
-    yield from hands.click(*cross)
-    yield from until(lambda: not running(), "the cross has stopped it")
+    yield from hands.wait_for(running, "the solve runs again")
+    yield from hands.click_button("cmc.cancel", (0.95,), near=button[1])
+    yield from hands.wait_for(lambda: not running(), "the cross has stopped it")
     assert len(bpy.data.objects) == 1
 
     bpy.ops.ed.undo_push(message="Plan")
     yield from hands.click(*button)
-    yield from until(lambda: plan().cmc.f_plus is not None, "the shell is there")
+    yield from hands.wait_for(lambda: plan().cmc.f_plus is not None, "the shell is there")
     assert not running()
     yield from hands.picture("solved")
     assert bpy.context.window_manager.operators[-1].bl_idname == "CMC_OT_solve"
 
     yield from hands.press("F9")
     yield from hands.picture("redo-panel")
-    x, y = hands.view
-    yield from hands.click(x + 170, y + 172)  # Flip, in the panel that has opened at the mouse
-    yield from until(lambda: plan().cmc.flip, "the redo panel has solved again")
+    yield from hands.redo_click("Flip")
+    yield from hands.wait_for(lambda: plan().cmc.flip, "the redo panel has solved again")
     assert len(bpy.data.objects) == 2
     heights = [vertex.co.z for vertex in plan().cmc.f_plus.data.vertices]
     assert heights[0] > 0.5 * max(heights), "flipped, the corners are on top"
@@ -64,7 +52,7 @@ def tell(hands):
     yield from hands.press("ESC")
 
     yield from hands.press("Z", ctrl=True)
-    yield from until(lambda: len(bpy.data.objects) == 1, "undo has taken it back")
+    yield from hands.wait_for(lambda: len(bpy.data.objects) == 1, "undo has taken it back")
     yield from hands.press("Z", ctrl=True, shift=True)
-    yield from until(lambda: len(bpy.data.objects) == 2, "redo has brought it again")
+    yield from hands.wait_for(lambda: len(bpy.data.objects) == 2, "redo has brought it again")
     assert plan().cmc.f_plus == bpy.data.objects["Plan f+"]

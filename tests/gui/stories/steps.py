@@ -48,10 +48,9 @@ def tell(hands):
     yield from hands.click(side.x + 60, side.y + side.height - 15, ctrl=True)  # Plan only, the others closed
     yield 0.5
     yield from hands.picture("closed")
-    yield from hands.click(side.x + 60, side.y + side.height - 371)  # the header of Export, the last of the column
-    yield 0.5
+    yield from hands.panel("Export")
     yield from hands.picture("export")
-    yield from hands.click_button("cmc.export", near=side.y + side.height - 500)
+    yield from hands.click_button("cmc.export")
     yield 1.5
     snap(hands, "browser")
     yield from hands.press("RET", (640, 450))

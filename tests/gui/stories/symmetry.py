@@ -5,15 +5,6 @@ from __future__ import annotations
 import bpy
 
 
-def until(condition, what: str, seconds: float = 60.0):
-    """Wait for something to become true."""
-    waited = 0.0
-    while not condition():
-        assert waited < seconds, f"waited in vain until {what}"
-        waited += 0.05
-        yield 0.05
-
-
 def plan():
     return bpy.data.objects["Honeycomb Module"]
 
@@ -24,20 +15,19 @@ def tell(hands):
     yield from hands.picture("module")
     hands.area.spaces.active.region_3d.view_distance = 60.0
     yield from hands.click_button("cmc.solve")
-    yield from until(lambda: plan().cmc.f_plus is not None, "the shell is there")
-    side = hands.sidebar
-    yield from hands.click(side.x + 60, side.y + side.height - 15)  # the header of Plan: more room below
-    yield 0.5
+    yield from hands.wait_for(lambda: plan().cmc.f_plus is not None, "the shell is there")
+    for panel in ("Plan", "Boundary"):
+        yield from hands.panel(panel, False)
     yield from hands.picture("solved")
     button = yield from hands.find("cmc.complete")
     yield from hands.click(*button)
-    yield from until(lambda: plan().cmc.completed is not None, "the copies are there")
+    yield from hands.wait_for(lambda: plan().cmc.completed is not None, "the copies are there")
     yield from hands.picture("completed")
     assert len(plan().cmc.completed.data.polygons) == 216 * len(plan().data.polygons)
     plan().cmc.complete_as = "INSTANCES"
-    yield from hands.click_button("cmc.complete", near=button[1])
-    yield from until(lambda: plan().cmc.copies is not None, "the instances are there")
+    yield from hands.click_button("cmc.complete")
+    yield from hands.wait_for(lambda: plan().cmc.copies is not None, "the instances are there")
     yield from hands.picture("instances")
     assert len(plan().cmc.copies.objects) == 216
     yield from hands.press("Z", ctrl=True)
-    yield from until(lambda: plan().cmc.completed is not None and plan().cmc.copies is None, "undo has taken them back")
+    yield from hands.wait_for(lambda: plan().cmc.completed and not plan().cmc.copies, "undo has taken them back")
