@@ -156,7 +156,7 @@ def tick() -> float | None:
     if Live.errand is not None and Live.can_wait and any(state.is_behind for state in Live.states.values()):
         _drop()
     if Live.errand is None and may_start():
-        _start()
+        _start(context, plans)
     for uid, plan in plans.items():
         if not plan.cmc.live and Live.states[uid].is_settled and not Live.states[uid].is_dirty:
             _forget(uid)
@@ -189,7 +189,7 @@ def _read(context: bpy.types.Context, plans: dict[int, bpy.types.Object]) -> Non
             redraw(context)
 
 
-def _start() -> None:
+def _start(context: bpy.types.Context, plans: dict[int, bpy.types.Object]) -> None:
     """Begin the answer that is wanted most: to a change before one at rest, the plan first that waits longest."""
     now = time.monotonic()
     wanted = [(uid, state, grade) for uid, state in Live.states.items() if (grade := state.next_grade(now))]
@@ -199,7 +199,7 @@ def _start() -> None:
     anew = grade in (WHOLE, FINAL)
     Live.uid, Live.can_wait = uid, not state.is_behind
     Live.errand = Errand(Anew(state.reading, grade) if anew else GoingOn(state.reading, state.memory, grade))
-    Live.errand.look()
+    _look(context, plans)
 
 
 def _look(context: bpy.types.Context, plans: dict[int, bpy.types.Object]) -> bool:
