@@ -19,7 +19,7 @@ from .colour_bridge import measure, paint, points_of, put_measure, unpaint
 from .colour_maps import Range, fit_about, fit_around_zero, fit_from, fixed_range
 from .colour_settings import QUANTITIES, watchers
 from .measures import ATTRIBUTES, DIRECTION, USUAL
-from .properties import COMPLETED_ROLES, DESIGN_ROLES
+from .properties import COMPLETED_ROLES, DESIGN_ROLES, ROLES
 from .results import copies_of, result_of, results_of
 
 Array = NDArray[np.float64]
@@ -79,22 +79,25 @@ def _completed(plan: bpy.types.Object) -> list[bpy.types.Object]:
 
 # --- painting ------------------------------------------------------------------------------
 
-def repaint(plan: bpy.types.Object, sheet: str = "") -> None:
-    """Colour the results of a plan as its settings say, or take the colours away; see `families`."""
+def repaint(plan: bpy.types.Object, sheet: str = "", target: float | None = None) -> None:
+    """Colour the results of a plan as its settings say, or take the colours away; see `families`.
+
+    target: the mean curvature that the shell of Solve is to have now, where its report is of an older one.
+    """
     quantity = QUANTITIES.get(plan.cmc.colour_by)
     for family in families(plan, sheet):
         for member in family.members():
             if quantity is None and member.data.is_editable and not member.data.is_editmode:
                 unpaint(member.data)
         if quantity is not None:
-            _paint(plan.cmc, family)
+            _paint(plan.cmc, family, target if family.shell.cmc.role in ROLES else None)
 
 
-def _paint(settings, family: Family) -> None:
+def _paint(settings, family: Family, target: float | None) -> None:
     """An image of another size than the shell, a result in edit mode or of another file is left as it is."""
     attribute = QUANTITIES[settings.colour_by].attribute
     values = None if family.shell.data.is_editmode else measure(family.shell.data, attribute)
-    stretched = None if values is None else range_of(settings, family.shell, values)
+    stretched = None if values is None else range_of(settings, family.shell, values, target)
     for member in family.members():
         mesh = member.data
         if mesh.is_editmode or not mesh.is_editable:
@@ -114,10 +117,10 @@ def target_of(shell: bpy.types.Object, values: Array) -> float:
     return float(told) if isinstance(told, (int, float)) else float(np.nanmedian(values))
 
 
-def range_of(settings, shell: bpy.types.Object, values: Array) -> Range:
+def range_of(settings, shell: bpy.types.Object, values: Array, target: float | None = None) -> Range:
     """The range of a shell's colours: fitted, or as the settings say."""
     by = settings.colour_by
-    centre = target_of(shell, values) if by == "MEAN_CURVATURE" else 0.0 if by == "GAUSS_CURVATURE" else None
+    centre = {"MEAN_CURVATURE": target or target_of(shell, values), "GAUSS_CURVATURE": 0.0}.get(by)
     if not settings.colour_fit:
         inside = centre is not None and settings.colour_min <= centre <= settings.colour_max
         return fixed_range(values, settings.colour_min, settings.colour_max, centre if inside else None)

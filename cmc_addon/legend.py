@@ -67,7 +67,7 @@ def _seen(context: bpy.types.Context, plan: bpy.types.Object) -> bpy.types.Objec
     """The coloured result that is active, else the first of the plan's that is visible."""
     roles = dict.fromkeys([plan.cmc.sheet, *DESIGN_ROLES, *COMPLETED_ROLES, *ROLES])
     results = [result_of(plan, role) for role in roles]
-    copies = [] if plan.cmc.copies is None else list(plan.cmc.copies.objects)[:1]
+    copies = [] if plan.cmc.copies is None else plan.cmc.copies.objects[:1]
     active = [context.object] if context.object.cmc.role != "NONE" else []
     for ob in (*active, *results, *copies):
         if ob is None or ob.type != "MESH" or not is_painted(ob.data):

@@ -149,6 +149,18 @@ def test_the_target_is_in_the_middle():
     assert_allclose(colours(result)[middle, :3], maps().linear(maps().RAMPS["diverging"][3]), atol=0.1)
 
 
+def test_a_target_that_is_newer_than_the_report():
+    """While a shell is dragged it has no report; a fitted shell of the same plan has its own."""
+    plan = hall()
+    plan.cmc.colour_by = "MEAN_CURVATURE"
+    result = solve(plan)
+    assert bpy.ops.cmc.fit_outline() == {"FINISHED"}
+    of_fit = tuple(plan.cmc.fit.cmc.colour_range)
+    module("colours").repaint(plan, target=0.3)
+    assert module("colours").stored_range(result).centre == pytest.approx(0.3)
+    assert tuple(plan.cmc.fit.cmc.colour_range) == of_fit
+
+
 def test_none_leaves_nothing_behind():
     """The plan's own colours come back as the active ones."""
     plan = hall()
