@@ -35,9 +35,13 @@ class Hands:
         self.story = story
         self.shots = 0
         self._places: dict[str, Place] = {}
-        self.window = bpy.context.window_manager.windows[0]
 
     # --- where things are
+
+    @property
+    def window(self) -> bpy.types.Window:
+        """Another one after a file was loaded."""
+        return bpy.context.window_manager.windows[0]
 
     @property
     def area(self) -> bpy.types.Area:

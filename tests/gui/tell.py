@@ -85,4 +85,4 @@ def tick() -> float:
     os._exit(code)
 
 
-bpy.app.timers.register(tick, first_interval=2.0)
+bpy.app.timers.register(tick, first_interval=2.0, persistent=True)  # stories load files
