@@ -65,7 +65,7 @@ def updated(live, change) -> tuple[float, float]:
 
 
 def bare_solves(addon, live, plan, changes):
-    """The solver's own solve of the plan after change k, on its cached factor, from the last map, as a function of k."""
+    """As a function of k: the solver's own solve after change k, on the plan's cached factor, from the last map."""
     forming, session, work = addon.cmc_addon.forming, addon.cmc_addon.session, addon.cmc_addon.live_work
     conditions = __import__(f"{PACKAGE}.solver.plan", fromlist=["plan_conditions"]).plan_conditions
     made = []
