@@ -26,8 +26,9 @@ from .seeing_cache import kept, version
 from .seeing_colours import colour_of, other_colour
 from .seeing_layers import Layer, Look, arrow_length, cut_layer, rim_layers
 from .seeing_result import gap_layers, measured, plane_layers, shell_of
-from .seeing_rim import Drawn, GroupState, Rim, see_rim
+from .seeing_rim import Drawn, Rim, see_rim
 from .seeing_settings import SHOWN
+from .seeing_strip import GroupState
 from .settings import SIDES
 
 Array = NDArray[np.float64]

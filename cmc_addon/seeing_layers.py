@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from . import seeing_geometry as shapes
 from .seeing_colours import Colour
-from .seeing_rim import NOBODY, GroupState, Rim, Walk
+from .seeing_rim import NOBODY, Rim, Walk
+from .seeing_strip import GroupState
 
 Array = NDArray[np.float64]
 

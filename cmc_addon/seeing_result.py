@@ -16,7 +16,7 @@ from . import seeing_geometry as shapes
 from .properties import ROLES
 from .results import result_of
 from .seeing_layers import PLANAR, Layer, Look, arrows, wall_layers
-from .seeing_rim import GroupState
+from .seeing_strip import GroupState
 
 Array = NDArray[np.float64]
 

@@ -1,8 +1,7 @@
 """What the conditions of a plan prescribe along its rim, from arrays alone: what there is to see before a solve.
 
-Only faces that touch the rim are looked at, so that it costs as much as the rim is long and not as the plan is large:
-all that conditions speak of, the directions of the edges, the faces behind them and the angles around the vertices, is
-there. It is the solver's own `plan_conditions` and `resolved` that say what holds, blended angles included.
+It is the solver's own `plan_conditions` and `resolved` that say what holds, blended angles included. They are asked
+about the faces along the rim only (`seeing_strip`), so that it costs as much as the rim is long.
 """
 
 from __future__ import annotations
@@ -13,32 +12,19 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..solver.domain import connectivity
-from ..solver.domain.domain import Domain
 from ..solver.domain.sites import SiteGraph
 from ..solver.errors import CmcError
 from ..solver.gauss.admissible import Admissible, resolved
 from ..solver.gauss.prescribed import Conditions
-from ..solver.plan import Group, Plan, Settings, plan_conditions
-from ..solver.plan_metric import side_lengths
-from ..solver.polygons import triangulate_polygons
+from ..solver.plan import Settings, plan_conditions
 from .mesh_bridge import PlanMesh
+from .seeing_strip import GroupState, Strip
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
 NOBODY = 0
 """Uid of the edges that are in no group."""
-
-
-@dataclass(frozen=True)
-class GroupState:
-    """A boundary group as plain values that compare; parameters as (name, value), kind as the solver calls it."""
-
-    uid: int
-    name: str
-    kind: str
-    parameters: tuple[tuple[str, object], ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +81,7 @@ class Drawn:
     lines: dict[int, Array]
     size: float
     flipped: tuple[int, ...] = ()
-    strip: _Strip | None = None
+    strip: Strip | None = None
 
     @classmethod
     def of(cls, mesh: PlanMesh, uids: Sequence[int]) -> Drawn:
@@ -107,7 +93,7 @@ class Drawn:
         if len(mesh.starts) < 2 or not len(rim):
             return bare
         try:
-            return replace(bare, strip=_Strip.of(mesh, rim, owner[rim]))
+            return replace(bare, strip=Strip.of(mesh, rim, owner[rim]))
         except CmcError:
             return bare
 
@@ -124,7 +110,7 @@ def see_rim(drawn: Drawn, groups: Sequence[GroupState], blend: float = 0.0, side
     at = held.corners[held.corners < strip.rim_count]
     return replace(
         bare,
-        walks=tuple(strip.walks(held)),
+        walks=tuple(_walks(strip, held)),
         corners=strip.points[at],
         corner_normals=held.normals[at],
         up=strip.up,
@@ -141,106 +127,6 @@ def _diagonal(points: Array) -> float:
     return float(np.linalg.norm(np.ptp(finite, axis=0))) if len(finite) else 0.0
 
 
-# --- the faces along the rim ----------------------------------------------------------------
-
-@dataclass(frozen=True, eq=False)
-class _Strip:
-    """The faces that touch the rim, as a domain whose first `rim_count` vertices are those of the rim, in their order.
-
-    vertices (n,): where each is in the plan. uids: (E,) of its edges' groups, -1 on edges that are not on the rim.
-    """
-
-    domain: Domain
-    points: Array
-    vertices: Int
-    rim_count: int
-    uids: Int
-
-    @classmethod
-    def of(cls, mesh: PlanMesh, rim: Int, owner: Int) -> _Strip:
-        """Raises `CmcError` where the faces are no surface."""
-        on_rim = np.zeros(len(mesh.positions), dtype=bool)
-        on_rim[mesh.edges[rim]] = True
-        triangles = _triangles_at(mesh, on_rim)
-        inside = np.setdiff1d(triangles, np.flatnonzero(on_rim))
-        vertices = np.concatenate([np.flatnonzero(on_rim), inside])
-        place = np.full(len(mesh.positions), -1, dtype=np.int32)
-        place[vertices] = np.arange(len(vertices))
-        faces, points = place[triangles], mesh.positions[vertices]
-        domain = _as_domain(faces, points, _own_lengths(mesh, triangles, place))
-        count = len(vertices) - len(inside)
-        return cls(domain, points, vertices, count, _uids(domain, place[mesh.edges[rim]], owner, count))
-
-    @property
-    def up(self) -> Array:
-        """½ ∮ x × dx, which is the area vector of the whole plan."""
-        tail, head = self.points[self.domain.edges[self.uids >= 0]].swapaxes(0, 1)
-        return 0.5 * np.cross(tail, head).sum(axis=0)
-
-    def as_plan(self, groups: Sequence[GroupState]) -> Plan:
-        """The edges where the strip ends inside the plan are free."""
-        edges = self.domain.edges
-        inner = self.domain.boundary_edges[self.uids[self.domain.boundary_edges] < 0]
-        found = [Group(g.name, edges[self.uids == g.uid], g.kind, dict(g.parameters)) for g in groups]
-        return Plan(self.points, self.domain.faces, groups=[*found, Group("", edges[inner], "free")])
-
-    def walks(self, held: _Held) -> list[Walk]:
-        """The boundary loops, divided where the group changes."""
-        found = []
-        for loop, edges in zip(self.domain.boundary_loops, self.domain.boundary_loop_edges, strict=True):
-            uids = self.uids[edges]
-            if (uids < 0).any():
-                continue
-            starts = np.flatnonzero(uids != np.roll(uids, 1))
-            first = int(starts[0]) if len(starts) else 0
-            loop, edges, uids = (np.roll(array, -first) for array in (loop, edges, uids))
-            ends = [*(starts[1:] - first).tolist(), len(edges)]
-            for start, end in zip([0, *ends], ends, strict=False):
-                at = np.append(loop, loop[0])[start : end + 1]
-                closed = len(starts) == 0
-                middles = held.middles[edges[start:end]]
-                found.append(Walk(int(uids[start]), self.points[at], held.normals[at], middles, closed))
-        return found
-
-
-def _triangles_at(mesh: PlanMesh, on_rim: NDArray[np.bool_]) -> Int:
-    """Triangles, in the plan's numbers, of the polygons that have a vertex on the rim."""
-    touching = np.logical_or.reduceat(on_rim[mesh.corners], mesh.starts[:-1])
-    step = -1 if mesh.mirrored else 1
-    bounds = zip(mesh.starts[:-1][touching].tolist(), mesh.starts[1:][touching].tolist(), strict=True)
-    return triangulate_polygons(mesh.positions, [mesh.corners[a:b][::step] for a, b in bounds])[0]
-
-
-def _own_lengths(mesh: PlanMesh, triangles: Int, place: Int) -> Array | None:
-    """Side lengths (T, 3) of a plan that has its own."""
-    if mesh.lengths is None:
-        return None
-    near = (place[mesh.edges] >= 0).all(axis=1)
-    return side_lengths(triangles, mesh.edges[near], mesh.lengths[near])
-
-
-def _as_domain(faces: Int, points: Array, sides: Array | None) -> Domain:
-    """No check for a surface in one piece: where the strip ends it may touch itself."""
-    face_edges = connectivity.edges_by_vertex_pairs(faces, len(points))
-    edges = connectivity.pair_half_edges(faces, face_edges)
-    if sides is None:
-        lengths = np.linalg.norm(points[edges.edges[:, 1]] - points[edges.edges[:, 0]], axis=1)
-    else:
-        lengths = np.bincount(face_edges.ravel(), sides.ravel()) / np.bincount(face_edges.ravel())
-    return Domain(faces, edges.face_edges, lengths)
-
-
-def _uids(domain: Domain, pairs: Int, owner: Int, rim_count: int) -> Int:
-    """Groups (E,) of the edges of a strip from those of the rim, pairs (n, 2); -1 elsewhere."""
-    count = len(domain.edges)
-    uids = np.full(count, -1, dtype=np.int64)
-    rim = domain.boundary_edges[(domain.edges[domain.boundary_edges] < rim_count).all(axis=1)]
-    keys, known = (np.sort(p, axis=1).astype(np.int64) @ [rim_count, 1] for p in (pairs, domain.edges[rim]))
-    order = np.argsort(keys)
-    uids[rim] = owner[order[np.searchsorted(keys[order], known).clip(max=len(keys) - 1)]]
-    return uids
-
-
 # --- what holds there -----------------------------------------------------------------------
 
 @dataclass(frozen=True, eq=False)
@@ -252,7 +138,7 @@ class _Held:
     corners: Int
 
 
-def _held(strip: _Strip, groups: Sequence[GroupState], blend: float, side: int, flipped: Sequence[int]) -> _Held:
+def _held(strip: Strip, groups: Sequence[GroupState], blend: float, side: int, flipped: Sequence[int]) -> _Held:
     normals, middles = (np.full((n, 3), np.nan) for n in (len(strip.points), len(strip.domain.edges)))
     conditions, left_out = _conditions(strip, groups, blend)
     admissible = None if conditions is None else _admissible(strip, conditions, side)
@@ -268,7 +154,26 @@ def _held(strip: _Strip, groups: Sequence[GroupState], blend: float, side: int, 
     return _Held(normals, middles, corners)
 
 
-def _conditions(strip: _Strip, groups: Sequence[GroupState], blend: float) -> tuple[Conditions | None, list[int]]:
+def _walks(strip: Strip, held: _Held) -> list[Walk]:
+    """The boundary loops of a plan, divided where the group changes."""
+    found = []
+    for loop, edges in zip(strip.domain.boundary_loops, strip.domain.boundary_loop_edges, strict=True):
+        uids = strip.uids[edges]
+        if (uids < 0).any():
+            continue
+        starts = np.flatnonzero(uids != np.roll(uids, 1))
+        first = int(starts[0]) if len(starts) else 0
+        loop, edges, uids = (np.roll(array, -first) for array in (loop, edges, uids))
+        ends = [*(starts[1:] - first).tolist(), len(edges)]
+        for start, end in zip([0, *ends], ends, strict=False):
+            at = np.append(loop, loop[0])[start : end + 1]
+            closed = len(starts) == 0
+            middles = held.middles[edges[start:end]]
+            found.append(Walk(int(uids[start]), strip.points[at], held.normals[at], middles, closed))
+    return found
+
+
+def _conditions(strip: Strip, groups: Sequence[GroupState], blend: float) -> tuple[Conditions | None, list[int]]:
     """The conditions of the groups, and the uids of those that had to be left out."""
     settings = Settings(blend=blend)
     try:
@@ -283,12 +188,12 @@ def _conditions(strip: _Strip, groups: Sequence[GroupState], blend: float) -> tu
         return None, left_out
 
 
-def _with_up(conditions: Conditions, strip: _Strip) -> Conditions:
+def _with_up(conditions: Conditions, strip: Strip) -> Conditions:
     """With the side that the whole plan looks to, which the strip may not know."""
     return replace(conditions, up=strip.up) if conditions.up.any() else conditions
 
 
-def _is_sound(strip: _Strip, group: GroupState) -> bool:
+def _is_sound(strip: Strip, group: GroupState) -> bool:
     """Whether a group makes sense with all the others left out; one that is free prescribes nothing, and does."""
     if group.kind == "free" or not (strip.uids == group.uid).any():
         return True
@@ -299,7 +204,7 @@ def _is_sound(strip: _Strip, group: GroupState) -> bool:
     return True
 
 
-def _admissible(strip: _Strip, conditions: Conditions, side: int) -> Admissible | None:
+def _admissible(strip: Strip, conditions: Conditions, side: int) -> Admissible | None:
     """What the conditions come to at the vertices; those at which they contradict each other are left free."""
     graph = SiteGraph.of(strip.domain, "vertices")
     for _ in range(2):

@@ -104,6 +104,23 @@ def whole(addon, plan):
     return points[held.fixed], held.data, points[held.mirrors.sites]
 
 
+def test_a_plan_with_lengths_of_its_own_turns_by_them(addon, rim):
+    bpy.ops.mesh.primitive_circle_add(vertices=24, radius=3, fill_type="NGON")
+    bpy.ops.cmc.mesh_plan(edge_length=0.8)
+    plan = bpy.context.object
+    add_group(plan, "all", boundary_edges(plan.data), "TWISTED", m=1.0)
+    drawn = rim(plan).walks[0].normals
+    ends = np.array([[plan.data.vertices[v].co for v in edge.vertices] for edge in plan.data.edges])
+    lengths = np.linalg.norm((ends[:, 1] - ends[:, 0]) * [1.0, 2.0, 1.0], axis=1)
+    plan.data.attributes.new("cmc_length", "FLOAT", "EDGE").data.foreach_set("value", lengths)
+    plan.data.update()
+    (walk,) = rim(plan).walks
+    points, normals, _ = whole(addon, plan)
+    order = [np.linalg.norm(points - point, axis=1).argmin() for point in walk.points]
+    assert_allclose(walk.normals, normals[order], atol=1e-6)
+    assert np.abs(walk.normals - drawn).max() > 0.1
+
+
 def test_around_a_court_they_point_into_it(rim):
     plan = quad_ring()
     walks = rim(add_group(plan, "all", boundary_edges(plan.data), "BINORMAL") and plan).walks
