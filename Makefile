@@ -10,8 +10,8 @@ WORKERS := $(shell n=$$(nproc); echo $$((n < 8 ? n : 8)))
 # A process a core, each with whole files; BLAS threads of their own would only be in each other's way.
 PYTEST := OPENBLAS_NUM_THREADS=1 $(PYTHON) -m pytest --timeout=300 -n $(WORKERS) --dist loadfile
 SETUP := Makefile pyproject.toml scripts/setup_env.sh scripts/requirements.py scripts/system_libraries.sh
-SHIPPED := __init__.py blender_manifest.toml pyproject.toml scripts/build_extension.py \
-           $(shell find solver cmc_addon -name '*.py')
+SHIPPED := __init__.py blender_manifest.toml pyproject.toml scripts/build_extension.py scripts/help_pages.py \
+           $(shell find solver cmc_addon -name '*.py') $(shell find docs -name '*.md')
 BLENDERS := .venvs/bpy-4.5/ready .venvs/bpy-5.0/ready .venvs/bpy-5.2/ready
 
 # Form one of the plans and render it: build/demo/.

@@ -11,7 +11,7 @@ MODULES = (
     "preview", "following", "solved", "symmetry", "panels", "seeing_panel", "boundary_panel", "design_panel",
     "symmetry_panel", "results_panel", "legend", "strokes_overlay", "colours_panel",
     "nearness", "live", "live_panel", "periods", "periods_panel", "export_panel",
-    "menus", "preferences", "cli",
+    "menus", "preferences", "manual", "cli",
 )
 """Sub-modules with register() and unregister(), in the order in which they need each other."""
 

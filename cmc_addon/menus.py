@@ -53,7 +53,7 @@ class CMC_MT_object(bpy.types.Menu):
         for name in ("cmc.complete", "cmc.close_periods", "cmc.tile_periods"):
             layout.operator(name)
         layout.separator()
-        for name in ("cmc.count_modes", "cmc.start_from_shell", "cmc.start_clear"):
+        for name in ("cmc.gauss_image", "cmc.count_modes", "cmc.start_from_shell", "cmc.start_clear"):
             layout.operator(name)
         layout.separator()
         for which in ("OUTLINE", "PLAN", "SHELL"):

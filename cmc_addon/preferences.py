@@ -36,8 +36,8 @@ _PREFERENCES = {
         _COLOUR, name="Cut", description="Colour of the line along which a shell is cut open",
         default=(1.0, 0.2, 0.55)),
     "live_limit": partial(
-        IntProperty, name="Live Limit", description="Vertices of a plan up to which its shell is solved again while "
-        "you drag; a larger one follows when the mouse rests", default=50_000, min=100, soft_max=500_000,
+        IntProperty, name="Live Limit", description="Vertices of a plan up to which Live answers in full while you "
+        "drag; a larger one gets a rough answer until the mouse rests", default=50_000, min=100, soft_max=500_000,
         max=10_000_000),
 }
 """Name → property: one added here can be read by `get` everywhere."""

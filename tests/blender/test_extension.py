@@ -143,9 +143,12 @@ def test_contents(archive: Path) -> None:
     assert others <= {"__init__.py", "solver", "cmc_addon", "blender_manifest.toml", "LICENSE"} | {
         "README.md",
         "CHANGELOG.md",
+        "help",
     }
     assert {"__init__.py", "solver", "cmc_addon", "LICENSE"} <= others
     assert not any("__pycache__" in name for name in names)
+    assert {"help/blender.html", "help/operators/solve.html"} <= set(names)
+    assert not any(name.endswith(".md") for name in names if name.startswith("help/"))
 
 
 def test_manifest_lists_every_pin_for_every_platform() -> None:

@@ -143,7 +143,7 @@ def test_f3_finds_every_operator():
     found = set().union(*(menu(name).operators for name in ("CMC_MT_object", "CMC_MT_mesh", "CMC_MT_assign")))
     found |= {"cmc.group_preset"}  # in a menu of that menu
     elsewhere = {
-        "cmc.add_module", "cmc.add_plan",  # Add > Mesh > CMC
+        "cmc.add_module", "cmc.add_plan", "cmc.add_bubble",  # Add > Mesh > CMC
         "cmc.group_remove", "cmc.group_move", "cmc.group_plane", "cmc.flip_corner", "cmc.cancel",  # beside their thing
     }
     ours = {cls.bl_idname for cls in operators._classes() if issubclass(cls, bpy.types.Operator)}

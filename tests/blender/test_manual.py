@@ -1,0 +1,87 @@
+"""F1: every operator and every setting leads to a page and a heading that exist."""
+
+from __future__ import annotations
+
+import re
+import webbrowser
+from pathlib import Path
+from urllib.parse import unquote, urlparse
+
+import bpy
+import pytest
+
+from .test_tooltips import groups, operators, own_properties
+
+
+@pytest.fixture
+def manual(addon):
+    return addon.cmc_addon.manual
+
+
+def lookup(name: str) -> str | None:
+    return bpy.types.WM_OT_doc_view_manual._lookup_rna_url(name, verbose=False)
+
+
+def anchors(file: Path) -> set[str]:
+    text = file.read_text(encoding="utf-8")
+    headings = re.findall(r"^#+ (.+)$", text, re.M)
+    return {re.sub(r"[^\w\- ]", "", words.lower()).replace(" ", "-") for words in headings} | set(
+        re.findall(r'<a id="([^"]+)"', text)
+    )
+
+
+def leads(url: str | None) -> bool:
+    """Whether a link into the checkout's docs/ leads to what is there."""
+    if url is None:
+        return False
+    parts = urlparse(url)
+    file = Path(unquote(parts.path))
+    return parts.scheme == "file" and file.is_file() and (not parts.fragment or parts.fragment in anchors(file))
+
+
+def test_every_operator_has_its_paragraph():
+    links = {name: lookup(f"bpy.ops.{name}") for name in operators()}
+    assert {name: link for name, link in links.items() if not leads(link)} == {}
+    assert all(link.endswith(f"#{name}") for name, link in links.items())
+
+
+def test_every_setting_leads_to_its_section():
+    names = [f"bpy.types.{rna.identifier}.{p.identifier}" for rna in groups().values() for p in own_properties(rna)]
+    links = {name: lookup(name) for name in names}
+    assert {name: link for name, link in links.items() if not leads(link)} == {}
+
+
+def test_the_more_special_comes_first(manual):
+    beginnings = list(manual.SETTINGS)
+    for k, early in enumerate(beginnings):
+        assert not any(late.startswith(early) for late in beginnings[k + 1:]), early
+
+
+def test_f1_opens_the_page(monkeypatch):
+    opened = []
+    monkeypatch.setattr(webbrowser, "open", opened.append)
+    assert bpy.ops.wm.doc_view_manual(doc_id="cmc.solve") == {"FINISHED"}
+    assert bpy.ops.wm.doc_view_manual(doc_id="CMC_OT_solve.span") == {"FINISHED"}
+    assert [urlparse(url).fragment for url in opened] == ["cmc.solve", "cmc.solve"]
+    assert opened[0].startswith("file:///") and "/docs/operators/solve.md" in opened[0]
+
+
+def test_installed_they_lead_to_the_pages_that_came_along(manual, monkeypatch, tmp_path):
+    (tmp_path / "help").mkdir()
+    (tmp_path / "blender_manifest.toml").write_text('id = "x"\n')
+    monkeypatch.setattr(manual, "ROOT", tmp_path)
+    assert lookup("bpy.ops.cmc.solve") == f"{tmp_path.as_uri()}/help/operators/solve.html#cmc.solve"
+    (tmp_path / "blender_manifest.toml").write_text('website = "https://example.org/cmc/"\n')
+    assert lookup("bpy.ops.cmc.solve") == "https://example.org/cmc/docs/operators/solve.md#cmc.solve"
+
+
+def test_blenders_own_links_stay():
+    assert lookup("bpy.ops.mesh.subdivide").startswith("https://docs.blender.org/")
+
+
+def test_unregistered_there_are_none(addon):
+    addon.unregister()
+    try:
+        assert lookup("bpy.ops.cmc.solve") is None
+    finally:
+        addon.register()
