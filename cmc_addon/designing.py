@@ -28,7 +28,7 @@ from .measures import USUAL, Measured, sheet_measures
 from .mesh_bridge import PlanMesh, read_plan
 from .messages import in_plan_numbers
 from .result_bridge import Cut, find_cut
-from .results import Writer, result_of, write_report
+from .results import Writer, park, result_of, write_report
 
 Array = NDArray[np.float64]
 Progress = Callable[[int, float], bool | None]
@@ -122,6 +122,8 @@ class DesignOrder:
         writer.write(self.role, outcome.points, outcome.normals, outcome.measures)
         result = result_of(plan, self.role)
         result.cmc.parked = result.hide_viewport = result.hide_render = False
+        if self.role == "FIT":
+            park(result_of(plan, plan.cmc.sheet))
         told = self._report(context, plan, outcome)
         if outcome.deviation is not None:
             show_deviation(plan, result, outcome.deviation)

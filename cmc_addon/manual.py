@@ -60,6 +60,7 @@ SETTINGS = {
     "cmcobject.colour_": "operators/look",
     "cmcobject.stroke": "operators/look",
     "cmcobject": "blender#shell",
+    "cmcrun": "operators/solve",
     "cmcpreferences": "blender#preferences",
 }
 """Beginning of a setting's name, the more special before the more general → page and heading."""

@@ -75,7 +75,7 @@ def go_to_row(layout: bpy.types.UILayout, ob: bpy.types.Object, which: str) -> N
         split.operator("cmc.go_to", text=other.name, icon=_ICONS[which]).target = which
 
 
-_ICONS = {"OUTLINE": "CURVE_DATA", "PLAN": "MESH_GRID", "SHELL": "SURFACE_NSURFACE"}
+_ICONS = {"OUTLINE": "CURVE_DATA", "PLAN": "MESH_GRID", "SHELL": "SURFACE_NSURFACE", "FIT": "SNAP_ON"}
 
 
 # --- Mesh Plan -----------------------------------------------------------------------------
@@ -167,6 +167,7 @@ class CMC_PT_shell(Tab, bpy.types.Panel):
         for draw in BESIDE_SOLVE:
             draw(layout, context, plan)
         go_to_row(layout, context.object, "SHELL")
+        go_to_row(layout, context.object, "FIT")
 
     def _solve(self, layout):
         row = layout.split(factor=0.75, align=True)

@@ -280,6 +280,12 @@ def show_wanted(plan: bpy.types.Object, wanted: list[str]) -> None:
         result.cmc.parked = result.hide_viewport = result.hide_render = role not in wanted
 
 
+def park(result: bpy.types.Object | None) -> None:
+    """Hide a result in whose place another one is now; the next solve shows it again."""
+    if result is not None:
+        result.cmc.parked = result.hide_viewport = result.hide_render = True
+
+
 def copies_of(plan: bpy.types.Object) -> bpy.types.Collection | None:
     """The collection of the instances that Complete by Symmetry made of this plan's shell, if there is one."""
     copies = plan.cmc.copies

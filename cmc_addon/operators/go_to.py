@@ -9,7 +9,7 @@ from .plan import plan_of as meshed_plan_of
 
 
 def target(ob: bpy.types.Object | None, which: str) -> bpy.types.Object | None:
-    """The OUTLINE, PLAN or SHELL that belongs to an object; None where there is no other object of that kind."""
+    """The OUTLINE, PLAN, SHELL or FIT that belongs to an object; None where there is no other object of that kind."""
     if ob is None:
         return None
     plan = ob.cmc.source if ob.cmc.role != "NONE" else meshed_plan_of(ob) or ob
@@ -20,7 +20,7 @@ def target(ob: bpy.types.Object | None, which: str) -> bpy.types.Object | None:
     elif which == "OUTLINE":
         found = outline_of(plan)
     else:
-        found = result_of(plan, plan.cmc.sheet)
+        found = result_of(plan, plan.cmc.sheet if which == "SHELL" else which)
     return found if found is not None and found != ob and found.users_scene else None
 
 
@@ -37,18 +37,20 @@ class CMC_OT_go_to(bpy.types.Operator):
         items=[
             ("OUTLINE", "Outline", "The drawn outline of the plan; it is shown if it was hidden"),
             ("PLAN", "Plan", "The plan that the shell comes from, or that the outline was meshed to"),
-            ("SHELL", "Shell", "The surface that was formed over the plan"),
+            ("SHELL", "Shell", "The surface that was formed over the plan; it is shown if it was hidden"),
+            ("FIT", "Fit", "The shell that was fitted to the outline"),
         ],
     )
 
     @classmethod
     def description(cls, context, properties):
-        return f"Make the {properties.target.lower()} of this object the active object"
+        what = {"FIT": "fitted shell"}.get(properties.target, properties.target.lower())
+        return f"Make the {what} of this object the active object"
 
     @classmethod
     def poll(cls, context):
         ob = context.object
-        if ob is None or all(target(ob, which) is None for which in ("OUTLINE", "PLAN", "SHELL")):
+        if ob is None or all(target(ob, which) is None for which in ("OUTLINE", "PLAN", "SHELL", "FIT")):
             cls.poll_message_set("Select an outline, a plan or a shell that has come from one another")
             return False
         return True
@@ -62,6 +64,8 @@ class CMC_OT_go_to(bpy.types.Operator):
             bpy.ops.object.mode_set(mode="OBJECT")
         for other in context.selected_objects:
             other.select_set(False)
+        if found.cmc.parked:
+            found.cmc.parked = found.hide_viewport = found.hide_render = False
         found.hide_set(False)
         found.select_set(True)
         context.view_layer.objects.active = found

@@ -87,7 +87,7 @@ def hand_for(design, operator):
     """Stands for the operator that Blender makes, to turn its crank by hand."""
 
     class Hand(design.Designing):
-        take = operator.take
+        bl_label, take = "Fit to Outline", operator.take
         properties = SimpleNamespace(is_property_set=lambda name: False)
 
         def __init__(self):

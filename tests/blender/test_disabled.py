@@ -238,3 +238,15 @@ def test_before_a_solve_there_is_nothing_to_tell():
     record = draw("CMC_PT_shell")
     assert "Off Outline" not in record.texts and record.operators == ["cmc.solve", "cmc.flip"]
     np.testing.assert_equal(record.operators.count("cmc.solve"), 1)
+
+
+def test_the_fitted_shell_takes_the_place_of_the_other(solved):
+    shell = solved.cmc.f_plus
+    bpy.ops.cmc.fit_outline()
+    assert shell.hide_viewport and not solved.cmc.fit.hide_viewport
+    assert bpy.ops.cmc.go_to(target="SHELL") == {"FINISHED"} and not shell.hide_viewport
+    assert bpy.ops.cmc.go_to(target="FIT") == {"FINISHED"} and bpy.context.object == solved.cmc.fit
+    bpy.ops.cmc.fit_outline()
+    assert shell.hide_viewport
+    bpy.ops.cmc.solve()
+    assert not shell.hide_viewport and not solved.cmc.fit.hide_viewport
