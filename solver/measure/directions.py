@@ -108,13 +108,14 @@ def _squared_difference(tensors: Array) -> Array:
 
 
 def _doubt(means: Array, triangles: Indices) -> Array:
-    """Standard error (n,) of k1 - k2: how much the operators around a vertex differ from their mean.
+    """Twice the standard error (n,) of k1 - k2, by how much the operators around a vertex differ from their mean: of
+    mere noise no more than one in fifty is larger.
 
     means (n, 7): the mean operator, and the mean of `_squared_difference`, which is quadratic.
     """
     count = np.bincount(triangles.ravel(), minlength=len(means))
     variance = means[:, 6] - _squared_difference(means[:, :6])
-    return np.sqrt(variance.clip(min=0.0) / np.maximum(count, 1))
+    return 2.0 * np.sqrt(variance.clip(min=0.0) / np.maximum(count, 1))
 
 
 def _tangents(normals: Array) -> tuple[Array, Array]:

@@ -54,17 +54,18 @@ def test_lines_run_along_parallels_and_meridians(name, jitter, least):
         parallel, meridian = surface.curvatures(m.parameters[:, 1])
         around = np.stack([-np.sin(t), np.cos(t), 0.0 * t], axis=1)
         line = np.where((parallel > meridian)[:, None], found.direction1, found.direction2)
-        assert (found.strength > 0.0).all()
+        told = found.strength > 0.0
+        assert told.mean() > 0.95
         errors.append(
             [
-                rms(np.linalg.norm(np.cross(line, around), axis=1)),
+                rms(np.linalg.norm(np.cross(line, around), axis=1)[told]),
                 rms(found.k1 - np.maximum(parallel, meridian)),
                 rms(found.gauss - parallel * meridian),
                 rms(vertex_gauss_curvature(m.points, m.faces, m.normals) - parallel * meridian),
             ]
         )
     assert (rates(errors).min(axis=0) > least).all(), rates(errors)
-    assert errors[-1][0] < 4e-3
+    assert told.all() and errors[-1][0] < 4e-3
 
 
 def test_of_second_order_inside_a_regular_mesh():
@@ -93,6 +94,17 @@ def test_nor_has_a_hemisphere_that_was_solved_for():
     found = vertex_principal_curvatures(dome.f_plus, dome.faces, dome.normals)
     assert not found.strength.any()
     assert np.abs(principal_curvatures(dome.f_plus, dome.faces, dome.normals).umbilicity).max() > 1e-3
+
+
+def test_noise_has_no_directions():
+    """Normals that are a little off at random bend every face somehow; of a surface with directions they stay known."""
+    shares, off = [], 0.01 * np.random.default_rng(4).normal(size=(625, 3))
+    for surface in (sphere, UNDULOID):
+        m = mesh(surface, 24)
+        normals = (m.normals + off) / np.linalg.norm(m.normals + off, axis=1, keepdims=True)
+        assert principal_curvatures(m.points, m.faces, normals).umbilicity.min() > 1e-3
+        shares.append((vertex_principal_curvatures(m.points, m.faces, normals).strength > 0.0).mean())
+    assert shares[0] < 0.15 and shares[1] > 0.97
 
 
 def test_a_cylinder_bends_around_and_not_along():
