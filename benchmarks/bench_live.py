@@ -49,6 +49,6 @@ def test_a_thousand_edits(capsys):
     found = session("edits", "1000")
     with capsys.disabled():
         used = ", ".join(f"{number:.0f}" for number in found["MB"])
-        print(f"\n{found['edits']} edits, {found['seconds']:.0f} s; off by {found['off by']:.1e} of the size; {used} MB")
+        print(f"\n{found['edits']} edits in {found['seconds']:.0f} s; {found['off by']:.1e} of the size off; {used} MB")
     assert found["off by"] < 1e-6
     assert found["MB"][-1] < 1.05 * found["MB"][0]
