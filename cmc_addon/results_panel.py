@@ -149,7 +149,7 @@ class CMC_PT_solver(ResultPanel, bpy.types.Panel):
 
 def map_rows(report: dict) -> list[tuple[str, str]]:
     """Degree, and unstable modes where they were counted."""
-    rows = [("Degree", f"{report['degree']:.3g}")]
+    rows = [("Degree", f"{round(report['degree'], 6) + 0.0:.3g}")]
     if report.get("index") is not None:
         null = f", {report['nullity']} null" if report.get("nullity") else ""
         rows.append(("Unstable Modes", f"{report['index'] or 'None'}{null}"))

@@ -88,10 +88,11 @@ class Report:
 
     def _map_line(self) -> str:
         """Degree, and unstable modes where they were counted."""
+        degree = f"Degree {round(self.degree, 6) + 0.0:.3g}"
         if self.index is None:
-            return f"Degree {self.degree:.3g}."
+            return f"{degree}."
         null = f", and {count(self.nullity, 'null mode')}" if self.nullity else ""
-        return f"Degree {self.degree:.3g}, {count(self.index, 'unstable mode')}{null}."
+        return f"{degree}, {count(self.index, 'unstable mode')}{null}."
 
 
 def report(
