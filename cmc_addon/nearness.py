@@ -44,7 +44,10 @@ def fitted_rows(plan: bpy.types.Object) -> list[tuple[str, str]]:
 
 
 def distance_text(length: float, span: float) -> str:
-    return f"{length_text(length, digits=2)} ({100 * length / (span or 1.0):.2g} % of span)"
+    """Two digits of the part, but no powers of ten: "7.5 m (150 % of span)"."""
+    part = 100 * length / (span or 1.0)
+    digits = ".2g" if part < 99.5 else ".0f"
+    return f"{length_text(length, digits=2)} ({part:{digits}} % of span)"
 
 
 def register() -> None:

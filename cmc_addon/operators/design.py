@@ -100,7 +100,7 @@ def draw_approximate(layout: bpy.types.UILayout, owner) -> None:
 
 def draw_fit(layout: bpy.types.UILayout, owner) -> None:
     """Rows for the settings of Fit to Outline, of an object or the operator; only the ones that count now."""
-    layout.row().prop(owner, "fit_to", expand=True)
+    layout.prop(owner, "fit_to")  # side by side the choices would be cut off in a narrow sidebar
     stored = isinstance(owner, bpy.types.PropertyGroup)
     if owner.fit_to == "CURVE":
         _target_row(layout, owner, "curve", stored, "objects")

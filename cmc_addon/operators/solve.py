@@ -118,7 +118,7 @@ def draw_shell(layout: bpy.types.UILayout, owner) -> None:
 
 def draw_advanced(layout: bpy.types.UILayout, owner) -> None:
     """Rows for what is solved and which faces it gets; of the energies those that are defined on the sites."""
-    layout.row().prop(owner, "sites", expand=True)
+    layout.prop(owner, "sites")
     split = layout.split(factor=0.4)
     title = split.row()
     title.alignment = "RIGHT"

@@ -70,9 +70,10 @@ def read(box: Box, window_height: int) -> list[Line]:
 
 
 def find(lines: list[Line], wanted: str) -> Line | None:
-    """The neighbouring words that are most like these; None if none are like them."""
+    """The neighbouring words that are most like these, whole lines before parts of longer ones; None if none are."""
     count = len(wanted.split())
-    runs = [line[k : k + count] for line in lines for k in range(len(line) - count + 1)]
+    shortest = sorted(lines, key=len)
+    runs = [line[k : k + count] for line in shortest for k in range(len(line) - count + 1)]
     best = max(runs, key=lambda run: _alike(said(run), wanted), default=None)
     return best if best is not None and _alike(said(best), wanted) >= ALIKE else None
 

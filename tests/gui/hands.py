@@ -272,6 +272,13 @@ class Hands:
         words = self.words(label, self.viewport)
         yield from self.enter(text, (words.x + words.width + 60, words.middle[1]))
 
+    def redo_choose(self, label: str, item: str) -> Steps:
+        """Open the menu that stands right of these words there, and click the line that says `item`."""
+        yield from self.settle()
+        words = self.words(label, self.viewport)
+        yield from self.click(words.x + words.width + 60, words.middle[1])
+        yield from self.click_words(item, self.viewport)
+
     # --- reading
 
     def read(self, box: Box | None = None) -> list[eyes.Line]:

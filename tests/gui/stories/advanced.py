@@ -23,7 +23,7 @@ def tell(hands):
 
     yield from hands.press("F9")
     yield from hands.picture("vertices")
-    yield from hands.redo_click("Faces")
+    yield from hands.redo_choose("Normals On", "Faces")
     usual = ("FACES", "DUAL_COTAN")
     yield from hands.wait_for(lambda: choice() == usual, "normals are on faces, with their usual energy")
     assert [tuple(vertex.co) for vertex in plan().cmc.f_plus.data.vertices] != before
