@@ -25,7 +25,7 @@ from .results import copies_of, result_of, results_of
 Array = NDArray[np.float64]
 
 # Width, as a part of the size, of the band by which a rim that alone has numbers shows them.
-_RIM = 0.03
+_RIM = 0.05
 # Least widths of ranges, so that rounding is not made to look like something: parts of H, of Q, of the size.
 _LEAST_H, _LEAST_Q, _LEAST_PART = 0.02, 0.02, 1e-4
 

@@ -70,41 +70,37 @@ def _draw() -> None:
     shader.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
     gpu.state.depth_test_set("LESS_EQUAL")
     gpu.state.blend_set("ALPHA")
-    with gpu.matrix.push_pop_projection():
-        projection, distance = gpu.matrix.get_projection_matrix(), context.region_data.view_distance
-        gpu.matrix.load_projection_matrix(nearer(projection, distance))
-        for ob in shown_results(context, plan):
-            _draw_on(shader, ob, plan.cmc, context.preferences.system.ui_scale)
+    projection, distance = gpu.matrix.get_projection_matrix(), context.region_data.view_distance
+    shown, scale = shown_results(context, plan), context.preferences.system.ui_scale
+    for part, width, colours in ((_NEARER, _EDGE_WIDTH, (_EDGE, _EDGE)), (1.5 * _NEARER, _WIDTH, _COLOURS)):
+        shader.uniform_float("lineWidth", scale * width)
+        with gpu.matrix.push_pop_projection():
+            gpu.matrix.load_projection_matrix(nearer(projection, distance, part))
+            for ob in shown:
+                _draw_on(shader, ob, plan.cmc, colours)
     gpu.state.blend_set("NONE")
     gpu.state.depth_test_set("NONE")
 
 
-def nearer(projection: Matrix, distance: float) -> Matrix:
-    """A projection for things a little nearer to the eye, at the same place of the picture.
+def nearer(projection: Matrix, distance: float, part: float = _NEARER) -> Matrix:
+    """A projection for things nearer to the eye by a part of their distance, at the same place of the picture.
 
     distance: of the view, which counts where the projection is parallel.
     """
     perspective = projection[3][3] == 0.0
-    moved = Matrix.Scale(1.0 - _NEARER, 4) if perspective else Matrix.Translation((0.0, 0.0, _NEARER * distance))
+    moved = Matrix.Scale(1.0 - part, 4) if perspective else Matrix.Translation((0.0, 0.0, part * distance))
     if perspective:
         moved[3][3] = 1.0
     return projection @ moved
 
 
-def _draw_on(shader, ob: bpy.types.Object, settings, scale: float) -> None:
-    batches = [pair for pair in zip(_batches_of(shader, ob.data, settings), _COLOURS, strict=True) if pair[0]]
+def _draw_on(shader, ob: bpy.types.Object, settings, colours: tuple) -> None:
     with gpu.matrix.push_pop():
         gpu.matrix.multiply_matrix(ob.matrix_world)
-        for batch, _ in batches:
-            _draw_lines(shader, batch, _EDGE, scale * _EDGE_WIDTH)
-        for batch, colour in batches:
-            _draw_lines(shader, batch, colour, scale * _WIDTH)
-
-
-def _draw_lines(shader, batch, colour: tuple[float, ...], width: float) -> None:
-    shader.uniform_float("color", colour)
-    shader.uniform_float("lineWidth", width)
-    batch.draw(shader)
+        for batch, colour in zip(_batches_of(shader, ob.data, settings), colours, strict=True):
+            if batch is not None:
+                shader.uniform_float("color", colour)
+                batch.draw(shader)
 
 
 def _batches_of(shader, mesh: bpy.types.Mesh, settings) -> list:
