@@ -25,7 +25,7 @@ from .live_work import COARSE, FINAL, QUICK, WHOLE, Anew, GoingOn, Memory, Readi
 from .operators.solve import redraw
 from .results import check_writable, results_of
 
-# Seconds without a change after which a plan is at rest.
+# Seconds after the last change, and after the answer to it, from which on a plan is at rest.
 _REST = 0.3
 # Seconds between two looks while Blender renders, when no data may be touched.
 _RENDERING = 0.5
@@ -68,7 +68,7 @@ class State:
             if self.memory is None or not self.memory.serves(self.reading):
                 return WHOLE
             return COARSE if len(self.reading.order.mesh.positions) > limit() else QUICK
-        if now - self.since < _REST:
+        if now - max(self.since, self.served) < _REST:  # large ones take longer than that
             return 0
         return QUICK if self.grade == COARSE else FINAL
 

@@ -188,7 +188,7 @@ def test_what_is_at_rest_gives_way(addon, live, plan):
     group(plan).tilt = 0.4
     catch_up(live)
     state = state_of(live, plan)
-    state.since -= 1.0
+    state.since = state.served = 0.0
     live.tick()
     assert live.Live.errand is not None and live.Live.can_wait
     group(plan).tilt = 0.5
