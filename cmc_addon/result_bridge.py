@@ -137,6 +137,8 @@ def build_polygons(mesh: bpy.types.Mesh, vertex_count: int, corners: Int, starts
 
 def _find_pairs(pairs: Int, among: Int, count: int) -> NDArray[np.int64]:
     """Where each vertex pair is `among` others; -1 where it is not."""
+    if not len(among):
+        return np.full(len(pairs), -1)
     wanted, keys = (np.sort(p, axis=1).astype(np.int64) @ [count, 1] for p in (pairs, among))
     order = np.argsort(keys)
     slot = order[np.searchsorted(keys[order], wanted).clip(max=len(keys) - 1)]

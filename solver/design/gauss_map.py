@@ -67,10 +67,12 @@ def fit_gauss_map(
     initial: an earlier fit of this surface to go on from, in the stage that it had reached.
 
     Distances: "Gauss map" and "likeness" are root mean squares, "near surface" is the largest distance from φ. Raises
-    `ConditionError` on weights that are no numbers from 0 on, and on flat surfaces.
+    `ConditionError` on weights that are no numbers from 0 on, on flat surfaces and on closed ones.
     """
     for name, weight in (("regularisation", regularisation), ("likeness", likeness), ("weight of nearness", near)):
         check_number(weight, name)
+    if not len(domain.boundary_edges):
+        raise ConditionError("A closed surface has no rim whose normals could be fitted; delete a part of it.")
     wanted = _Wanted.of(domain, in_space(domain, positions), regularisation, likeness, near)
     search = _Search(wanted, solver or CmcSolver(domain), progress)
     if initial is not None and near and RimOnCurve.label in initial.distances:

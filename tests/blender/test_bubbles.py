@@ -117,6 +117,33 @@ def test_newton_runs_away_from_a_saddle(addon):
     assert snapshot() == before
 
 
+def test_a_torus_that_does_not_close_on_faces_is_cut_open(addon):
+    """The height is that at which the map on vertices closes; on faces there is a gap, told and cut."""
+    plan = add("TORUS", columns=8)
+    activate(plan)
+    assert bpy.ops.cmc.solve(sites="FACES") == {"FINISHED"}
+    told = json.loads(plan.cmc.report)
+    assert told["is_open"] and told["gap"] > 0.0
+    assert len(boundary_edges(plan.cmc.f_plus.data))
+
+
+def test_design_of_a_closed_plan_is_refused(addon):
+    plan = add("TORUS", columns=8)
+    for operator, words in ((bpy.ops.cmc.fit_outline, "needs a plan"), (bpy.ops.cmc.approximate_surface, "no rim")):
+        activate(plan)
+        before = snapshot()
+        with pytest.raises(RuntimeError, match=words):
+            operator()
+        assert snapshot() == before
+
+
+def test_modes_do_not_count_what_only_moves_along(addon):
+    """Three rotations and two translations of the torus, in single precision, are no unstable modes."""
+    plan = add("TORUS", columns=8)
+    told = solved(plan)
+    assert (told["index"], told["nullity"]) == (25, 5)
+
+
 def test_what_cannot_be_added_is_said(addon):
     for settings, words in (
         ({"bubble": "TORUS", "angle": 2.0}, "never closes; choose an angle"),

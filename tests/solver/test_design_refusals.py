@@ -9,6 +9,7 @@ from solver.design import hole, tube
 DISC = shapes.disc(80)
 RING = shapes.annulus(0.4, 1.0, 200)
 RIM = conditions.binormal(RING.domain, RING.positions, RING.domain.boundary_edges, 0.4)
+BALL = shapes.sphere(60)
 BOWL = np.column_stack([DISC.positions, 0.2 * DISC.positions[:, 0] ** 2])
 
 
@@ -39,6 +40,7 @@ WRONG = {
     "rough on purpose": (outline(smooth=-1.0), "calm boundary normals must be a number of 0 or more"),
     "no evaluations": (outline(max_evaluations=0), "evaluations must be a number of 1 or more"),
     "regularisation in words": (lambda: fit_gauss_map(DISC.domain, BOWL, "some"), "regularisation must be"),
+    "a closed surface": (lambda: fit_gauss_map(BALL.domain, BALL.positions), "no rim whose normals"),
     "moduli for nothing": (moved(weight=0.0), "weight of moduli must be a positive number"),
     "tolerance in words": (moved(tolerance="small"), "tolerance must be"),
     "steps back": (moved(max_steps=-1), "steps must be a number of 0 or more"),
