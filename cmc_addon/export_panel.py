@@ -5,7 +5,7 @@ import bpy
 from ..solver.errors import CmcError
 from .export_settings import draw_export
 from .exporting import wanted_objects
-from .panels import TALL, Tab, hint, plan_to_solve, properties_column
+from .panels import TALL, Tab, hint, plan_to_solve, properties_column, running_row
 
 
 class CMC_PT_export(Tab, bpy.types.Panel):
@@ -22,6 +22,9 @@ class CMC_PT_export(Tab, bpy.types.Panel):
         column = properties_column(layout)
         column.enabled = plan.is_editable
         draw_export(column, plan.cmc)
+        if context.window_manager.cmc.running:
+            running_row(layout, context)
+            return
         row = layout.row()
         row.scale_y = TALL
         try:

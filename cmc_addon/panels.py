@@ -98,6 +98,9 @@ class CMC_PT_plan(Tab, bpy.types.Panel):
             return
         self._settings(layout, context.scene.cmc, ob)
         go_to_row(layout, ob, "OUTLINE" if ob.cmc.meshed else "PLAN")
+        if context.window_manager.cmc.running:
+            running_row(layout, context)
+            return
         row = layout.row()
         row.scale_y = TALL
         row.operator("cmc.mesh_plan", text="Mesh Plan" if plan_of(ob) is None else "Update Plan")
@@ -113,6 +116,14 @@ class CMC_PT_plan(Tab, bpy.types.Panel):
             column.prop(settings, "corner_radius", text="Radius")
             if not settings.corner_radius:
                 automatic(column, default_corner_radius(size))
+
+
+def running_row(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """In the place of a button, while something runs: how far it is, and the cross that stops it."""
+    run = context.window_manager.cmc
+    row = layout.row(align=True)
+    row.progress(factor=run.progress, text=run.message or "Working")
+    row.operator("cmc.cancel", text="", icon="X")
 
 
 def automatic(column: bpy.types.UILayout, length: float) -> None:
@@ -144,7 +155,7 @@ class CMC_PT_shell(Tab, bpy.types.Panel):
     def draw(self, context):
         layout, plan = self.layout, plan_to_solve(context)
         if context.window_manager.cmc.running:
-            self._running(layout, context.window_manager.cmc)
+            running_row(layout, context)
             return
         if plan is None:
             hint(layout, "Select a plan; from a curve", "Mesh Plan makes one")
@@ -184,11 +195,6 @@ class CMC_PT_shell(Tab, bpy.types.Panel):
         if value:
             column.prop(settings, value)
         column.prop(settings, "ground")
-
-    def _running(self, layout, run):
-        row = layout.row(align=True)
-        row.progress(factor=run.progress, text=run.message or "Working")
-        row.operator("cmc.cancel", text="", icon="X")
 
 
 class CMC_PT_options(Tab, bpy.types.Panel):

@@ -104,6 +104,8 @@ def test_while_something_runs(solved):
     for name in ("solve", "flip", "mesh_plan", "fit_outline", "approximate_surface", "complete", "close_periods",
                  "tile_periods", "export"):
         assert "wait for it, or cancel it (Esc)" in reasons()[name]
+    for panel in ("CMC_PT_plan", "CMC_PT_shell", "CMC_PT_export"):
+        assert draw(panel).operators[-1:] == ["cmc.cancel"], "the bar is where the button was"
     check({})
 
 

@@ -101,7 +101,7 @@ def test_what_is_exported_by_itself(plan, tmp_path):
     assert automatic() == [plan.cmc.f_plus]
     bpy.ops.cmc.fit_outline()
     assert automatic() == [plan.cmc.fit]
-    activate(plan.cmc.f_plus)
+    bpy.ops.cmc.go_to(target="SHELL")  # shows it again
     assert automatic() == [plan.cmc.f_plus]
     for ob in (plan.cmc.f_plus, plan.cmc.fit):
         ob.select_set(True)

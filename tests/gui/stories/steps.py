@@ -8,15 +8,6 @@ import subprocess
 import bpy
 
 
-def until(condition, what: str, seconds: float = 60.0):
-    """Wait for something to become true."""
-    waited = 0.0
-    while not condition():
-        assert waited < seconds, f"waited in vain until {what}"
-        waited += 0.05
-        yield 0.05
-
-
 def tell(hands):
     bpy.context.preferences.view.filebrowser_display_type = "SCREEN"
     bpy.ops.cmc.add_plan(shape="RECTANGLE")
@@ -41,13 +32,9 @@ def tell(hands):
     yield from menu(hands, "CMC_MT_add", "add-menu")
 
     yield from hands.click_button("cmc.solve")
-    yield from until(lambda: plan.cmc.f_plus is not None, "the shell is there")
+    yield from hands.wait_for(lambda: plan.cmc.f_plus is not None, "the shell is there")
     yield 1.0
     yield from hands.picture("solved")
-    side = hands.sidebar
-    yield from hands.click(side.x + 60, side.y + side.height - 15, ctrl=True)  # Plan only, the others closed
-    yield 0.5
-    yield from hands.picture("closed")
     yield from hands.panel("Export")
     yield from hands.picture("export")
     yield from hands.click_button("cmc.export")
@@ -56,7 +43,7 @@ def tell(hands):
     yield from hands.press("RET", (640, 450))
     home = os.path.expanduser("~")
     for name in ("Rectangle shell.glb", "Rectangle shell.json"):
-        yield from until(lambda name=name: name in os.listdir(home), f"{name} is written")
+        yield from hands.wait_for(lambda name=name: name in os.listdir(home), f"{name} is written")
     yield from hands.picture("exported")
 
 
