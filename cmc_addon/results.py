@@ -306,4 +306,6 @@ def write_report(result: bpy.types.Object, report: dict) -> None:
     for name, value in report.items():
         if isinstance(value, (bool, int, float, str)):
             result[f"cmc_{name}"] = value
+        elif value is None and f"cmc_{name}" in result:  # known of an older shell
+            del result[f"cmc_{name}"]
 

@@ -117,7 +117,12 @@ def count_modes(plan: Plan, settings: Settings, formed: Formed) -> Formed:
 
 
 def form_surface(
-    plan: Plan, settings: Settings, surface: CmcSurface, solver: CmcSolver, *, intersections: bool | Callable[[], bool] = True
+    plan: Plan,
+    settings: Settings,
+    surface: CmcSurface,
+    solver: CmcSolver,
+    *,
+    intersections: bool | Callable[[], bool] = True,
 ) -> Formed:
     """Size, place and measure a surface over its plan, as `form` does with what it has solved for."""
     check_shown(surface, settings.sheet)
@@ -285,7 +290,7 @@ def _warnings(
             f"{shown.name} goes through itself: {shown.intersections.count} pairs of faces cross, the "
             f"first of them {pair[0]} and {pair[1]}."
         )
-    leaning = shown.overhang
+    leaning = None if surface.domain.genus else shown.overhang  # half of every tube overhangs
     if leaning is not None and leaning.area_share > _OVERHANG and leaning.largest_lean > _LEAN:
         notes.append(
             f"{100 * leaning.area_share:.0f} % of {shown.name} overhangs: its faces lean out past the vertical, by up "

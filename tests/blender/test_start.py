@@ -195,7 +195,7 @@ def test_unstable_modes_are_counted_on_request(addon):
     assert "cmc.count_modes" not in panel.operators and "Unstable Modes" in panel.texts and "None" in panel.texts
     activate(plan)
     bpy.ops.cmc.solve()
-    assert report(plan)["index"] is None
+    assert report(plan)["index"] is None and "cmc_index" not in plan.cmc.f_plus
     bpy.ops.cmc.solve(method="SADDLE")
     assert report(plan)["index"] == 0
 
@@ -220,3 +220,39 @@ def test_a_start_is_taken_from_a_shell(addon):
     bpy.ops.cmc.start_clear()
     bpy.ops.cmc.solve(shell="FIRST")
     assert report(plan)["degree"] > 0
+
+
+def job(tmp_path, solver: str):
+    """A round plan as a job file."""
+    rows = f'[shape]\nkind = "disc"\nn = 600\n\n[default]\ntilt = 30\n\n[solver]\n{solver}\n'
+    (tmp_path / "round.toml").write_text(rows)
+    return tmp_path / "round.toml"
+
+
+@pytest.mark.parametrize(
+    ("solver", "settings", "degree"),
+    [
+        ("degree = -0.75", ("DEGREE", "FRONT"), -0.75),
+        ('shell = "bubble"', ("BUBBLE", "FRONT"), -0.75),
+        ("side = -1", ("FIRST", "BACK"), -0.75),
+        ("side = 1", ("FIRST", "FRONT"), 0.25),
+    ],
+)
+def test_a_job_with_a_shell_of_its_own_is_solved_in_blender(addon, tmp_path, solver, settings, degree):
+    from cmc_formfinding.cmc_addon.batch_files import open_input
+
+    open_input(job(tmp_path, solver))
+    plan = bpy.context.view_layer.objects.active
+    assert (plan.cmc.shell, plan.cmc.side) == settings
+    bpy.ops.cmc.solve(sheet="F_PLUS" if degree > 0 else "F_MINUS")
+    assert abs(report(plan)["degree"] - degree) < 0.01
+
+
+def test_the_command_line_chooses_a_shell(addon, tmp_path):
+    from cmc_formfinding.cmc_addon import cli
+
+    for number, arguments in enumerate((["--shell", "bubble"], ["--degree", "-0.75", "--sheet", "f-"])):
+        out = tmp_path / str(number)
+        assert cli.run([str(job(tmp_path, "side = 1")), "--output", str(out), *arguments]) == 0
+        told = json.loads(next(out.rglob("report.json")).read_text())
+        assert told["sheet"] == "f-" and abs(told["degree"] + 0.75) < 0.01
