@@ -111,10 +111,10 @@ def edge_frames(domain: Domain, positions: ArrayLike, edges: Int) -> EdgeFrames:
     points = in_space(domain, positions)
     vectors = points[domain.edges[edges, 1]] - points[domain.edges[edges, 0]]
     faces = domain.edge_faces[edges, 0]
-    areas = area_vectors(points, domain.faces)
+    areas = area_vectors(points, domain.faces[faces])
     tangents = unit_rows(vectors, "edge", "has no length in these positions", edges)
-    normals = unit_rows(areas[faces], "face", "has no area in these positions", faces)
-    return EdgeFrames(np.cross(tangents, normals), normals, np.linalg.norm(vectors, axis=1), areas.sum(axis=0))
+    normals = unit_rows(areas, "face", "has no area in these positions", faces)
+    return EdgeFrames(np.cross(tangents, normals), normals, np.linalg.norm(vectors, axis=1), whole_area(domain, points))
 
 
 def vertex_frames(domain: Domain, edges: Int, along: EdgeFrames) -> Frames:
@@ -178,6 +178,12 @@ def in_space(domain: Domain, positions: ArrayLike) -> Array:
 def area_vectors(points: Array, faces: Int) -> Array:
     a, b, c = points[faces[:, 0]], points[faces[:, 1]], points[faces[:, 2]]
     return 0.5 * np.cross(b - a, c - a)
+
+
+def whole_area(domain: Domain, points: Array) -> Array:
+    """Σ of the area vectors (3,) of all faces, ½ ∮ p × dp along the boundary by Stokes' theorem."""
+    tail, head = (points - points.mean(axis=0))[domain.edges[domain.boundary_edges].T]
+    return 0.5 * np.cross(tail, head).sum(axis=0)
 
 
 def unit(normals: ArrayLike, owners: Int, noun: str) -> Array:

@@ -118,3 +118,12 @@ def test_a_window_gets_the_patient_factor(monkeypatch):
     assert type(factorize(A)).__name__ == "_Cholespy"
     monkeypatch.setattr(Patience, "largest", 20)
     assert type(factorize(A)).__name__ == "_SuperLU"
+
+
+def test_the_area_of_all_faces_is_told_by_the_boundary():
+    from solver.gauss.frames import area_vectors, whole_area
+
+    for shape in (shapes.disc(200), shapes.annulus(0.4, 1.0, 200)):
+        points = bumped(lifted(shape), 0.2) @ np.array([[0.8, 0.6, 0.0], [0.0, 0.8, 0.6], [0.6, 0.0, 0.8]])
+        expected = area_vectors(points, shape.domain.faces).sum(axis=0)
+        assert_allclose(whole_area(shape.domain, points), expected, rtol=0, atol=1e-12)
