@@ -59,7 +59,7 @@ class CMC_OT_add_bubble(bpy.types.Operator):
 
     @classmethod
     def description(cls, context, properties):
-        return cls.bl_rna.properties["bubble"].enum_items[properties.bubble].description
+        return properties.bl_rna.properties["bubble"].enum_items[properties.bubble].description
 
     def execute(self, context):
         if not self.properties.is_property_set("columns"):

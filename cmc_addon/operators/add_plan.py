@@ -85,7 +85,7 @@ class CMC_OT_add_plan(bpy.types.Operator):
 
     @classmethod
     def description(cls, context, properties):
-        return cls.bl_rna.properties["shape"].enum_items[properties.shape].description
+        return properties.bl_rna.properties["shape"].enum_items[properties.shape].description
 
     def execute(self, context):
         make, names = _MAKE[self.shape]

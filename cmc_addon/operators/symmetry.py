@@ -86,7 +86,7 @@ class CMC_OT_group_plane(OnOneGroup, bpy.types.Operator):
 
     @classmethod
     def description(cls, context, properties):
-        return cls.bl_rna.properties["plane"].enum_items[properties.plane].description
+        return properties.bl_rna.properties["plane"].enum_items[properties.plane].description
 
     def act(self, context, mesh):
         group = self.chosen(mesh)
