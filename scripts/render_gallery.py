@@ -18,6 +18,7 @@ package = blender_session.start()
 
 import bpy  # noqa: E402
 import demo  # noqa: E402
+import gallery_bubbles  # noqa: E402
 import gallery_design  # noqa: E402
 import gallery_faces  # noqa: E402
 import gallery_modules  # noqa: E402
@@ -166,6 +167,36 @@ def unduloids(samples: int) -> None:
     studio.render(IMAGES / "unduloids.jpg", WIDTH, round(0.56 * WIDTH), samples)
 
 
+def wente_family(samples: int) -> None:
+    """Wente's family (paper, Figure 13): strips of bubbles for five angles."""
+    gallery_bubbles.family()
+    studio.render(IMAGES / "wente_family.jpg", WIDTH, round(WIDTH / 1.75), samples)
+
+
+def wente_tori(samples: int) -> None:
+    """Wente's tori (paper, Figure 15), whole."""
+    gallery_bubbles.tori()
+    studio.render(IMAGES / "wente_tori.jpg", WIDTH, round(WIDTH / 2.3), samples)
+
+
+def wente_cut(samples: int) -> None:
+    """Wente's tori, cut open."""
+    gallery_bubbles.tori_cut()
+    studio.render(IMAGES / "wente_cut.jpg", WIDTH, round(WIDTH / 2.75), samples)
+
+
+def rings(samples: int) -> None:
+    """Three by three rings (paper, Figure 16)."""
+    gallery_bubbles.rings()
+    studio.render(IMAGES / "rings.jpg", WIDTH, round(WIDTH / 2.0), samples)
+
+
+def two_shells(samples: int) -> None:
+    """Two shells with the same normals along their rim (paper, Theorem D.1)."""
+    gallery_bubbles.shells()
+    studio.render(IMAGES / "two_shells.jpg", WIDTH, round(WIDTH / 2.1), samples)
+
+
 PICTURES: dict[str, Callable[[int], None]] = {
     "pavilion": pavilion,
     "plans": plans_and_shells,
@@ -182,6 +213,11 @@ PICTURES: dict[str, Callable[[int], None]] = {
     "honeycomb": honeycomb,
     "nodoid_cut": nodoid_cut,
     "unduloids": unduloids,
+    "wente_family": wente_family,
+    "wente_tori": wente_tori,
+    "wente_cut": wente_cut,
+    "rings": rings,
+    "two_shells": two_shells,
 }
 
 

@@ -2,7 +2,8 @@
 
 Constant normals on the two ends of a cylinder, N going the long way from one to the other (paper, Sec. 5.3.3, Figures
 13 and 15). On the whole cylinder that map is a saddle. It is mirror-symmetric about two lines along it and even about
-two others, and on the quarter between two of these, π/2 wide, it is a minimiser.
+two others, and on the quarter between two of these, π/2 wide, it is a minimiser. It is mirror-symmetric about the line
+half-way between the ends, too, so that half of the quarter says all.
 """
 
 from __future__ import annotations
@@ -38,12 +39,15 @@ _FEWEST = 4
 
 @dataclass(frozen=True, eq=False)
 class Bubble:
-    """A quarter of a Wente cylinder.
+    """A quarter of a Wente cylinder, or half of one.
 
     angle: between the normals of its two ends, radians. domain: a rectangle of near-equilateral triangles, positions
     (V, 2) in [0, π/2] × [0, height]. sides: "left", a mirror with normal (0, 0, 1), along which N goes the long way;
-    "right", free; "bottom" and "top", tangent with the normals of the ends: what `complete` needs. closing: how the
-    height was found, None where it was given. cylinders: how many of them make the torus; None where it never ends.
+    "right", free; "bottom" and "top", tangent with the normals of the ends: what `complete` needs. Of half a quarter,
+    [0, π/2] × [0, height/2], the top is a mirror. closing: how the height was found, None where it was given.
+    cylinders: how many make a torus 2π × cylinders · height; None where it never ends. covers: how often this one goes
+    over the surface, twice where it is the same at (x + π, y + cylinders/2 · height). Copies of a quarter do so, too;
+    those of half a quarter are there once.
 
     Four quarters are a cylinder. Where the surface is not closed they are a strip instead, one bubble after the other
     in the direction (0, 0, 1).
@@ -58,6 +62,7 @@ class Bubble:
     height: float
     closing: Closing | None
     cylinders: int | None
+    covers: int
 
     @property
     def closed(self) -> bool:
@@ -78,9 +83,10 @@ class Bubble:
                 f"Ends {np.degrees(self.angle):.5g}° apart need about {needed_columns(self.angle)} columns or more."
             )
         if not self.closed:
-            return f"A quarter of a cylinder of height {self.height:.6g}, as given; it need not close."
+            return f"A piece of a cylinder of height {self.height:.6g}, as given; it need not close."
         ending = "never ends" if self.cylinders is None else f"closes after {self.cylinders} cylinders"
-        return f"A quarter of a cylinder that closes at the height {self.height:.6g}; the torus {ending}."
+        twice = ", which go over it twice" if self.covers == 2 else ""
+        return f"A piece of a cylinder that closes at the height {self.height:.6g}; the torus {ending}{twice}."
 
 
 def wente(
@@ -89,6 +95,7 @@ def wente(
     *,
     height: float | None = None,
     closed: bool = True,
+    halved: bool = False,
     mean_curvature: float = 0.5,
     tolerance: float = 1e-10,
     progress: Progress | None = None,
@@ -98,7 +105,8 @@ def wente(
     angle: radians, more than 0 and less than π. columns: of the quarter, which is π/2 wide; small angles need more of
     them (`wente_heights.needed_columns`). height: of the flat cylinder of circumference 2π; by default about the one
     that closes. closed: look for that height, by Newton's method from the one given, until the gap is below the
-    `tolerance` as a part of the size; else the height is left as it is. progress: as in `close_periods`.
+    `tolerance` as a part of the size; else the height is left as it is. halved: only the lower half of the quarter,
+    whose copies never lie on each other. progress: as in `close_periods`.
 
     A map that collapses, or a height that is not found, is no error: see `collapsed`, `closed` and `message`; the
     surface is then that at the height given. Raises `ConditionError` on other angles and senseless numbers.
@@ -110,17 +118,21 @@ def wente(
     if height is not None:
         check_number(height, "height of the cylinder", positive=True)
     first = discrete_height(angle, columns) if height is None else float(height)
-    shape = shapes.strip(0.5 * np.pi, first, columns)
-    held, sides = _held(shape, np.array([np.cos(angle), np.sin(angle), 0.0]))
+    shape = shapes.strip(0.5 * np.pi, 0.5 * first if halved else first, columns)
+    held, sides = _held(shape, float(angle), halved)
     domain, positions = shape.domain, shape.positions
-    closing = _closed(shape, held, sides, mean_curvature, tolerance, progress) if closed else None
+    start = wente_start(positions, angle, first) if halved else None  # its corner normals do not say the long way
+    closing = _closed(shape, held, sides, start, mean_curvature, tolerance, progress) if closed else None
     if closing is not None and closing.closed:
         stretch = float(np.exp(closing.moduli[0]))
         domain, positions, first, surface = closing.domain, positions * [1.0, stretch], first * stretch, closing.surface
     else:
         solver = CmcSolver(domain)
-        surface = solver.solve(held, mean_curvature=mean_curvature, progress=progress if closing is None else None)
-    return Bubble(float(angle), domain, positions, held, sides, surface, first, closing, cylinder_count(angle))
+        watch = progress if closing is None else None
+        surface = solver.solve(held, start, mean_curvature=mean_curvature, progress=watch)
+    count = cylinder_count(angle)
+    covers = 2 if count is not None and count % 4 == 2 and _turns_back(angle, count) else 1
+    return Bubble(float(angle), domain, positions, held, sides, surface, first, closing, count, covers)
 
 
 def wente_start(points: ArrayLike, angle: float, height: float, push: float = 1.5) -> Array:
@@ -145,20 +157,36 @@ def cylinder_count(angle: float) -> int | None:
     return 2 * part.denominator if abs(float(part) - angle / np.pi) <= _EXACT else None
 
 
-def _held(shape: shapes.Shape, far: Array) -> tuple[Conditions, list[Side]]:
+def _turns_back(angle: float, count: int) -> bool:
+    """Whether half of that many cylinders, each of which turns the next by the angle, turn by whole turns."""
+    turns = 0.5 * count * angle / (2.0 * np.pi)
+    return abs(turns - round(turns)) <= count * _EXACT
+
+
+def _held(shape: shapes.Shape, angle: float, halved: bool) -> tuple[Conditions, list[Side]]:
     domain, sides = shape.domain, shape.sides
-    held = ways.fixed(domain, sides["bottom"], FIRST) + ways.fixed(domain, sides["top"], far)
-    held += ways.mirror(domain, sides["left"], AXIS, winding=1)
+    far = np.array([np.cos(angle), np.sin(angle), 0.0])
+    kind = "mirror" if halved else "tangent"
+    top = (FIRST - far) / np.linalg.norm(FIRST - far) if halved else far  # in the plane between the two, N is reflected
+    held = ways.fixed(domain, sides["bottom"], FIRST)
+    held += (ways.mirror if halved else ways.fixed)(domain, sides["top"], top)
+    held += ways.mirror(domain, sides["left"], AXIS, winding=0 if halved else 1)
     return held, [
         Side("left", sides["left"], "mirror", AXIS),
         Side("right", sides["right"], "free"),
         Side("bottom", sides["bottom"], "tangent", FIRST),
-        Side("top", sides["top"], "tangent", far),
+        Side("top", sides["top"], kind, top),
     ]
 
 
 def _closed(
-    shape: shapes.Shape, held: Conditions, sides: list[Side], H: float, tolerance: float, progress: Progress | None
+    shape: shapes.Shape,
+    held: Conditions,
+    sides: list[Side],
+    start: Array | None,
+    H: float,
+    tolerance: float,
+    progress: Progress | None,
 ) -> Closing:
     """It closes where the mirror's plane goes through the point in which the free side inverts."""
     domain = shape.domain
@@ -170,6 +198,7 @@ def _closed(
         by="moduli",
         moduli=height,
         coplanar=[sides[:2]],
+        initial=start,
         mean_curvature=H,
         tolerance=tolerance,
         progress=progress,

@@ -1,7 +1,7 @@
 """The honeycomb ring (paper, Sec. 5.3.3 and Figure 16): a domain of genus one with six boundary loops, all of copies.
 
 Six tubes of a hexagon and the half tubes that leave it are 72 copies of a quadrilateral between mirrors, on which the
-map is a minimiser. On the ring it is critical, a saddle of index 12, and its periods vanish.
+map is a minimiser. On the ring it is critical, a saddle with about a dozen unstable modes, and its periods vanish.
 """
 
 from __future__ import annotations

@@ -53,6 +53,27 @@ def test_the_completed_torus_is_closed_and_its_mean_curvature_converges():
     assert (rates(gaps) > 1.8).all() and gaps[-1] < 2e-4
 
 
+@pytest.mark.parametrize(("angle", "columns", "covers"), [(120, 16, 2), (90, 14, 1), (150, 10, 1), (72, 24, 2)])
+def test_half_a_quarter_makes_the_torus_once(angle, columns, covers):
+    """With angle / 2π of odd denominator n, N is the same π further around and n cylinders further along."""
+    quarter, half = (wente(np.radians(angle), columns, halved=halved) for halved in (False, True))
+    assert quarter.closed and half.closed and quarter.covers == half.covers == covers
+    assert ("twice" in half.message) == (covers == 2)
+    assert_allclose(half.height, quarter.height, rtol=0.02, atol=0)
+    assert_allclose(2.0 * half.surface.harmonic.energy, quarter.surface.harmonic.energy, rtol=0.01, atol=0)
+    once, often = (complete(bubble.surface, bubble.sides) for bubble in (half, quarter))
+    assert len(once.copies) == 8 * half.cylinders / covers and len(often.copies) == 4 * quarter.cylinders
+    torus = Domain.from_positions(once.mesh.vertices, once.mesh.faces)
+    assert once.is_whole and torus.genus == 1 and once.mesh.is_closed
+    for completion, expected in ((often, covers), (once, 1)):
+        middle = completion.copies[0].points(completion.surface.f_plus.mean(axis=0))
+        near = [
+            np.linalg.norm(copy.points(completion.surface.sheet(sheet).mean(axis=0)) - middle) < 0.01
+            for copy, sheet in zip(completion.copies, completion.sheets, strict=True)
+        ]
+        assert sum(near) == expected
+
+
 @pytest.mark.parametrize(("angle", "columns", "cylinders"), [(120, 8, 6), (90, 14, 4), (108, 10, 10)])
 def test_the_map_of_the_whole_torus_is_harmonic(angle, columns, cylinders):
     quarter, completion = completed(angle, columns)
