@@ -65,9 +65,8 @@ def order(errors: list[float], sizes: list[float]) -> str:
 
 def family() -> list[str]:
     """One mesh for each angle, by the default start."""
-    rows = table(
-        "angle", "exact height", "columns needed", "columns", "steps", "height", "too high by", "E", "torus of"
-    )
+    head = ("angle", "exact height", "columns needed", "columns", "steps", "height", "too high by", "E")
+    rows = table(*head, "cylinders", "covers")
     for angle in ANGLES:
         needed = needed_columns(np.radians(angle))
         columns = max(24, needed)
@@ -78,7 +77,7 @@ def family() -> list[str]:
             line(
                 f"{angle}°", f"{exact:.6f}", needed, columns, len(bubble.closing.gaps) - 1, f"{bubble.height:.4f}",
                 f"{100 * (bubble.height / exact - 1):.2f} %", f"{4 * bubble.surface.harmonic.energy:.3f}",
-                bubble.cylinders,
+                bubble.cylinders, bubble.covers,
             )
         )  # fmt: skip
     return rows
@@ -113,8 +112,8 @@ def tori() -> list[str]:
     for angle, meshes in {120: (24, 48, 96, 192), 90: (40, 80, 160)}.items():
         sizes, gaps, errors = [], [], []
         for columns in meshes:
-            bubble = wente(np.radians(angle), columns)
-            completion = complete(bubble.surface, bubble.sides)
+            half = wente(np.radians(angle), columns, halved=True)
+            completion = complete(half.surface, half.sides)
             mesh = completion.mesh
             torus = Domain.from_positions(mesh.vertices, mesh.faces)
             sizes.append(columns)
