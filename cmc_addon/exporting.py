@@ -13,15 +13,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import bpy
-import numpy as np
-from numpy.typing import NDArray
 
 from ..solver.errors import CmcError, JobError
-from ..solver.files import FORMATS, MeshData, write_bytes, write_mesh
-from .export_bridge import joined, read_part
+from ..solver.files import FORMATS, write_bytes, write_mesh
+from .export_bridge import Placed, joined, read_objects
 from .results import copies_of, result_of
-
-Array = NDArray[np.float64]
 
 _MADE_BY = {"SHELL": "Solve", "FIT": "Fit to Outline", "COMPLETED": "Complete by Symmetry"}
 
@@ -30,12 +26,11 @@ _MADE_BY = {"SHELL": "Solve", "FIT": "Fit to Outline", "COMPLETED": "Complete by
 class ExportOrder:
     """All that writing needs, without any Blender data: safe in a thread.
 
-    mesh: in the world, as one. normals (V, 3). report: text of the JSON file beside it, if one is wanted.
+    parts: the meshes, to be written as one. report: text of the JSON file beside it, if one is wanted.
     """
 
     path: Path
-    mesh: MeshData
-    normals: Array
+    parts: list[Placed]
     report: str | None
 
     def work(self, progress: Callable[[int, float], bool]) -> list[Path]:
@@ -54,7 +49,8 @@ class ExportOrder:
 
     def _write(self, folder: Path) -> list[Path]:
         files = [folder / self.path.name]
-        write_mesh(files[0], self.mesh, normals=self.normals)
+        mesh, normals = joined(self.parts)
+        write_mesh(files[0], mesh, normals=normals)
         if self.report is not None:
             files.append(files[0].with_suffix(".json"))
             write_bytes(files[1], self.report.encode())
@@ -102,12 +98,11 @@ def take_export(
     if path.suffix.lower() not in FORMATS:
         raise JobError(f'{path} has no format known here; use one of {", ".join(FORMATS)}.')
     objects = wanted_objects(context, plan, what)
-    depsgraph = context.evaluated_depsgraph_get()
-    parts = [read_part(ob, depsgraph if modifiers and len(ob.modifiers) else None) for ob in objects]
-    if not any(len(part.polygons) for part, _ in parts):
+    parts = read_objects(objects, context.evaluated_depsgraph_get() if modifiers else None)
+    if not any(len(part.mesh.starts) for part in parts):
         raise CmcError(f"'{objects[0].name}' has no faces, so there is nothing to export.")
     report = _report(plan, objects) if with_report else None
-    return ExportOrder(path, joined([part for part, _ in parts]), np.concatenate([n for _, n in parts]), report)
+    return ExportOrder(path, parts, report)
 
 
 def _report(plan: bpy.types.Object, objects: Sequence[bpy.types.Object]) -> str:

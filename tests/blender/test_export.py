@@ -65,6 +65,7 @@ def test_an_obj_has_uvs_and_materials(plan, tmp_path):
 
 
 def test_normals_are_those_of_the_surface(plan, addon):
+    from cmc_formfinding.cmc_addon.export_bridge import joined
     from cmc_formfinding.cmc_addon.exporting import take_export
 
     shell = plan.cmc.f_plus
@@ -73,13 +74,14 @@ def test_normals_are_those_of_the_surface(plan, addon):
     order = take_export(bpy.context, plan, Path("/nowhere/x.ply"), "SHELL", True, False)
     turn = np.array(shell.matrix_world)[:3, :3]
     own = np.array([item.vector for item in shell.data.attributes["cmc_normal"].data])
-    np.testing.assert_allclose(order.normals, own @ turn.T, atol=1e-5)
+    np.testing.assert_allclose(joined(order.parts)[1], own @ turn.T, atol=1e-5)
     shell.scale.z = -1.0
     bpy.context.view_layer.update()
     mirrored = take_export(bpy.context, plan, Path("/nowhere/x.ply"), "SHELL", True, False)
-    a, b, c = (mirrored.mesh.positions[[polygon[k] for polygon in mirrored.mesh.polygons]] for k in range(3))
+    mesh, normals = joined(mirrored.parts)
+    a, b, c = (mesh.positions[[polygon[k] for polygon in mesh.polygons]] for k in range(3))
     faces = np.cross(b - a, c - a)
-    nearby = mirrored.normals[[polygon[0] for polygon in mirrored.mesh.polygons]]
+    nearby = normals[[polygon[0] for polygon in mesh.polygons]]
     assert (np.einsum("ij,ij->i", faces, nearby) > 0).all(), "faces look where the normals point"
 
 
@@ -117,7 +119,12 @@ def test_copies_are_one_mesh(tmp_path, made_as):
     plan = bpy.context.object
     bpy.ops.cmc.complete(complete_count=4, complete_as=made_as)
     assert bpy.ops.cmc.export(filepath=str(tmp_path / "grid.obj")) == FINISHED
-    assert len(read(tmp_path / "grid.obj").polygons) == 4 * len(plan.data.polygons)
+    grid = read(tmp_path / "grid.obj")
+    assert len(grid.polygons) == 4 * len(plan.data.polygons) == len(grid.uv_corners)
+    a, b, c = (grid.positions[[polygon[k] for polygon in grid.polygons]] for k in range(3))
+    made = bpy.data.objects if made_as == "INSTANCES" else [plan.cmc.completed]
+    area = sum(face.area for ob in made if ob.cmc.role == "COMPLETED" for face in ob.data.polygons)
+    np.testing.assert_allclose(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum(), area, rtol=1e-4)
     assert json.loads((tmp_path / "grid.json").read_text(encoding="utf-8"))["copies"] == 4
 
 
@@ -160,3 +167,18 @@ def test_cancelled_nothing_is_written(plan, tmp_path):
 
     order = take_export(bpy.context, plan, tmp_path / "hall.obj", "SHELL", True, True)
     assert order.work(lambda *_: False) == [] and os.listdir(tmp_path) == []
+
+
+def test_meshes_with_and_without_uvs_together(plan, tmp_path):
+    bpy.ops.cmc.fit_outline()
+    bpy.ops.cmc.go_to(target="SHELL")
+    shell, fitted = plan.cmc.f_plus, plan.cmc.fit
+    while shell.data.uv_layers:
+        shell.data.uv_layers.remove(shell.data.uv_layers[0])
+    for ob in (shell, fitted):
+        ob.select_set(True)
+    bpy.ops.cmc.export(filepath=str(tmp_path / "both.obj"), export_what="SELECTED", export_report=False)
+    both = read(tmp_path / "both.obj")
+    textured = [bool(len(corners)) for corners in both.uv_corners]
+    assert sum(textured) == len(fitted.data.polygons)
+    assert {name for name, there in zip(both.objects, textured, strict=True) if there} == {fitted.name}
