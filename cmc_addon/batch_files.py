@@ -109,6 +109,7 @@ def _object_settings(settings: Settings) -> dict[str, object]:
         "flip": settings.flip,
         "rotate": settings.rotate,
         "tolerance": settings.tolerance,
+        "count_modes": settings.count_modes,
     }
     if settings.degree is not None:
         values["degree"] = settings.degree

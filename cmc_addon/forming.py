@@ -208,6 +208,7 @@ def solver_settings(settings: SimpleNamespace) -> pipeline.Settings:
         shell="bubble" if settings.shell == "BUBBLE" else "first",
         degree=settings.degree if settings.shell == "DEGREE" else None,
         side=SIDES[settings.side],
+        count_modes=settings.count_modes,
     )
 
 

@@ -221,7 +221,7 @@ class CMC_PT_options(Tab, bpy.types.Panel):
         if settings.size == "MATCH_PLAN":
             column.prop(settings, "rotate")
         column.separator()
-        for name in ("tolerance", "intersections"):
+        for name in ("tolerance", "intersections", "count_modes"):
             column.prop(settings, name)
 
 

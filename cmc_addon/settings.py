@@ -194,6 +194,9 @@ _SETTINGS = {
     "intersections": partial(
         BoolProperty, name="Self-Intersections", default=True,
         description="Also report faces that go through each other; on large plans the slowest of the measures"),
+    "count_modes": partial(
+        BoolProperty, name="Unstable Modes",
+        description="Also count the unstable modes of the normals, which takes two sparse factorisations"),
 }
 SETTINGS = tuple(_SETTINGS)
 """Names of the settings shared by `Object.cmc` and the operators that solve."""

@@ -104,7 +104,7 @@ def draw_settings(layout: bpy.types.UILayout, owner) -> None:
     column = layout.column(heading="Also Make")
     for name in ("want_twin", "want_g", "want_gauss"):
         column.prop(owner, name)
-    for name in ("tolerance", "intersections"):
+    for name in ("tolerance", "intersections", "count_modes"):
         layout.prop(owner, name)
     draw_advanced(layout, owner)
 

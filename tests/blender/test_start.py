@@ -241,11 +241,11 @@ def job(tmp_path, solver: str):
 def test_a_job_with_a_shell_of_its_own_is_solved_in_blender(addon, tmp_path, solver, settings, degree):
     from cmc_formfinding.cmc_addon.batch_files import open_input
 
-    open_input(job(tmp_path, solver))
+    open_input(job(tmp_path, f"{solver}\ncount_modes = true"))
     plan = bpy.context.view_layer.objects.active
     assert (plan.cmc.shell, plan.cmc.side) == settings
     bpy.ops.cmc.solve(sheet="F_PLUS" if degree > 0 else "F_MINUS")
-    assert abs(report(plan)["degree"] - degree) < 0.01
+    assert abs(report(plan)["degree"] - degree) < 0.01 and report(plan)["index"] == 0
 
 
 def test_the_command_line_chooses_a_shell(addon, tmp_path):
