@@ -38,6 +38,8 @@ from solver.design.wente_heights import needed_columns  # noqa: E402
 from solver.gauss.balance import imbalance  # noqa: E402
 from solver.gauss.saddle_maps import index_of, problem_of  # noqa: E402
 from solver.measure import self_intersections  # noqa: E402
+from tests.solver import closing_plans  # noqa: E402
+from tests.solver.closing_plans import LENGTH, spoke_of  # noqa: E402
 from tests.solver.test_wente_torus import curvature_error  # noqa: E402
 from tests.solver.wente import jittered_cylinder, nearby  # noqa: E402
 
@@ -203,6 +205,24 @@ def rings() -> list[str]:
     return rows
 
 
+def pentagon() -> list[str]:
+    """Closed from a spoke 12.5 % too long: the length found, and the necks as on the quadrilateral of the same mesh."""
+    rows = table("edge", "vertices", "gap", "steps", "gap after", "index", "spoke", "error", "necks", "quadrilateral")
+    for edge in (0.2, 0.14, 0.1, 0.07):
+        plan = closing_plans.pentagon(1.125 * LENGTH, edge)
+        closing = plan.close()
+        modes = modes_of(HarmonicSolver(closing.domain), closing.conditions, closing.surface.normals)
+        found, radii = spoke_of(closing, plan), closing_plans.necks(closing, plan)
+        cells = [edge, closing.domain.vertex_count, f"{closing.gaps[0]:.3f}", len(closing.gaps) - 1]
+        cells += [f"{closing.gaps[-1]:.0e}", modes.index, f"{found:.4f}", f"{abs(found / LENGTH - 1):.0e}"]
+        whole_ring = ring(LENGTH, max_edge=edge)
+        end = next(side for side in whole_ring.sides if side.name == "end")
+        same = closing_plans.neck(whole_ring.piece, np.asarray(end.edges), np.array([1.0, 0.0, 0.0]))
+        cells += [", ".join(f"{radius:.4f}" for radius in radii), f"{same:.4f}"]
+        rows.append(line(*cells))
+    return rows
+
+
 def shells() -> list[str]:
     """Two shells with the same normals along a circle, which together are a sphere of radius 2."""
     rows = table("tilt", "vertices", "shell", "steps", "degree", "exact", "E / π", "exact", "negative modes")
@@ -234,6 +254,7 @@ TABLES: Tables = {
     "wholes": wholes,
     "seeds": seeds,
     "rings": rings,
+    "pentagon": pentagon,
     "shells": shells,
 }
 

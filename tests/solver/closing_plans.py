@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver import Conditions, Domain, Side, close_periods, conditions, shapes
+from solver import CmcSurface, Conditions, Domain, Side, close_periods, conditions, shapes
 from solver.design import Closing, tube
 from solver.domain import modules
 from tests.solver.pieces import unduloid_normals
@@ -111,3 +111,16 @@ def pentagon(spoke: float, max_edge: float) -> Pentagon:
 def spoke_of(closing: Closing, plan: Pentagon) -> float:
     """The length that closing has found."""
     return _BEGIN + (plan.spoke - _BEGIN) * float(np.exp(closing.moduli[0]))
+
+
+def necks(closing: Closing, plan: Pentagon) -> tuple[float, float]:
+    """The radii of the ring's tube and of the spoke at their ends."""
+    sides, normals = plan.module.shape.sides, plan.module.normals
+    ring, spoke = (neck(closing.surface, sides[name], normals[name]) for name in ("ring", "spoke"))
+    return 0.5 * ring, spoke
+
+
+def neck(surface: CmcSurface, edges: np.ndarray, normal: np.ndarray) -> float:
+    """How wide the end of a tube is, in the plane with that normal and level: of a quarter of a tube the radius."""
+    rim = surface.f_plus[np.unique(surface.domain.edges[edges])]
+    return float(np.ptp(rim @ np.cross(normal, [0.0, 0.0, 1.0])))

@@ -9,15 +9,8 @@ from numpy.testing import assert_allclose
 from solver import ConditionError, HarmonicSolver, MeshError, modes_of, side_plane
 from solver.design.closing import ClosingStatus
 from solver.domain import modules
-from tests.solver.closing_plans import LENGTH, pentagon, spoke_of
+from tests.solver.closing_plans import LENGTH, neck, necks, pentagon, spoke_of
 from tests.solver.pieces import between_mirrors
-
-
-def neck(surface, edges, normal):
-    """The width of the end of a tube, in the direction in which it is cut in half or not at all."""
-    rim = surface.f_plus[np.unique(surface.domain.edges[edges])]
-    assert np.ptp(rim @ normal) < 1e-6
-    return np.ptp(rim @ np.cross(normal, [0.0, 0.0, 1.0]))
 
 
 def test_the_pentagon_closes_over_the_length_of_its_spoke():
@@ -29,11 +22,10 @@ def test_the_pentagon_closes_over_the_length_of_its_spoke():
     assert modes_of(HarmonicSolver(closing.domain), closing.conditions, closing.surface.normals).index == 1
     inner, outer = (side_plane(closing.surface, side) for side in plan.floors)
     assert abs(inner.offset - outer.offset) < 1e-8
-    sides, normals = plan.module.shape.sides, plan.module.normals
-    widths = [part * neck(closing.surface, sides[name], normals[name]) for name, part in (("ring", 0.5), ("spoke", 1))]
     quadrilateral = modules.node(3, LENGTH, max_edge=0.13)
     piece = between_mirrors(quadrilateral)
-    assert_allclose(widths, neck(piece.surface, quadrilateral.shape.sides["end"], [1, 0, 0]), rtol=0, atol=3e-3)
+    radius = neck(piece.surface, quadrilateral.shape.sides["end"], np.array([1.0, 0.0, 0.0]))
+    assert_allclose(necks(closing, plan), radius, rtol=0, atol=3e-3)
     assert_allclose(closing.surface.harmonic.energy, 3 * piece.surface.harmonic.energy, rtol=3e-3, atol=0)
 
 
