@@ -146,8 +146,9 @@ class Hands:
         yield 0.5
 
     def scroll(self, notches: int) -> Iterator[float]:
-        """Turn the wheel over the sidebar, positive is down; whether anything moved."""
-        at = self.panels.x + self.panels.width // 2, self.panels.y + self.panels.height // 2
+        """Turn the wheel over the sidebar, positive is down; whether anything moved. At its top: below its last panel
+        the wheel would be the viewport's."""
+        at = self.panels.x + self.panels.width // 2, self.panels.y + self.panels.height - 14
         before = self._scrolled()
         self.move(*at)
         yield 0.1
@@ -237,15 +238,25 @@ class Hands:
 
     def panel(self, label: str, opened: bool = True) -> Steps:
         """Click the header of a panel of the sidebar unless it is open (or, wanted closed, closed) already."""
-        def look() -> Iterator[float]:
-            yield from self.settle()
-            return self._header(label)
-
-        words = yield from self._on_some_page(look, f"panel {label}")
+        words = yield from self._find_header(label)
         arrow = Box(words.x - 16, words.middle[1] - 6, 12, 12)
         if eyes.is_open(arrow, self.window.height) != opened:
             yield from self.click(*words.middle)
         yield 0.3
+
+    def only_panel(self, label: str) -> Steps:
+        """Open this panel and close all others, by Ctrl and a click on its header: it has the sidebar's height."""
+        words = yield from self._find_header(label)
+        yield from self.click(*words.middle, ctrl=True)
+        yield from self.scroll(-60)
+        yield from self.panel(label)
+
+    def _find_header(self, label: str) -> Iterator[float]:
+        def look() -> Iterator[float]:
+            yield from self.settle()
+            return self._header(label)
+
+        return (yield from self._on_some_page(look, f"panel {label}"))
 
     def _header(self, label: str) -> Box | None:
         """Where the sidebar says this at its left: a header is the arrow, the words, perhaps an icon far right."""

@@ -3,7 +3,8 @@
 # extension is built for that Blender's Python and installed as users install it.
 # run.sh --possible: only says whether it can be done here.
 # CMC_GUI_ROOT says where the Debian with Blender is or is to be made (default: .venvs/gui-root), CMC_GUI_JOBS how
-# many stories are told at a time (default: 1 for every two processors, at least one).
+# many stories are told at a time (default: 1 for every two processors, at least one), CMC_GUI_LIMIT how many seconds
+# a story may take (default: 600).
 # Exits 0 if every story went as told, 1 if one did not, 2 if there can be no window here.
 set -euo pipefail
 HERE=$(cd "$(dirname "$0")" && pwd)
@@ -43,4 +44,5 @@ export ROOT CHECKOUT SCRATCH
   mount -o remount,bind,ro "$ROOT/checkout"
   mount --bind "$CHECKOUT/build/gui" "$ROOT/pictures"
   exec chroot "$ROOT" env -i PATH=/usr/bin:/bin:/usr/games HOME=/tmp LC_ALL=C.UTF-8 LIBGL_ALWAYS_SOFTWARE=1 \
-    PYTHONDONTWRITEBYTECODE=1 MESA_SHADER_CACHE_DIR=/var/cache/mesa CMC_GUI_JOBS="${CMC_GUI_JOBS-}" python3 /checkout/tests/gui/in_chroot.py "$@"' run "$@"
+    PYTHONDONTWRITEBYTECODE=1 MESA_SHADER_CACHE_DIR=/var/cache/mesa CMC_GUI_JOBS="${CMC_GUI_JOBS-}" CMC_GUI_LIMIT="${CMC_GUI_LIMIT-}" \
+    python3 /checkout/tests/gui/in_chroot.py "$@"' run "$@"

@@ -22,27 +22,6 @@ def shading(hands) -> str:
     return hands.area.spaces.active.shading.color_type
 
 
-HEADER = 28  # height of a panel's header, and of what is between two
-
-
-def open_look(hands):
-    """Look alone is open, whatever panels there are: it has all of the sidebar's height."""
-    side = hands.sidebar
-    x, top = side.x + 60, side.y + side.height - 15
-    yield from hands.click(x, top, ctrl=True)
-    yield from hands.click(x, top)
-    for k in range(10):
-        yield 0.5
-        yield from hands.click(x, top - k * HEADER)
-        yield 0.5
-        try:
-            yield from hands.find("cmc.gauss_image", near=top - k * HEADER - 100)
-            return
-        except LookupError:
-            yield from hands.click(x, top - k * HEADER)
-    raise LookupError("no panel Look")
-
-
 def tell(hands):
     bpy.ops.cmc.add_plan(shape="RECTANGLE")
     plan().data.cmc.groups[0].tilt = 0.4
@@ -52,7 +31,7 @@ def tell(hands):
     yield 0.5
     was = shading(hands)
     assert was != "VERTEX"
-    yield from open_look(hands)
+    yield from hands.only_panel("Look")
     for by in ("MEAN_CURVATURE", "GAUSS_CURVATURE", "DISTORTION", "DEVIATION"):
         plan().cmc.colour_by = by
         assert shading(hands) == "VERTEX"
