@@ -74,12 +74,14 @@ class State:
 
 
 class Live:
-    """States by the number that survives undo; the answer under way, whose it is, and whether it can wait."""
+    """States by the number that survives undo; the answer under way, whose it is, and whether it can wait; whether what
+    Blender announces comes of reading."""
 
     states: dict[int, State] = {}
     errand: Errand | None = None
     uid: int | None = None
     can_wait: bool = False
+    is_deaf: bool = False
 
 
 def problem_of(plan: bpy.types.Object) -> str:
@@ -123,7 +125,7 @@ def _plans() -> dict[int, bpy.types.Object]:
 
 @persistent
 def _on_change(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-    for update in depsgraph.updates:
+    for update in () if Live.is_deaf else depsgraph.updates:
         what = update.id.original
         if isinstance(what, bpy.types.Object):
             if what.session_uid in Live.states or is_live(what):
@@ -187,6 +189,17 @@ def _read(context: bpy.types.Context, plans: dict[int, bpy.types.Object]) -> Non
         if reading.key != state.failed and state.problem:
             state.problem = ""
             redraw(context)
+    if marked:
+        _not_hearing(context)
+
+
+def _not_hearing(context: bpy.types.Context) -> None:
+    """Let Blender announce now that plans in edit mode, or with modifiers, were touched by reading them."""
+    Live.is_deaf = True
+    try:
+        context.view_layer.update()
+    finally:
+        Live.is_deaf = False
 
 
 def _start(context: bpy.types.Context, plans: dict[int, bpy.types.Object]) -> None:

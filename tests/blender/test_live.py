@@ -218,6 +218,23 @@ def test_at_rest_there_are_no_ticks(live, plan):
     assert settle(live) <= 2 and live.Live.errand is None
 
 
+@pytest.mark.parametrize("how", ["edit mode", "modifiers"])
+def test_reading_is_not_taken_for_a_change(live, plan, how):
+    """Reading such a plan tells Blender that it has changed, which must not be read again."""
+    if how == "edit mode":
+        bpy.ops.object.mode_set(mode="EDIT")
+    else:
+        plan.modifiers.new("Finer", "SUBSURF").levels = 1
+        plan.cmc.apply_modifiers = True
+    move(plan, 30, (0.02, 0.0, 0.0))
+    settle(live)
+    for _ in range(3):
+        bpy.context.view_layer.update()
+        live.tick()
+    bpy.context.view_layer.update()
+    assert not state_of(live, plan).is_dirty and settle(live) == 1
+
+
 def test_colours_go_along(addon, live, plan):
     plan.cmc.colour_by = "MEAN_CURVATURE"
     group(plan).tilt = 0.5

@@ -52,6 +52,7 @@ def plan():
 
 def tell(hands):
     bpy.ops.cmc.add_plan(shape="RECTANGLE")
+    bpy.ops.cmc.mesh_plan(edge_length=0.5)
     bpy.context.object.name = "Hall"
     plan().cmc.intersections = True
     bpy.ops.object.mode_set(mode="EDIT")
@@ -69,7 +70,7 @@ def tell(hands):
 
     x, y = yield from hands.find_field("].tilt")
     watch = Watch()
-    yield from hands.drag((x, y), (x + 90, y), steps=30, pause=0.04)
+    yield from hands.drag((x, y), (x + 30, y), steps=15, pause=0.05)
     changes = watch.stop()
     tilted = plan().data.cmc.groups[0].tilt
     assert abs(tilted) > 0.05, "the tilt was dragged"
