@@ -9,6 +9,7 @@ from .mesh_cache import boundary_counts
 from .panels import Tab, hint, plan_to_solve, properties_column
 from .properties import KINDS, kind_parameters
 from .seeing_colours import icon_of
+from .start_bridge import has_start
 from .symmetry_panel import draw_group
 
 
@@ -117,7 +118,9 @@ class CMC_PT_boundary(Tab, bpy.types.Panel):
 
     def _ungrouped(self, layout, mesh):
         boundary, ungrouped = boundary_counts(mesh)
-        if not boundary:
+        if not boundary and has_start(mesh):
+            hint(layout, "This mesh is closed: its start", "says which shell is meant")
+        elif not boundary:
             hint(layout, "This mesh has no boundary:", "delete faces where the rim is to be")
         elif ungrouped:
             row = layout.row()

@@ -74,11 +74,11 @@ def two_shells(hands):
     bpy.ops.ed.undo_push(message="Plan")
     yield from framed(hands, 26.0)
     plan = bpy.data.objects["Round"].cmc
+    yield from hands.panel("Options", True)
     yield from hands.click_button("cmc.solve")
     yield from hands.wait_for(lambda: report("Round"), "the small shell is there")
     yield from hands.click_button("cmc.count_modes")
     yield from hands.wait_for(lambda: report("Round")["index"] == 0, "its modes are counted")
-    yield from hands.panel("Options", True)
     yield from hands.picture("small")
     plan.shell = "BUBBLE"
     yield from hands.settle()
