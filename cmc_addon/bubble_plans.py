@@ -11,7 +11,7 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from ..solver.design.bubbles import Bubble, wente
+from ..solver.design.bubbles import Bubble, cover_count, wente
 from ..solver.design.ring import ring
 from ..solver.design.wente_heights import check_angle, discrete_height
 from ..solver.domain import modules
@@ -27,6 +27,8 @@ Array = NDArray[np.float64]
 _QUIET = {"intersections": False}
 # A simple part of a half turn has a denominator up to this, and is meant where an angle is so near to it.
 _MOST_PARTS, _SINGLE = 100, 1e-6
+# A ring is drawn by this part of 1/(2H) inside itself, so that the shell is not in its plan.
+_INSIDE = 0.15
 # Of a Wente torus, its radius 1/H as a part of its diameter.
 _RADIUS = 0.3
 
@@ -35,21 +37,23 @@ def wente_plan(size: float, angle: float, height: float, columns: int) -> StartP
     """A quarter of a Wente cylinder whose ends have normals `angle` apart; `size` is about that of the torus.
 
     height: as a part of the one at which it closes, which is looked for exactly where this is 1. columns: of the
-    quarter. Across which sides the shell goes on is set so that it becomes a torus where that closes, a cylinder where
-    it does not, and a strip of bubbles where the cylinder is open (paper, Fig. 13).
-    Raises `ConditionError` where no bubble is found.
+    quarter, which is halved at a mirror where copies of the whole would go over the torus twice. Across which sides the
+    shell goes on is set so that it becomes a torus where that closes, a cylinder where it does not, and a strip of
+    bubbles where the cylinder is open (paper, Fig. 13). Raises `ConditionError` where no bubble is found.
     """
     bubble = _bubble(angle, columns, height)
     flat = bubble.positions * (0.5 * size / float(np.ptp(bubble.positions, axis=0).max()))
     sides = {title: next(side for side in bubble.sides if side.name == name) for name, title in _TITLES.items()}
+    halved = sides["Top"].kind == "mirror"
     kinds: dict[str, tuple[str, dict[str, object]]] = {
-        "Mirror": ("mirror", {"normal": (0.0, 0.0, 1.0), "winding": 1.0}),
+        "Mirror": ("mirror", {"normal": (0.0, 0.0, 1.0), "winding": 0.0 if halved else 1.0}),
         "Free": ("free", {"across": "ON"}),
     }
     is_torus = bubble.closed and bubble.cylinders is not None
     for title in ("Bottom", "Top"):
         normal = tuple(np.asarray(sides[title].normal, dtype=np.float64).tolist())
-        kinds[title] = ("plane", {"normal": normal, "across": "AUTO" if is_torus else "OFF"})
+        kind = "mirror" if sides[title].kind == "mirror" else "plane"
+        kinds[title] = (kind, {"normal": normal, "across": "AUTO" if is_torus else "OFF"})
     repeat = (1, 1, 1) if bubble.closed else (3, 1, 1)
     return StartPlan(
         "Wente Cylinder",
@@ -59,6 +63,7 @@ def wente_plan(size: float, angle: float, height: float, columns: int) -> StartP
         {title: np.asarray(side.edges) for title, side in sides.items()},
         kinds,
         settings={"size": "RADIUS", "radius": _RADIUS * size, "complete_repeat": repeat} | _QUIET,
+        initial=bubble.surface.normals if halved else None,  # where two mirrors meet nothing says which way is long
     )
 
 
@@ -68,6 +73,7 @@ _TITLES = {"left": "Mirror", "right": "Free", "bottom": "Bottom", "top": "Top"}
 def torus_plan(size: float, angle: float, columns: int) -> StartPlan:
     """The flat torus of Wente's torus, drawn as a torus of revolution, with its lengths and its map.
 
+    The drawing is conformal where the flat torus is a rectangle; at 120° it is a parallelogram.
     Raises `ConditionError` where no bubble is found or the torus of that angle never closes.
     """
     bubble = _bubble(angle, columns, 1.0)
@@ -78,11 +84,12 @@ def torus_plan(size: float, angle: float, columns: int) -> StartPlan:
         )
     completion = complete(bubble.surface, bubble.sides)
     found = whole(completion)
-    width, length = 2.0 * np.pi, bubble.cylinders * bubble.height
-    corners = _unrolled(completion, bubble.positions, (width, length))
+    width, length = 2.0 * np.pi, bubble.cylinders / bubble.covers * bubble.height
+    shift = np.pi if bubble.covers == 2 else 0.0  # around, once along
+    corners = _unrolled(completion, bubble.positions, np.array([[width, 0.0], [shift, length]]))
     at = np.zeros((found.domain.vertex_count, 2))
-    at[found.domain.faces] = corners
-    points = _revolution(at / [width, length], length / width, size)
+    at[found.domain.faces] = corners @ np.linalg.inv([[width, 0.0], [shift, length]])
+    points = _revolution(at, length / width, size)
     return StartPlan(
         "Wente Torus",
         found.domain,
@@ -98,7 +105,7 @@ def torus_plan(size: float, angle: float, columns: int) -> StartPlan:
 
 
 def ring_plan(size: float, slenderness: float, columns: int) -> StartPlan:
-    """A hexagon of tubes and the half tubes that leave it, drawn as it is, with its lengths and its map.
+    """A hexagon of tubes and the half tubes that leave it, drawn a little inside itself, with its lengths and its map.
 
     slenderness: from 0, stocky, to 1, thin necks. columns: edges along half a tube, about.
     """
@@ -116,7 +123,7 @@ def ring_plan(size: float, slenderness: float, columns: int) -> StartPlan:
         name = f"Tube {number}"
         sides[name] = np.asarray(loop)
         kinds[name] = ("mirror", {"normal": tuple(np.round(out, 12).tolist())})
-    points = scale * (found.positions - middle)
+    points = scale * (found.positions - _INSIDE * found.normals - middle)
     flat = modules.node(3, length, max_edge=length / columns).shape.positions
     corners = np.concatenate([flat[faces] for faces in _faces(found.completion)])
     return StartPlan(
@@ -126,7 +133,9 @@ def ring_plan(size: float, slenderness: float, columns: int) -> StartPlan:
         corners * (0.5 * scale * found.spacing / length),
         sides,
         kinds,
-        settings={"method": "CRITICAL", "ground": "RIM", "complete_repeat": (3, 3, 1)} | _QUIET,
+        settings={"method": "CRITICAL", "size": "RADIUS", "radius": 2.0 * scale, "ground": "RIM"}
+        | {"complete_repeat": (3, 3, 1)}
+        | _QUIET,
         own_lengths=True,
         initial=found.normals,
     )
@@ -137,7 +146,7 @@ def _bubble(angle: float, columns: int, height: float) -> Bubble:
     part = Fraction(angle / np.pi).limit_denominator(_MOST_PARTS)
     angle = float(part) * np.pi if abs(float(part) * np.pi - angle) < _SINGLE else angle
     if height == 1.0:
-        bubble = wente(angle, columns)
+        bubble = wente(angle, columns, halved=cover_count(angle) == 2)
     else:
         check_angle(angle)
         bubble = wente(angle, columns, height=height * discrete_height(angle, columns), closed=False)
@@ -152,10 +161,10 @@ def _faces(completion: Completion) -> list[NDArray[np.integer]]:
     return [faces[:, ::-1] if copy.flipped else faces for copy in completion.copies]
 
 
-def _unrolled(completion: Completion, flat: Array, lattice: tuple[float, float]) -> Array:
+def _unrolled(completion: Completion, flat: Array, lattice: Array) -> Array:
     """(K F, 3, 2) corners of the copies of a rectangle, flat (V, 2), unrolled: across a side lies its mirror image.
 
-    Copies lie within the rectangle `lattice`, up to half of one.
+    Copies lie within the parallelogram of the rows of `lattice` (2, 2), up to half of one.
     """
     low, high = flat.min(axis=0), flat.max(axis=0)
     mirrors = {"left": (0, low[0]), "right": (0, high[0]), "bottom": (1, low[1]), "top": (1, high[1])}
@@ -174,8 +183,8 @@ def _unrolled(completion: Completion, flat: Array, lattice: tuple[float, float])
     corners = []
     for k, faces in enumerate(_faces(completion)):
         placed = signs[k] * flat + shifts[k]
-        cell = np.floor(placed.mean(axis=0) / lattice)
-        corners.append((placed - cell * lattice)[faces])
+        cell = np.floor(placed.mean(axis=0) @ np.linalg.inv(lattice))
+        corners.append((placed - cell @ lattice)[faces])
     return np.concatenate(corners)
 
 

@@ -130,8 +130,7 @@ def wente(
         solver = CmcSolver(domain)
         watch = progress if closing is None else None
         surface = solver.solve(held, start, mean_curvature=mean_curvature, progress=watch)
-    count = cylinder_count(angle)
-    covers = 2 if count is not None and count % 4 == 2 and _turns_back(angle, count) else 1
+    count, covers = cylinder_count(angle), cover_count(angle)
     return Bubble(float(angle), domain, positions, held, sides, surface, first, closing, count, covers)
 
 
@@ -157,10 +156,13 @@ def cylinder_count(angle: float) -> int | None:
     return 2 * part.denominator if abs(float(part) - angle / np.pi) <= _EXACT else None
 
 
-def _turns_back(angle: float, count: int) -> bool:
-    """Whether half of that many cylinders, each of which turns the next by the angle, turn by whole turns."""
+def cover_count(angle: float) -> int:
+    """How often these cylinders go over the surface: 2 where half of them, an odd number, turn by whole turns."""
+    count = cylinder_count(angle)
+    if count is None or count % 4 != 2:
+        return 1
     turns = 0.5 * count * angle / (2.0 * np.pi)
-    return abs(turns - round(turns)) <= count * _EXACT
+    return 2 if abs(turns - round(turns)) <= count * _EXACT else 1
 
 
 def _held(shape: shapes.Shape, angle: float, halved: bool) -> tuple[Conditions, list[Side]]:

@@ -136,20 +136,17 @@ def plan_plane(positions: ArrayLike, faces: ArrayLike, rim: ArrayLike, weights: 
 def plan_frame(positions: ArrayLike, domain: Domain, ground: str) -> tuple[NDArray[np.int32], Array, Plane]:
     """What a shell is placed by: vertices (b,) of the rim, their weights (b,), and the plan's plane.
 
-    A closed plan has no rim: all its vertices stand for it, each with its part of the drawn area; its plane is level,
-    through its lowest point where the shell stands on its own ("lowest"), else through its centre.
+    A closed plan has no rim: all its vertices stand for it, each with its part of the domain's area; its plane is
+    level, through its lowest point where the shell stands on its own ("lowest"), else through its centre.
     """
     points = np.asarray(positions, dtype=np.float64)
     if len(domain.boundary_edges):
         vertices, weights = rim_weights(points, domain.edges[domain.boundary_edges])
         return vertices, weights, plan_plane(points, domain.faces, vertices, weights)
-    a, b, c = (points[domain.faces[:, k]] for k in range(3))
-    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    weights = np.bincount(domain.faces.ravel(), np.repeat(areas, 3), len(points)).astype(np.float64)
-    centre = _mean(points, weights)
+    centre = _mean(points, domain.vertex_areas)
     if ground == "lowest":
         centre[2] = points[:, 2].min()
-    return np.arange(len(points), dtype=np.int32), weights, Plane(centre, _UP)
+    return np.arange(len(points), dtype=np.int32), domain.vertex_areas, Plane(centre, _UP)
 
 
 def rim_weights(positions: ArrayLike, edges: ArrayLike) -> tuple[NDArray[np.int32], Array]:

@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy.spatial import KDTree
 
 from .scenes import activate, boundary_edges, positions, snapshot
 from .test_panels import draw
@@ -34,6 +35,12 @@ def completed(plan) -> dict:
     return json.loads(plan.cmc.complete_report)
 
 
+def doubled(ob) -> float:
+    """The part of the vertices that lie on another one, as some do where a surface crosses itself."""
+    at = positions(ob)
+    return float((KDTree(at).query(at, k=2)[0][:, 1] < 1e-3).mean())
+
+
 def euler(mesh) -> int:
     return len(mesh.vertices) - len(mesh.edges) + len(mesh.polygons)
 
@@ -47,6 +54,7 @@ def test_a_wente_cylinder_is_completed_to_a_torus(addon, angle, columns, copies)
     assert told["copies"] == copies and told["is_closed"] and told["relative_gap"] < 2e-3
     assert euler(torus.data) == 0 and not len(boundary_edges(torus.data))
     assert_allclose(max(torus.dimensions), 8.0, rtol=0.15, atol=0)
+    assert doubled(torus) < 0.1  # no copy lies on another one
 
 
 def test_where_the_torus_never_closes_there_is_a_cylinder(addon):
@@ -75,17 +83,18 @@ def test_the_whole_torus_is_a_saddle_that_is_found(addon):
     drawn = positions(plan)
     assert_allclose(np.ptp(drawn[:, :2], axis=0), 8.0, rtol=0.01, atol=0)
     told = solved(plan)
-    assert told["index"] > 20 and abs(told["degree"]) < 1e-6 and told["gap"] < 1e-5
+    assert told["index"] == 11 and abs(told["degree"]) < 1e-6 and told["gap"] < 1e-5
     assert_allclose(told["sheets"]["f+"]["span"], 8.0, rtol=1e-5, atol=0)
     shell = plan.cmc.f_plus
+    assert doubled(shell) < 0.1
     assert euler(shell.data) == 0 and not len(boundary_edges(shell.data))
     centre = positions(shell).mean(axis=0)
     assert_allclose(centre, 0, rtol=0, atol=0.2)
 
 
 def test_the_drawn_torus_is_conformal_to_the_flat_one(addon):
-    """Own lengths and drawn ones differ by one factor at each place."""
-    plan = add("TORUS", columns=8)
+    """Own lengths and drawn ones differ by one factor at each place, where the flat one is a rectangle."""
+    plan = add("TORUS", angle=np.radians(90.0), columns=14)
     edges = np.array([edge.vertices[:] for edge in plan.data.edges])
     points = positions(plan)
     drawn = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
@@ -100,7 +109,8 @@ def test_the_ring_is_solved_where_it_was_drawn_and_tiled(addon):
     assert [group.kind for group in plan.data.cmc.groups] == ["MIRROR"] * 6 and euler(plan.data) == -6
     told = solved(plan)
     assert told["index"] in (12, 13)  # one mode is nearly null on this mesh
-    assert_allclose(positions(plan.cmc.f_plus), positions(plan), rtol=0, atol=2e-3)
+    apart = np.linalg.norm(positions(plan.cmc.f_plus) - positions(plan), axis=1)
+    assert_allclose(apart, 0.15 * 0.5 * plan.cmc.radius, rtol=0.01, atol=0)  # drawn a little inside itself
     assert not [note for note in told["warnings"] if "goes through" in note]
     tiled = completed(plan)
     assert tiled["copies"] == 9 and len(tiled["lattice"]) == 2 and tiled["relative_gap"] < 1e-5
@@ -141,7 +151,7 @@ def test_modes_do_not_count_what_only_moves_along(addon):
     """Three rotations and two translations of the torus, in single precision, are no unstable modes."""
     plan = add("TORUS", columns=8)
     told = solved(plan)
-    assert (told["index"], told["nullity"]) == (25, 5)
+    assert (told["index"], told["nullity"]) == (11, 5)
 
 
 def test_what_cannot_be_added_is_said(addon):

@@ -54,10 +54,7 @@ def test_a_closed_plan_is_solved_from_its_start(torus):
 @pytest.mark.parametrize("ground", ["lowest", "rim"])
 def test_a_closed_shell_has_the_size_and_place_of_its_plan(torus, ground):
     formed = form(torus, Settings(method="critical", ground=ground), intersections=False)
-    domain = formed.surface.domain
-    a, b, c = (torus.positions[domain.faces[:, k]] for k in range(3))
-    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    weights = np.bincount(domain.faces.ravel(), np.repeat(areas, 3))
+    weights = formed.surface.domain.vertex_areas
 
     def centre(points):
         return np.average(points, axis=0, weights=weights)
