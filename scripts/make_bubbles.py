@@ -43,8 +43,9 @@ def main() -> None:
         plan = draw(identifier)
         write_mesh(FOLDER / f"{name}.obj", asset_files.obj_data(plan))
         read = mesh_bridge.read_plan(plan)
-        if read.initial is not None and read.lengths is not None:
-            write_start(FOLDER / f"{name}.npz", read.initial, read.edges, read.lengths)
+        if read.initial is not None or read.lengths is not None:
+            edges = None if read.lengths is None else read.edges
+            write_start(FOLDER / f"{name}.npz", read.initial, edges, read.lengths)
         text = job(name, f"{label}: {description[:1].lower()}{description[1:]}.", plan)
         (FOLDER / f"{name}.toml").write_text(text, encoding="utf-8")
         asset_files.mark(plan, f"{description}.", ("bubble", "saddle"), picture, "bubbles")

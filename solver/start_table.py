@@ -62,11 +62,12 @@ def read_start(path: str | os.PathLike[str]) -> Start:
     return Start(found.get("normals"), found.get("edges"), lengths)
 
 
-def write_start(path: str | os.PathLike[str], normals: Array, edges: Int, lengths: Array) -> None:
-    """Write what `read_start` reads."""
-    np.savez_compressed(
-        path,
-        normals=np.asarray(normals, dtype=np.float64),
-        edges=np.asarray(edges, dtype=np.int32),
-        lengths=np.asarray(lengths, dtype=np.float64),
-    )
+def write_start(
+    path: str | os.PathLike[str],
+    normals: Array | None = None,
+    edges: Int | None = None,
+    lengths: Array | None = None,
+) -> None:
+    """Write what `read_start` reads; edges and lengths go together."""
+    arrays = {"normals": normals, "edges": edges, "lengths": lengths}
+    np.savez_compressed(path, **{name: np.asarray(array) for name, array in arrays.items() if array is not None})
