@@ -23,7 +23,7 @@ _MAKE = {
     "RING": (ring_plan, ("size", "slenderness", "columns")),
 }
 """Bubble → what makes it, and the settings that it takes, in this order."""
-_OWN_COLUMNS = {"WENTE": 16, "TORUS": 12, "RING": 8}
+_OWN_COLUMNS = {"WENTE": 16, "TORUS": 16, "RING": 8}
 
 
 class CMC_OT_add_bubble(bpy.types.Operator):
