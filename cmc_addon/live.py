@@ -135,6 +135,15 @@ def _on_change(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
 
 
 @persistent
+def _on_frame(*_: object) -> None:
+    """Another frame of an animation: whatever may be animated."""
+    for state in Live.states.values():
+        state.is_dirty = True
+    if Live.states:
+        wake(tick)
+
+
+@persistent
 def _on_other_data(*_: object) -> None:
     """Undo, redo, another file: find the live plans; of none of them is known what its results show."""
     _drop()
@@ -268,6 +277,7 @@ def _forget(uid: int) -> None:
 
 _HANDLERS = {
     "depsgraph_update_post": _on_change,
+    "frame_change_post": _on_frame,
     "undo_post": _on_other_data,
     "redo_post": _on_other_data,
     "load_post": _on_other_data,

@@ -90,6 +90,17 @@ def test_undo_of_the_switch(live, plan):
     assert list(live.Live.states) == [bpy.data.objects["Disc"].session_uid]
 
 
+def test_an_animated_plan(addon, live, plan):
+    for frame, width in ((1, 1.0), (20, 2.0)):
+        plan.scale.x = width
+        plan.keyframe_insert("scale", frame=frame)
+    settle(live)
+    bpy.context.scene.frame_set(10)
+    assert 1.2 < plan.scale.x < 1.8
+    settle(live)
+    assert off_by(addon, plan) < EXACT
+
+
 # --- gone ----------------------------------------------------------------------------------
 
 @pytest.mark.parametrize("how", ["removed", "deleted"])
