@@ -42,7 +42,7 @@ def torus(hands):
         yield from hands.panel(panel, False)
     yield from hands.panel("Solver", True)
     yield from hands.picture("torus")
-    assert report("Wente Torus")["index"] > 10
+    assert report("Wente Torus")["index"] > 5
 
 
 def cylinder(hands):
