@@ -144,7 +144,7 @@ class GoingOn:
             )
         _hide_older(plan, wanted)
         if self.reading.shown:
-            colours.repaint(plan)
+            colours.repaint(plan, target=found.surface.mean_curvature / found.similarity.scale)
         return Memory(self.reading, outcome.prepared, found.surface.harmonic.normals, cut)
 
 
