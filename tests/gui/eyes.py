@@ -52,11 +52,11 @@ def _crop(box: Box, window_height: int) -> list[str]:
     return ["convert", "x:root", "-crop", f"{box.width}x{box.height}{corner}", "+repage", "-colorspace", "Gray"]
 
 
-def read(box: Box, window_height: int) -> list[Line]:
-    """The lines that are written in a part of the window."""
+def read(box: Box, window_height: int, scattered: bool = False) -> list[Line]:
+    """The lines that are written in a part of the window; taken for a column of lines, or for scattered words."""
     larger = [*_crop(box, window_height), "-resize", f"{LARGER}00%", "-negate", "png:-"]
     shot = subprocess.run(larger, check=True, capture_output=True).stdout
-    command = ["tesseract", "-", "-", "--psm", "6", "tsv"]
+    command = ["tesseract", "-", "-", "--psm", "11" if scattered else "6", "tsv"]
     single = {**os.environ, "OMP_THREAD_LIMIT": "1"}
     table = subprocess.run(command, input=shot, check=True, capture_output=True, env=single).stdout.decode()
     lines: dict[tuple[str, ...], Line] = {}

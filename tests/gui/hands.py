@@ -253,6 +253,7 @@ class Hands:
 
     def _find_header(self, label: str) -> Iterator[float]:
         def look() -> Iterator[float]:
+            self.move(*self.view)  # no tooltip over what is read
             yield from self.settle()
             return self._header(label)
 
@@ -260,7 +261,8 @@ class Hands:
 
     def _header(self, label: str) -> Box | None:
         """Where the sidebar says this at its left: a header is the arrow, the words, perhaps an icon far right."""
-        for line in self.read(self.panels):
+        lines = [line for scattered in (False, True) for line in eyes.read(self.panels, self.window.height, scattered)]
+        for line in lines:
             found = eyes.find([line], label)
             if found and found[0].box.x < self.panels.x + 60 and line.index(found[0]) <= 1:
                 return eyes.around(found)

@@ -1,11 +1,12 @@
 """A whole day by hand: a plane, its plan, groups from selected edges, Solve, a tilt dragged with Live on, a long fit
-called off, all of it undone and done again, a mirror, Complete by Symmetry, saved and loaded again.
+called off, all of it undone and done again, a module and Complete by Symmetry, saved and loaded again.
 
 Everything is clicked, dragged or typed; Blender's data are only looked at.
 """
 
 from __future__ import annotations
 
+import json
 import math
 import os
 
@@ -14,9 +15,15 @@ import bpy
 import numpy as np
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 
+CAPITAL = "Column Capital"
+
 
 def plan():
     return bpy.data.objects["Plane Plan"]
+
+
+def capital():
+    return bpy.data.objects[CAPITAL]
 
 
 def group():
@@ -174,18 +181,19 @@ def undo_all(hands):
 
 
 def complete(hands):
-    """The group becomes a mirror square to X; the shell and its reflection are one mesh."""
-    yield from hands.choose("groups[1].kind", "Mirror")
-    assert group().kind == "MIRROR"
-    yield from hands.click_button("cmc.group_plane(plane='X')")
-    assert [round(component, 4) for component in group().normal] == [1, 0, 0]
+    """Add > Mesh > CMC > Column Capital, by typing; Solve, Complete by Symmetry: a roof on columns."""
+    middle = (hands.viewport.width // 2, hands.viewport.height // 2)
+    yield from hands.press("A", middle, shift=True)
+    yield from hands.type("column", middle)
+    yield from hands.wait_for(lambda: CAPITAL in bpy.data.objects, "the capital is there")
     yield from hands.click_button("cmc.solve")
-    yield from hands.wait_for(lambda: running() or flat(), "it is solved")
-    yield from hands.wait_for(lambda: not running() and flat(), "the shell ends in the mirror")
+    yield from hands.wait_for(lambda: capital().cmc.f_plus is not None and not running(), "its shell is there")
     yield from hands.click_button("cmc.complete")
-    yield from hands.wait_for(lambda: plan().cmc.completed is not None, "the copies are there")
-    assert len(plan().cmc.completed.data.polygons) == 2 * len(plan().data.polygons)
+    yield from hands.wait_for(lambda: capital().cmc.completed is not None, "the copies are there")
+    copies = json.loads(capital().cmc.complete_report)["copies"]
+    assert copies > 8 and len(capital().cmc.completed.data.polygons) == copies * len(capital().data.polygons)
     yield from hands.press("HOME")
+    yield 1.0
     yield from hands.picture("completed")
 
 
@@ -196,18 +204,19 @@ def save(hands):
     yield 1.5
     yield from hands.press("RET", hands.view)
     yield from hands.wait_for(lambda: bpy.data.filepath and os.path.exists(bpy.data.filepath), "the file is saved")
-    faces, name = len(plan().cmc.completed.data.polygons), plan().cmc.completed.name
+    faces, points = len(capital().cmc.completed.data.polygons), shell()
     yield 1.0
     yield from hands.click_words("File", hands.viewport)
     yield from hands.click_words("Revert", hands.viewport)
     yield 1.0
     yield from hands.press("RET", hands.view)
     yield 2.0
-    assert plan().cmc.completed == bpy.data.objects[name] and len(bpy.data.objects[name].data.polygons) == faces
-    assert group().kind == "MIRROR" and not running()
+    assert len(capital().cmc.completed.data.polygons) == faces and np.array_equal(shell(), points)
+    assert [one.name for one in plan().data.cmc.groups] == ["Group", "Group.001"] and not running()
+    assert capital().cmc.f_plus.hide_get(), "it is one of the copies"
     yield from hands.picture("loaded")
     yield from hands.click_button("cmc.solve")
-    yield from hands.wait_for(lambda: not plan().cmc.f_plus.hide_get() and not running(), "it is solved again")
+    yield from hands.wait_for(lambda: not capital().cmc.f_plus.hide_get() and not running(), "it is solved again")
     yield from hands.picture("solved-again")
 
 
@@ -229,10 +238,3 @@ def members(uid: int) -> int:
 
 def near(points, others) -> bool:
     return points.shape == others.shape and np.abs(points - others).max() < 1e-3
-
-
-def flat() -> bool:
-    """Whether the edges of the group are in one plane square to X."""
-    uids = plan().data.attributes["cmc_group"].data
-    ends = {v for edge, uid in zip(plan().data.edges, uids, strict=True) if uid.value == 2 for v in edge.vertices}
-    return len(shell()) == len(plan().data.vertices) and np.ptp(shell()[list(ends), 0]) < 1e-3
