@@ -25,6 +25,8 @@ from .sphere import dot, exp, inner
 
 Array = NDArray[np.float64]
 
+# Energy up to which a map is constant, and balanced.
+_CONSTANT = 1e-12
 _LARGEST_ROTATION = 0.5
 _HALVINGS = 20
 _SUFFICIENT_DECREASE = 1e-4
@@ -35,7 +37,9 @@ _NEAR = 1e-3
 def imbalance(problem: EnergyProblem, N: Array) -> Array:
     """Σ N_i μ_i (3,) of a map N (S, 3), as a part of its energy; zero at critical maps of closed domains."""
     point = problem.at(N)
-    return _moment(point) / max(point.energy, 1e-300)
+    if point.energy <= _CONSTANT:
+        return np.zeros(3)
+    return _moment(point) / point.energy
 
 
 def balanced(
