@@ -40,7 +40,7 @@ def tell(hands):
         yield from hands.panel(panel, False)
     yield from hands.panel("Design")
     yield from hands.picture("panel")
-    button = yield from hands.find("cmc.fit_outline")
+    button = yield from hands.find("cmc.fit_outline", (0.5,))
 
     yield from hands.click(*button)
     yield from hands.wait_for(lambda: preview().shape is not None, "a shape is shown")

@@ -23,7 +23,7 @@ def tell(hands):
     for panel in ("Plan", "Boundary"):
         yield from hands.panel(panel, False)
     yield from hands.picture("gap")
-    button = yield from hands.find("cmc.close_periods")
+    button = yield from hands.find("cmc.close_periods", (0.5,))
     yield from hands.click(*button)
     yield from hands.wait_for(lambda: not report()["is_open"], "the shell closes")
     yield from hands.picture("closed")
@@ -31,6 +31,6 @@ def tell(hands):
     yield from hands.press("Z", ctrl=True)
     yield from hands.wait_for(lambda: report()["is_open"], "undo has brought the gap back")
     yield from hands.picture("undone")
-    yield from hands.click_button("cmc.tile_periods")
+    yield from hands.click_button("cmc.tile_periods", (0.5,))
     yield from hands.wait_for(lambda: plan().cmc.completed is not None, "the copies are there")
     yield from hands.picture("tiled")

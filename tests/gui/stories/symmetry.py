@@ -19,13 +19,13 @@ def tell(hands):
     for panel in ("Plan", "Boundary"):
         yield from hands.panel(panel, False)
     yield from hands.picture("solved")
-    button = yield from hands.find("cmc.complete")
+    button = yield from hands.find("cmc.complete", (0.5,))
     yield from hands.click(*button)
     yield from hands.wait_for(lambda: plan().cmc.completed is not None, "the copies are there")
     yield from hands.picture("completed")
     assert len(plan().cmc.completed.data.polygons) == 216 * len(plan().data.polygons)
     plan().cmc.complete_as = "INSTANCES"
-    yield from hands.click_button("cmc.complete")
+    yield from hands.click_button("cmc.complete", (0.5,))
     yield from hands.wait_for(lambda: plan().cmc.copies is not None, "the instances are there")
     yield from hands.picture("instances")
     assert len(plan().cmc.copies.objects) == 216

@@ -152,7 +152,7 @@ def call_off(hands):
     yield from hands.wait_for(lambda: len(plan().cmc.f_plus.data.polygons) == len(plan().data.polygons), "solved again")
     yield from hands.wait_for(lambda: not running(), "solved")
     before = shell()
-    yield from hands.click_button("cmc.fit_outline")
+    yield from hands.click_button("cmc.fit_outline", (0.5,))
     yield from hands.wait_for(running, "the fit runs")
     yield 1.0
     yield from hands.picture("fitting")
@@ -188,7 +188,7 @@ def complete(hands):
     yield from hands.wait_for(lambda: CAPITAL in bpy.data.objects, "the capital is there")
     yield from hands.click_button("cmc.solve")
     yield from hands.wait_for(lambda: capital().cmc.f_plus is not None and not running(), "its shell is there")
-    yield from hands.click_button("cmc.complete")
+    yield from hands.click_button("cmc.complete", (0.5,))
     yield from hands.wait_for(lambda: capital().cmc.completed is not None, "the copies are there")
     copies = json.loads(capital().cmc.complete_report)["copies"]
     assert copies > 8 and len(capital().cmc.completed.data.polygons) == copies * len(capital().data.polygons)
@@ -202,7 +202,7 @@ def save(hands):
     bpy.context.preferences.view.filebrowser_display_type = "SCREEN"
     yield from hands.press("S", ctrl=True)
     yield 1.5
-    yield from hands.press("RET", hands.view)
+    yield from hands.press("RET", (640, 450))  # the file browser has taken the viewport's place
     yield from hands.wait_for(lambda: bpy.data.filepath and os.path.exists(bpy.data.filepath), "the file is saved")
     faces, points = len(capital().cmc.completed.data.polygons), shell()
     yield 1.0
