@@ -49,14 +49,16 @@ gui-test: .venv/ready
 bench: .venv/ready
 	$(PYTHON) -m pytest benchmarks -k "not sizes"
 
-# The pictures of docs/, and the tables of its pages.
+# The pictures of docs/, and the tables of its pages; those of the window by the stories of gui-test, where it can run.
 gallery: .venv/ready
 	$(PYTHON) scripts/measure_faces.py --write
 	$(PYTHON) scripts/measure_fits.py --write
 	$(PYTHON) scripts/measure_approximation.py --write
 	$(PYTHON) scripts/measure_symmetry.py --write
 	$(PYTHON) scripts/measure_periods.py --write
+	$(PYTHON) scripts/measure_bubbles.py --write
 	$(PYTHON) scripts/render_gallery.py
+	$(PYTHON) scripts/gallery_window.py
 
 # What was made from the sources; the environments stay.
 clean:
