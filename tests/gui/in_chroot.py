@@ -95,7 +95,7 @@ def main(stories: list[str]) -> int:
     if unknown:
         sys.exit(f"there is no story {', '.join(sorted(unknown))}; there are {', '.join(known)}")
     install()
-    jobs = int(os.environ.get("CMC_GUI_JOBS") or max(1, (os.cpu_count() or 1) // 2))
+    jobs = int(os.environ.get("CMC_GUI_JOBS") or os.cpu_count() or 1)
     with ThreadPoolExecutor(jobs) as pool:
         results = list(pool.map(tell, stories or known))
     failed = [story for story, told, _ in results if not told]

@@ -3,7 +3,7 @@
 # extension is built for that Blender's Python and installed as users install it.
 # run.sh --possible: only says whether it can be done here.
 # CMC_GUI_ROOT says where the Debian with Blender is or is to be made (default: .venvs/gui-root), CMC_GUI_JOBS how
-# many stories are told at a time (default: 1 for every two processors, at least one), CMC_GUI_LIMIT how many seconds
+# many stories are told at a time (default: as many as there are processors), CMC_GUI_LIMIT how many seconds
 # a story may take (default: 600).
 # Exits 0 if every story went as told, 1 if one did not, 2 if there can be no window here.
 set -euo pipefail
