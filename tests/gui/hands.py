@@ -242,6 +242,8 @@ class Hands:
         arrow = Box(words.x - 16, words.middle[1] - 6, 12, 12)
         if eyes.is_open(arrow, self.window.height) != opened:
             yield from self.click(*words.middle)
+        if opened and words.y < self.panels.y + self.panels.height // 3:
+            yield from self.scroll(8)  # what has opened may be below the window
         yield 0.3
 
     def only_panel(self, label: str) -> Steps:
