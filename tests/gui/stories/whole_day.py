@@ -213,9 +213,10 @@ def save(hands):
     yield 2.0
     assert len(capital().cmc.completed.data.polygons) == faces and np.array_equal(shell(), points)
     assert [one.name for one in plan().data.cmc.groups] == ["Group", "Group.001"] and not running()
+    assert capital().cmc.f_plus.hide_viewport, "it is one of the copies"
     yield from hands.picture("loaded")
     yield from hands.click_button("cmc.solve")
-    yield from hands.wait_for(lambda: not capital().cmc.f_plus.hide_get() and not running(), "it is solved again")
+    yield from hands.wait_for(lambda: not capital().cmc.f_plus.hide_viewport and not running(), "it is solved again")
     yield from hands.picture("solved-again")
 
 
