@@ -66,7 +66,7 @@ def updated(live, change) -> tuple[float, float]:
 
 def bare_solves(addon, live, plan, changes):
     """As a function of k: the solver's own solve after change k, on the plan's cached factor, from the last map."""
-    forming, session, work = addon.cmc_addon.forming, addon.cmc_addon.session, addon.cmc_addon.live_work
+    forming, session, work = addon.cmc_addon.work.forming, addon.cmc_addon.work.session, addon.cmc_addon.work.live_work
     conditions = __import__(f"{PACKAGE}.solver.plan", fromlist=["plan_conditions"]).plan_conditions
     made = []
     for change in changes:
@@ -87,7 +87,7 @@ def bare_solves(addon, live, plan, changes):
 
 def speed(addon, vertices: int) -> dict:
     """Medians over interleaved rounds of a tilt that goes to and fro by two degrees."""
-    live = addon.cmc_addon.live
+    live = addon.cmc_addon.work.live
     plan = live_plan(vertices)
     group = plan.data.cmc.groups[0]
     tilts = [lambda: setattr(group, "tilt", 0.3), lambda: setattr(group, "tilt", 0.335)]
@@ -130,7 +130,7 @@ def memory() -> float:
 
 def edits(addon, count: int) -> dict:
     """Memory after a fifth of the edits, when the steps of undo are as many as are kept, and at the end."""
-    live = addon.cmc_addon.live
+    live = addon.cmc_addon.work.live
     live_plan(1_000)
     settle(live)
     bpy.ops.ed.undo_push(message="Live")

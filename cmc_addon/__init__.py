@@ -6,12 +6,12 @@ import importlib
 from types import ModuleType
 
 MODULES = (
-    "properties", "session", "operators", "group_history", "mesh_cache",
-    "seeing_draw", "shading", "colours",
-    "preview", "following", "solved", "symmetry", "panels", "seeing_panel", "boundary_panel", "design_panel",
-    "symmetry_panel", "results_panel", "legend", "strokes_overlay", "colours_panel",
-    "nearness", "live", "live_panel", "periods", "periods_panel", "export_panel",
-    "menus", "preferences", "manual", "cli",
+    "stored.properties", "work.session", "operators", "stored.group_history", "bridges.mesh_cache",
+    "drawing.seeing_draw", "drawing.shading", "work.colours", "drawing.preview", "work.following", "work.solved",
+    "work.symmetry", "panels.tab", "panels.seeing_panel", "panels.boundary_panel", "panels.design_panel",
+    "panels.symmetry_panel", "panels.results_panel", "drawing.legend", "drawing.strokes_overlay",
+    "panels.colours_panel", "work.nearness", "work.live", "panels.live_panel", "work.periods",
+    "panels.periods_panel", "panels.export_panel", "panels.menus", "preferences", "work.manual", "headless.cli",
 )
 """Sub-modules with register() and unregister(), in the order in which they need each other."""
 

@@ -12,8 +12,8 @@ from typing import Any
 import bpy
 from bpy.props import FloatProperty, FloatVectorProperty, IntProperty, StringProperty
 
-from . import sidebar
-from .panels import CATEGORY
+from .panels import sidebar
+from .panels.tab import CATEGORY
 
 PACKAGE = __package__.rpartition(".")[0]
 

@@ -15,7 +15,7 @@ package = blender_session.start()
 import bpy  # noqa: E402
 import numpy as np  # noqa: E402
 import studio  # noqa: E402
-from cmc_formfinding.cmc_addon import mesh_bridge  # noqa: E402
+from cmc_formfinding.cmc_addon.bridges import mesh_bridge  # noqa: E402
 from cmc_formfinding.solver.files import MeshData  # noqa: E402
 
 ASSETS = blender_session.ROOT / "assets"

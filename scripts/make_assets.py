@@ -26,9 +26,10 @@ import make_modules  # noqa: E402
 import numpy as np  # noqa: E402
 import portrait  # noqa: E402
 from asset_files import ASSETS, mark, obj_data, picture_of_scene, save  # noqa: E402
-from cmc_formfinding.cmc_addon import group_list, mesh_bridge  # noqa: E402
-from cmc_formfinding.cmc_addon.edge_bridge import repair_selection  # noqa: E402
-from cmc_formfinding.cmc_addon.outline_bridge import write_boundary_groups  # noqa: E402
+from cmc_formfinding.cmc_addon.bridges import mesh_bridge  # noqa: E402
+from cmc_formfinding.cmc_addon.bridges.edge_bridge import repair_selection  # noqa: E402
+from cmc_formfinding.cmc_addon.bridges.outline_bridge import write_boundary_groups  # noqa: E402
+from cmc_formfinding.cmc_addon.stored import group_list  # noqa: E402
 from cmc_formfinding.solver.files import write_mesh  # noqa: E402
 
 COLOURS = {"Membrane": (0.80, 0.77, 0.72, 1.0), "Glass": (0.35, 0.50, 0.55, 1.0)}

@@ -21,11 +21,11 @@ import bpy  # noqa: E402
 import numpy as np  # noqa: E402
 import portrait  # noqa: E402
 import studio  # noqa: E402
-from cmc_formfinding.cmc_addon import mesh_bridge  # noqa: E402
+from cmc_formfinding.cmc_addon.bridges import mesh_bridge  # noqa: E402
 from cmc_formfinding.cmc_addon.operators.add_bubble import BUBBLES  # noqa: E402
-from cmc_formfinding.cmc_addon.settings import SIZE_PROPERTY  # noqa: E402
+from cmc_formfinding.cmc_addon.stored.settings import SIZE_PROPERTY  # noqa: E402
 from cmc_formfinding.solver.files import write_mesh  # noqa: E402
-from cmc_formfinding.solver.start_table import write_start  # noqa: E402
+from cmc_formfinding.solver.jobs.start_table import write_start  # noqa: E402
 
 FOLDER = asset_files.ASSETS / "bubbles"
 # Coarse enough to be small files, fine enough to be found; `None` is the menu's own.

@@ -20,7 +20,7 @@ import bpy  # noqa: E402
 import numpy as np  # noqa: E402
 import portrait  # noqa: E402
 import studio  # noqa: E402
-from cmc_formfinding.cmc_addon.presets import PRESETS, Preset  # noqa: E402
+from cmc_formfinding.cmc_addon.plans.presets import PRESETS, Preset  # noqa: E402
 from cmc_formfinding.solver.files import write_mesh  # noqa: E402
 
 FOLDER = asset_files.ASSETS / "modules"

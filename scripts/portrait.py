@@ -11,8 +11,8 @@ import math
 import bpy
 import numpy as np
 import studio
-from cmc_formfinding.cmc_addon import mesh_bridge
-from cmc_formfinding.cmc_addon.results import result_of
+from cmc_formfinding.cmc_addon.bridges import mesh_bridge
+from cmc_formfinding.cmc_addon.work.results import result_of
 from numpy.typing import NDArray
 
 

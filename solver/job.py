@@ -16,32 +16,33 @@ from typing import Any
 
 import numpy as np
 
-from .close_table import read_close
-from .complete_table import Completing, read_complete
-from .completed_files import completed_report, write_completed
-from .completing import Completed, complete_plan
 from .domain import shapes
 from .domain.domain import Domain
 from .domain.sites import SITES
 from .errors import CmcError, ConditionError, JobError
 from .files import FORMATS, MeshData, read_mesh
-from .fit_table import read_fit
-from .fitting import Wish, fit_plan
 from .gauss.conditions import KINDS, Parameter
 from .gauss.energies import ENERGIES, energy_on
 from .gauss.methods import METHODS
-from .hole_gaps import hole_gaps
-from .outputs import SHEET_KEYS, write_results
-from .pipeline import Formed, form
-from .plan import SHEETS, SHELLS, Group, Plan, Settings, plan_conditions, plan_domain, usual_sheet
-from .plan_closing import Closure, close_plan, closing_report
+from .jobs.close_table import read_close
+from .jobs.complete_table import Completing, read_complete
+from .jobs.completed_files import completed_report, write_completed
+from .jobs.fit_table import read_fit
+from .jobs.outputs import SHEET_KEYS, write_results
+from .jobs.selection import Pairs, select
+from .jobs.start_table import read_start_key
+from .jobs.tables import Table, suggestion
+from .pipeline import form
+from .plans.closing import Closure, close_plan, closing_report
+from .plans.completing import Completed, complete_plan
+from .plans.fitting import Wish, fit_plan
+from .plans.formed import Formed
+from .plans.hole_gaps import hole_gaps
+from .plans.plan import SHEETS, SHELLS, Group, Plan, Settings, plan_conditions, plan_domain, usual_sheet
 from .polygons import triangulate_polygons
-from .selection import Pairs, select
-from .start_table import read_start_key
 from .surface.cmc import COMBINATORICS
 from .surface.offsets import AVERAGINGS
 from .surface.placement import GROUNDS, SIZES
-from .tables import Table, suggestion
 
 EXAMPLE = """\
 mesh = "plan.obj"        # OBJ, PLY, STL or GLB; or a [shape] with kind = "disc", n = 2000

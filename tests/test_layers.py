@@ -1,7 +1,7 @@
 """The direction of every import, function-level ones too.
 
 A file of the solver imports from rooms to the left of its own, from its own room without cycles, and
-from `errors` and `linalg`. Nothing below `cmc_addon` knows Blender, and the add-on reaches the solver
+from what is for everyone. Nothing below `cmc_addon` knows Blender, and the add-on reaches the solver
 only through relative imports, since two names for one solver would make two copies of every class.
 """
 
@@ -16,9 +16,9 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 
-FOR_EVERYONE = ("errors", "linalg")
-ROOMS = ("domain", "gauss", "surface", "measure", "design", "fabrication")
-TOP = "the top of solver/"  # job, files, pipeline, __main__, and the public names in __init__
+FOR_EVERYONE = ("errors", "linalg", "polygons", "obj", "files")
+ROOMS = ("domain", "gauss", "surface", "measure", "design", "fabrication", "plans", "jobs")
+TOP = "the top of solver/"  # pipeline, job, __main__, and the public names in __init__
 RANK = {room: rank for rank, room in enumerate((*FOR_EVERYONE, *ROOMS, TOP))}
 
 BLENDER_MODULES = {"bpy", "bpy_extras", "bmesh", "mathutils", "gpu", "gpu_extras", "blf", "addon_utils"}
@@ -172,7 +172,7 @@ def cycles(sources: list[Source]) -> Iterator[str]:
 
 
 def mesh_bridge_alone(sources: list[Source]) -> Iterator[str]:
-    """Only `cmc_addon/mesh_bridge.py` and its halves `*_bridge.py` touch mesh data in bulk."""
+    """Only `*_bridge.py`, in `cmc_addon/bridges/`, touch mesh data in bulk."""
     for source in of_package(sources, "cmc_addon"):
         if source.path.name.endswith("_bridge.py"):
             continue

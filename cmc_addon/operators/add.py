@@ -5,11 +5,11 @@ import numpy as np
 from bpy.props import EnumProperty, FloatProperty, IntProperty
 
 from ...solver.errors import CmcError
-from .. import group_list
-from ..mesh_bridge import set_attribute
-from ..outline_bridge import write_boundary_groups
-from ..presets import EDGES, PRESETS
-from ..result_bridge import build_polygons
+from ..bridges.mesh_bridge import set_attribute
+from ..bridges.outline_bridge import write_boundary_groups
+from ..bridges.result_bridge import build_polygons
+from ..plans.presets import EDGES, PRESETS
+from ..stored import group_list
 
 
 class CMC_OT_add_module(bpy.types.Operator):

@@ -6,8 +6,8 @@ import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty
 
 from ...solver.errors import CmcError
-from ..bubble_plans import ring_plan, torus_plan, wente_plan
-from ..readiness import LEAVE_EDIT_MODE, allow
+from ..plans.bubble_plans import ring_plan, torus_plan, wente_plan
+from ..work.readiness import LEAVE_EDIT_MODE, allow
 from .add_plan import new_plan
 
 BUBBLES = [

@@ -5,14 +5,14 @@ import numpy as np
 from bpy.props import EnumProperty, FloatProperty, IntProperty
 
 from ...solver.errors import CmcError
-from .. import group_list
-from ..mesh_bridge import set_attribute
-from ..outline_bridge import write_boundary_groups
-from ..periods_bridge import mark_seams
-from ..periods_plans import StartPlan, annulus, cylinder
-from ..result_bridge import build_polygons
-from ..start_bridge import write_lengths, write_normals
-from ..start_plans import court, l_shape, rectangle, round_plan
+from ..bridges.mesh_bridge import set_attribute
+from ..bridges.outline_bridge import write_boundary_groups
+from ..bridges.periods_bridge import mark_seams
+from ..bridges.result_bridge import build_polygons
+from ..bridges.start_bridge import write_lengths, write_normals
+from ..plans.periods_plans import StartPlan, annulus, cylinder
+from ..plans.start_plans import court, l_shape, rectangle, round_plan
+from ..stored import group_list
 
 ORDINARY = [
     ("RECTANGLE", "Rectangle", "A rectangular plan with rounded corners: Solve makes its shell, Fit to Outline one "

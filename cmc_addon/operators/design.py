@@ -8,9 +8,8 @@ import math
 
 import bpy
 
-from .. import preview
-from ..approximate_order import ApproximateOrder
-from ..design_settings import (
+from ..drawing import preview
+from ..stored.design_settings import (
     APPROXIMATE_SETTINGS,
     FIT_SETTINGS,
     KNOB_PROPERTY,
@@ -20,8 +19,9 @@ from ..design_settings import (
     take_settings,
     take_targets,
 )
-from ..designing import DesignOrder, read_order
-from ..fit_order import take_fit
+from ..work.approximate_order import ApproximateOrder
+from ..work.designing import DesignOrder, read_order
+from ..work.fit_order import take_fit
 from .solve import Solving, as_settings
 
 # Evaluations of a usual fit: the bar is half way then.

@@ -8,11 +8,11 @@ from bpy.props import StringProperty
 
 from ...solver.errors import CmcError
 from ...solver.files import FORMATS
-from .. import session
-from ..export_settings import EXPORT_SETTINGS, draw_export, export_annotations
-from ..exporting import take_export, wanted_objects
-from ..readiness import RUNNING, allow
-from ..results import plan_of
+from ..stored.export_settings import EXPORT_SETTINGS, draw_export, export_annotations
+from ..work import session
+from ..work.exporting import take_export, wanted_objects
+from ..work.readiness import RUNNING, allow
+from ..work.results import plan_of
 from .solve import as_settings
 from .working import Working
 

@@ -3,8 +3,9 @@
 import bpy
 from bpy.props import EnumProperty
 
-from .. import edge_bridge, group_list
-from ..group_presets import PRESETS, apply, preset_items
+from ..bridges import edge_bridge
+from ..plans.group_presets import PRESETS, apply, preset_items
+from ..stored import group_list
 from .boundary import GroupOperator, OnOneGroup, selected_boundary
 
 

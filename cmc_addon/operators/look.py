@@ -3,8 +3,8 @@
 import bpy
 
 from ...solver.errors import CmcError
-from .. import gauss_image
-from ..results import plan_of, result_of
+from ..work import gauss_image
+from ..work.results import plan_of, result_of
 
 
 class CMC_OT_gauss_image(bpy.types.Operator):

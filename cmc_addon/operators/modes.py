@@ -4,11 +4,12 @@ import bpy
 import numpy as np
 
 from ...solver.errors import CmcError
-from .. import session, solved, start_bridge
-from ..counting import take_count
-from ..forming import settings_of, take_order
-from ..readiness import LEAVE_EDIT_MODE, allow, why_not_solve
-from ..results import plan_of
+from ..bridges import start_bridge
+from ..work import session, solved
+from ..work.counting import take_count
+from ..work.forming import settings_of, take_order
+from ..work.readiness import LEAVE_EDIT_MODE, allow, why_not_solve
+from ..work.results import plan_of
 from .solve import Solving
 
 

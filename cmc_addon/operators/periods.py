@@ -4,9 +4,7 @@ from types import SimpleNamespace
 
 import bpy
 
-from .. import session
-from ..periods import take_closing, take_tiling
-from ..periods_settings import (
+from ..stored.periods_settings import (
     CLOSE_SETTINGS,
     TILE_SETTINGS,
     close_annotations,
@@ -14,7 +12,9 @@ from ..periods_settings import (
     draw_tile,
     tile_annotations,
 )
-from ..readiness import LEAVE_EDIT_MODE, allow, why_not_solve
+from ..work import session
+from ..work.periods import take_closing, take_tiling
+from ..work.readiness import LEAVE_EDIT_MODE, allow, why_not_solve
 from .solve import Solving, as_settings
 
 # Steps of Newton's method that closing usually takes: the bar is half way then.

@@ -27,10 +27,20 @@ from mathutils import Matrix
 
 from ...solver.domain.mesher import PlanMesh, mesh_plan
 from ...solver.errors import CmcError, MeshError
-from .. import group_list, outline_bridge, session
-from ..outline import Outline, check_count, default_corner_radius, default_edge_length, explained, is_flat, make_outline
-from ..properties import PLAN_SETTINGS, kind_parameters, plan_annotations
-from ..readiness import RUNNING
+from ..bridges import outline_bridge
+from ..plans.outline import (
+    Outline,
+    check_count,
+    default_corner_radius,
+    default_edge_length,
+    explained,
+    is_flat,
+    make_outline,
+)
+from ..stored import group_list
+from ..stored.properties import PLAN_SETTINGS, kind_parameters, plan_annotations
+from ..work import session
+from ..work.readiness import RUNNING
 from .working import Working, by_uid
 
 

@@ -8,12 +8,12 @@ from collections.abc import Generator
 import bpy
 
 from ...solver.errors import CmcError
-from .. import session
-from ..forming import settings_of, take_order
-from ..properties import condition_annotations, kind_parameters, parameter_values
-from ..readiness import allow, why_not_solve
-from ..results import check_writable, plan_of
-from ..settings import SETTINGS, SIZE_PROPERTY, energies_on, fitted_settings, setting_annotations
+from ..stored.properties import condition_annotations, kind_parameters, parameter_values
+from ..stored.settings import SETTINGS, SIZE_PROPERTY, energies_on, fitted_settings, setting_annotations
+from ..work import session
+from ..work.forming import settings_of, take_order
+from ..work.readiness import allow, why_not_solve
+from ..work.results import check_writable, plan_of
 from .working import Working, by_uid
 from .working import redraw as redraw
 

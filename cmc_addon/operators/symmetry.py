@@ -10,12 +10,13 @@ import numpy as np
 from bpy.props import EnumProperty, IntProperty
 
 from ...solver.errors import CmcError, ConditionError
-from ...solver.plan_sides import own_plane
-from .. import corner_bridge, session
-from ..mesh_bridge import read_plan
-from ..readiness import LEAVE_EDIT_MODE, allow, why_not_solve
-from ..symmetry import take_completion
-from ..symmetry_settings import COMPLETE_SETTINGS, complete_annotations, draw_complete
+from ...solver.plans.sides import own_plane
+from ..bridges import corner_bridge
+from ..bridges.mesh_bridge import read_plan
+from ..stored.symmetry_settings import COMPLETE_SETTINGS, complete_annotations, draw_complete
+from ..work import session
+from ..work.readiness import LEAVE_EDIT_MODE, allow, why_not_solve
+from ..work.symmetry import take_completion
 from .boundary import GroupOperator, OnOneGroup
 from .solve import Solving, as_settings
 

@@ -12,7 +12,8 @@ from time import monotonic
 import bpy
 
 from ...solver.errors import CmcError
-from .. import offender_bridge, session
+from ..bridges import offender_bridge
+from ..work import session
 
 TICK = 0.05
 _MOMENT = 0.15  # seconds in which nobody misses a progress bar

@@ -76,7 +76,7 @@ def command(folder: Path) -> dict:
     """`blender --command cmc` on the scene as a file; what it answered and wrote."""
     plan = folder / "plan.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(plan))
-    cli = importlib.import_module(f"{MODULE}.cmc_addon.cli")
+    cli = importlib.import_module(f"{MODULE}.cmc_addon.headless.cli")
     code = cli.run([str(plan), "--output", str(folder / "out"), "--format", "glb"])
     return {"command": code, "written": sorted(path.name for path in (folder / "out").rglob("*.*"))}
 

@@ -50,7 +50,7 @@ def state_of(live, plan):
 
 def solved_anew(addon, plan) -> np.ndarray:
     """Points that a solve gives for the plan as it is, with nothing kept from before."""
-    forming, session = addon.cmc_addon.forming, addon.cmc_addon.session
+    forming, session = addon.cmc_addon.work.forming, addon.cmc_addon.work.session
     bpy.context.view_layer.update()
     order = forming.take_order(bpy.context, plan, forming.settings_of(plan.cmc))
     session.forget()

@@ -60,7 +60,7 @@ def test_the_job_does_the_same(name, tmp_path):
 
 def test_a_job_with_a_start_is_opened_in_blender(tmp_path):
     """As `blender --command cmc torus.toml` does; its torus is the one of the job."""
-    from cmc_formfinding.cmc_addon import cli
+    from cmc_formfinding.cmc_addon.headless import cli
 
     out = tmp_path / "out"
     assert cli.run([str(BUBBLES["torus"].with_suffix(".toml")), "--output", str(out)]) == 0

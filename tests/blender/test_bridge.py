@@ -15,12 +15,12 @@ from .scenes import add_group, boundary_edges, mesh_object, positions, quad_disc
 
 @pytest.fixture
 def bridge(addon):
-    return addon.cmc_addon.mesh_bridge
+    return addon.cmc_addon.bridges.mesh_bridge
 
 
 @pytest.fixture
 def results(addon):
-    return addon.cmc_addon.result_bridge
+    return addon.cmc_addon.bridges.result_bridge
 
 
 def test_reads_what_blender_has(bridge):
@@ -182,7 +182,7 @@ def test_cut_keeps_all_layers(addon, bridge, results, mirror):
     if mirror:
         ob.scale.x = -1.0
         bpy.context.view_layer.update()
-    session = addon.cmc_addon.session
+    session = addon.cmc_addon.work.session
     # the seam at angle 0: vertices 0, 24, 48, …; the faces before it (the last of every ring) go to new ones
     seam = np.arange(0, 144, 24)
     plan, cut = cut_along(ob, bridge, results, session, seam, np.arange(23, 120, 24))
@@ -218,7 +218,7 @@ def test_cut_through_a_polygon_makes_triangles(addon, bridge, results):
     """Where the cut follows the diagonal of a quad, the quad falls into triangles with its corners' data."""
     ob = dressed_ring()
     plan = bridge.read_plan(ob)
-    prepared = addon.cmc_addon.session.prepare(plan)
+    prepared = addon.cmc_addon.work.session.prepare(plan)
     rows = prepared.triangles.copy()
     torn = 30
     mine = np.flatnonzero(prepared.owners == torn)
@@ -244,7 +244,7 @@ def test_cut_through_a_polygon_makes_triangles(addon, bridge, results):
 def test_no_cut_where_nothing_is_doubled(addon, bridge, results):
     ob = quad_disc()
     plan = bridge.read_plan(ob)
-    prepared = addon.cmc_addon.session.prepare(plan)
+    prepared = addon.cmc_addon.work.session.prepare(plan)
     rows, source = prepared.triangles, np.arange(len(plan.positions))
     assert results.find_cut(plan, rows, prepared.owners, rows, source) is None
 
@@ -257,16 +257,16 @@ def test_messages_count_as_blender_does(addon, bridge):
 
     ob = quad_disc()
     plan = bridge.read_plan(ob)
-    prepared = addon.cmc_addon.session.prepare(plan)
+    prepared = addon.cmc_addon.work.session.prepare(plan)
     quads = np.flatnonzero(prepared.owners >= 30)[:30]
     error = MeshError(f"{plural('face', quads).capitalize()} have no area.", faces=quads)
-    told = addon.cmc_addon.messages.in_plan_numbers(error, plan, prepared.triangles, prepared.owners)
+    told = addon.cmc_addon.work.messages.in_plan_numbers(error, plan, prepared.triangles, prepared.owners)
     assert told.faces == tuple(range(30, 45))
     assert str(told) == "Faces 30, 31, 32, 33, 34, 35, 36, 37 and 7 more have no area."
 
     text = "Faces 24, 25 are wrong; see edge 0 (vertices 0, 1) and face 3."
     error = MeshError(text, faces=(24, 25), edges=(0,))
-    told = addon.cmc_addon.messages.in_plan_numbers(error, plan, prepared.triangles, prepared.owners)
+    told = addon.cmc_addon.work.messages.in_plan_numbers(error, plan, prepared.triangles, prepared.owners)
     edge = next(e.index for e in ob.data.edges if set(e.vertices) == {0, 1})
     assert str(told) == f"Face 24 is wrong; see edge {edge} (vertices 0, 1) and face 3."
     assert told.edges == (edge,)

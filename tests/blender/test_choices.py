@@ -151,7 +151,7 @@ def test_without_libigl(addon, monkeypatch):
     """The same shell, by our own flips, and no word about it: the plan is small."""
     plan = poor_plan()
     with_libigl = solve(plan, delaunay=True)
-    addon.cmc_addon.session.forget()
+    addon.cmc_addon.work.session.forget()
     monkeypatch.setitem(sys.modules, "igl", None)  # what makes an import fail
     assert_allclose(solve(plan, delaunay=True), with_libigl, rtol=0, atol=1e-5)
     assert "libigl" not in plan.cmc.report
@@ -161,7 +161,7 @@ def test_without_libigl(addon, monkeypatch):
 
 def test_solvers_of_different_choices_are_kept_apart(addon, plan, monkeypatch):
     """Each is made once and found again; the plan's triangles and domain serve all."""
-    session = addon.cmc_addon.session
+    session = addon.cmc_addon.work.session
     made, real = [], session.CmcSolver
 
     def make(domain, **kind):

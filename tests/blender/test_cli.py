@@ -11,8 +11,8 @@ import bpy
 # isort: split
 import numpy as np
 import pytest
-from cmc_formfinding.cmc_addon import cli
-from cmc_formfinding.cmc_addon.results import results_of
+from cmc_formfinding.cmc_addon.headless import cli
+from cmc_formfinding.cmc_addon.work.results import results_of
 from cmc_formfinding.solver.files import read_mesh
 from numpy.testing import assert_allclose
 

@@ -47,7 +47,7 @@ def shown(result) -> tuple:
 
 
 def maps():
-    from cmc_formfinding.cmc_addon import colour_maps
+    from cmc_formfinding.cmc_addon.drawing import colour_maps
 
     return colour_maps
 
@@ -94,9 +94,9 @@ def test_curvature_is_measured_from_the_mesh_where_it_is_missing():
         for name in MEASURES[:2]:
             told = numbers(result, name)
             result.data.attributes.remove(result.data.attributes[name])
-            found = module("colour_bridge").measure(result.data, name)
+            found = module("bridges.colour_bridge").measure(result.data, name)
             assert_allclose(found, told, rtol=1e-2, atol=1e-3 * np.abs(told).max())
-        assert module("colour_bridge").measure(result.data, "cmc_nothing") is None
+        assert module("bridges.colour_bridge").measure(result.data, "cmc_nothing") is None
 
 
 def test_a_shell_cut_open_has_numbers_on_both_sides():
@@ -128,8 +128,8 @@ def test_colours_are_those_of_the_numbers(by):
     plan = hall()
     result = solve(plan)
     plan.cmc.colour_by = by
-    name = module("colour_settings").QUANTITIES[by].attribute
-    found = module("colours").stored_range(result)
+    name = module("stored.colour_settings").QUANTITIES[by].attribute
+    found = module("work.colours").stored_range(result)
     told = numbers(result, name)
     known = told >= 0.0 if by == "DEVIATION" else np.isfinite(told)
     expected = maps().linear(found.colours(told))
@@ -142,7 +142,7 @@ def test_the_target_is_in_the_middle():
     plan = hall()
     result = solve(plan)
     plan.cmc.colour_by = "MEAN_CURVATURE"
-    found = module("colours").stored_range(result)
+    found = module("work.colours").stored_range(result)
     assert found.centre == pytest.approx(result["cmc_mean_curvature"], rel=1e-5)
     assert found.high - found.centre == pytest.approx(found.centre - found.low, rel=1e-4)
     middle = np.abs(numbers(result, "cmc_mean_curvature") - found.centre).argmin()
@@ -156,8 +156,8 @@ def test_a_target_that_is_newer_than_the_report():
     result = solve(plan)
     assert bpy.ops.cmc.fit_outline() == {"FINISHED"}
     of_fit = tuple(plan.cmc.fit.cmc.colour_range)
-    module("colours").repaint(plan, target=0.3)
-    assert module("colours").stored_range(result).centre == pytest.approx(0.3)
+    module("work.colours").repaint(plan, target=0.3)
+    assert module("work.colours").stored_range(result).centre == pytest.approx(0.3)
     assert tuple(plan.cmc.fit.cmc.colour_range) == of_fit
 
 
@@ -180,7 +180,7 @@ def test_none_leaves_nothing_behind():
 def test_changing_what_is_shown_solves_nothing(monkeypatch):
     plan = hall()
     result = solve(plan)
-    pipeline = module("forming").pipeline
+    pipeline = module("work.forming").pipeline
     monkeypatch.setattr(pipeline, "form", lambda *_, **__: pytest.fail("it was solved again"))
     seen = set()
     for by in ("MEAN_CURVATURE", "GAUSS_CURVATURE", "DISTORTION", "DEVIATION"):
@@ -193,15 +193,15 @@ def test_the_next_solve_colours_again():
     plan = hall()
     plan.cmc.colour_by = "GAUSS_CURVATURE"
     result = solve(plan)
-    before, wide = colours(result), module("colours").stored_range(result)
+    before, wide = colours(result), module("work.colours").stored_range(result)
     plan.data.cmc.groups[0].tilt = 0.2
     solve(plan, size="RISE", rise=2.0)
     assert shown(result) == ("CMC", True)
     assert not np.allclose(colours(result), before, atol=0.02)
-    assert module("colours").stored_range(result) != wide
+    assert module("work.colours").stored_range(result) != wide
     assert_allclose(
         colours(result)[:, :3],
-        maps().linear(module("colours").stored_range(result).colours(numbers(result, "cmc_gauss_curvature"))),
+        maps().linear(module("work.colours").stored_range(result).colours(numbers(result, "cmc_gauss_curvature"))),
         atol=2e-3,
     )
 
@@ -225,7 +225,7 @@ def test_a_range_of_ones_own():
     plan = hall()
     result = solve(plan)
     plan.cmc.colour_by = "GAUSS_CURVATURE"
-    fitted = module("colours").stored_range(result)
+    fitted = module("work.colours").stored_range(result)
     before = colours(result)
     plan.cmc.colour_fit = False
     assert (plan.cmc.colour_min, plan.cmc.colour_max) == pytest.approx((fitted.low, fitted.high))
@@ -233,10 +233,10 @@ def test_a_range_of_ones_own():
     plan.cmc.colour_max = 10.0 * fitted.high
     assert not np.allclose(colours(result), before, atol=0.05)
     solve(plan, size="RISE", rise=2.0)
-    assert module("colours").stored_range(result).high == pytest.approx(10.0 * fitted.high)
+    assert module("work.colours").stored_range(result).high == pytest.approx(10.0 * fitted.high)
     plan.cmc.colour_by = "DISTORTION"
     assert plan.cmc.colour_fit
-    assert module("colours").stored_range(result).low == 1.0
+    assert module("work.colours").stored_range(result).low == 1.0
 
 
 def test_what_is_not_known_is_grey():
@@ -245,10 +245,10 @@ def test_what_is_not_known_is_grey():
     result = solve(plan)
     result.data.attributes.remove(result.data.attributes["cmc_distortion"])
     plan.cmc.colour_by = "DISTORTION"
-    assert module("colours").stored_range(result) is None
+    assert module("work.colours").stored_range(result) is None
     assert_allclose(colours(result)[:, :3], maps().linear(maps().NOT_KNOWN[0]))
     solve(plan)
-    assert module("colours").stored_range(result).low == 1.0
+    assert module("work.colours").stored_range(result).low == 1.0
 
 
 def test_fitted_and_nearest_shells():
@@ -334,7 +334,7 @@ def test_undo_save_and_load(tmp_path):
 # --- the viewports -------------------------------------------------------------------------
 
 def views() -> list:
-    return module("shading").views(bpy.context.window_manager)
+    return module("drawing.shading").views(bpy.context.window_manager)
 
 
 @pytest.fixture

@@ -53,7 +53,7 @@ def test_a_courtyard_closes(plan, addon):
     for rim, line in zip(rims(points), rims(drawn), strict=True):
         assert off_line(rim, line).max() < 0.05 * 8.0
     assert report(plan)["distances"]["period"] < 1e-3 * 8.0
-    assert "Period" in dict(addon.cmc_addon.design_panel.design_rows(report(plan)))
+    assert "Period" in dict(addon.cmc_addon.panels.design_panel.design_rows(report(plan)))
 
 
 def test_layers_stay(plan):
@@ -91,8 +91,8 @@ def test_more_splines_than_loops(plan):
 
 def test_a_gap_that_is_left_is_said(addon, plan, monkeypatch):
     """And the layers go over the cut."""
-    monkeypatch.setattr(addon.cmc_addon.fit_order, "_FIRST_SLICE", 1)
-    monkeypatch.setattr(addon.cmc_addon.fit_order, "LIMIT", 1)
+    monkeypatch.setattr(addon.cmc_addon.work.fit_order, "_FIRST_SLICE", 1)
+    monkeypatch.setattr(addon.cmc_addon.work.fit_order, "LIMIT", 1)
     layer = plan.data.uv_layers.new(name="Drawing")
     layer.uv.foreach_set("vector", np.random.default_rng(1).random(2 * len(plan.data.loops)).astype(np.float32))
     fitted(plan, fit_rise=1.0)

@@ -103,7 +103,7 @@ def test_settings_are_the_objects_unless_given():
 
 
 def test_every_setting_is_an_operator_property(addon):
-    settings = addon.cmc_addon.design_settings
+    settings = addon.cmc_addon.stored.design_settings
     for operator, names in (
         (bpy.ops.cmc.approximate_surface, settings.APPROXIMATE_SETTINGS),
         (bpy.ops.cmc.fit_outline, (*settings.FIT_SETTINGS, *settings.POINTERS)),
@@ -129,7 +129,7 @@ def test_undo_and_redo(design):
 
 
 def test_cancelled_changes_nothing(addon, monkeypatch, design):
-    session = addon.cmc_addon.session
+    session = addon.cmc_addon.work.session
     design.call(design.plan)
     for vertex in design.plan.data.vertices:
         vertex.co.x *= 1.2
@@ -156,7 +156,7 @@ def hand(addon):
 def test_an_approximation_is_shown_too(addon, monkeypatch):
     surface = wavy()
     design, shown = addon.cmc_addon.operators.design, []
-    monkeypatch.setattr(addon.cmc_addon.preview, "show", lambda *shape: shown.append(shape))
+    monkeypatch.setattr(addon.cmc_addon.drawing.preview, "show", lambda *shape: shown.append(shape))
     hand, result = hand_for(design, design.CMC_OT_approximate_surface), {"RUNNING_MODAL"}
     while result == {"RUNNING_MODAL"}:
         result = hand.tick()
@@ -168,8 +168,8 @@ def test_an_approximation_is_shown_too(addon, monkeypatch):
 def test_shapes_are_shown_while_it_runs(addon, hand, monkeypatch):
     plan = small_disc()
     plan.scale = (1.6, 1.0, 1.0)
-    preview = addon.cmc_addon.preview
-    monkeypatch.setattr(addon.cmc_addon.fit_order, "_FIRST_SLICE", 3)
+    preview = addon.cmc_addon.drawing.preview
+    monkeypatch.setattr(addon.cmc_addon.work.fit_order, "_FIRST_SLICE", 3)
     shown, progress = [], []
     real = preview.show
     monkeypatch.setattr(preview, "show", lambda *shape: (shown.append(shape), real(*shape)))
@@ -187,19 +187,19 @@ def test_shapes_are_shown_while_it_runs(addon, hand, monkeypatch):
 
 
 def test_escape_leaves_the_scene_as_it_was(addon, hand, monkeypatch):
-    monkeypatch.setattr(addon.cmc_addon.fit_order, "_FIRST_SLICE", 3)
+    monkeypatch.setattr(addon.cmc_addon.work.fit_order, "_FIRST_SLICE", 3)
     plan = small_disc()
     plan.scale = (1.6, 1.0, 1.0)
     bpy.context.view_layer.update()
     before = snapshot()
-    while addon.cmc_addon.preview.Preview.shape is None:
+    while addon.cmc_addon.drawing.preview.Preview.shape is None:
         assert hand.tick() == {"RUNNING_MODAL"}
     assert hand.tick("MOUSEMOVE") == {"PASS_THROUGH"}
     assert hand.tick("ESC", "PRESS") == CANCELLED
     assert snapshot() == before
-    assert addon.cmc_addon.preview.Preview.shape is None
-    assert addon.cmc_addon.session.Running.stop is None
-    thread: threading.Thread = addon.cmc_addon.session.Running.thread
+    assert addon.cmc_addon.drawing.preview.Preview.shape is None
+    assert addon.cmc_addon.work.session.Running.stop is None
+    thread: threading.Thread = addon.cmc_addon.work.session.Running.thread
     thread.join(10.0)
     assert not thread.is_alive(), "a fit ends at its next step"
 

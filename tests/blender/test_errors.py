@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from importlib import import_module
+
 import bpy
 import numpy as np
 import pytest
@@ -200,11 +202,11 @@ def test_a_plan_of_another_file(tmp_path):
     fails("'Disc' is linked from another file")
 
 
-@pytest.mark.parametrize("failing", ["session", "operators"])
+@pytest.mark.parametrize("failing", ["work.session", "operators"])
 def test_a_registration_that_fails_is_taken_back(addon, monkeypatch, failing):
     """The error goes on to Blender, and nothing of the add-on is left, so that it can be enabled again."""
     cmc_addon = addon.cmc_addon
-    module = getattr(cmc_addon, failing)
+    module = import_module(f"{cmc_addon.__name__}.{failing}")
     real = module.register
     cmc_addon.unregister()
 

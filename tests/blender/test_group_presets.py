@@ -110,7 +110,7 @@ class MenuLayout(Layout):
 
 
 def menu(name):
-    from cmc_formfinding.cmc_addon import menus
+    from cmc_formfinding.cmc_addon.panels import menus
 
     layout = MenuLayout()
     getattr(menus, name).draw(SimpleNamespace(layout=layout), bpy.context)
@@ -151,7 +151,7 @@ def test_f3_finds_every_operator():
 
 
 def test_they_are_in_blenders_menus_once():
-    from cmc_formfinding.cmc_addon import menus
+    from cmc_formfinding.cmc_addon.panels import menus
 
     for name, draw in menus.PLACES.items():
         assert getattr(bpy.types, name).draw._draw_funcs.count(draw) == 1

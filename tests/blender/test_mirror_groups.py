@@ -21,7 +21,7 @@ def plane(which: str) -> np.ndarray:
 
 
 def corners(plan: bpy.types.Object) -> dict:
-    from cmc_formfinding.cmc_addon import corner_bridge
+    from cmc_formfinding.cmc_addon.bridges import corner_bridge
 
     return {corner.vertex: corner for corner in corner_bridge.corners(plan.data)}
 

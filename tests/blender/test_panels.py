@@ -7,6 +7,7 @@ a warning in the console: a property that the data does not have, an operator or
 from __future__ import annotations
 
 import json
+from importlib import import_module
 from types import SimpleNamespace
 
 import bpy
@@ -79,7 +80,7 @@ def panel_class(name):
     """A class of the add-on by its name: every panel is drawn, whatever module it is in."""
     from cmc_formfinding import cmc_addon as addon
 
-    for module in (getattr(addon, name) for name in addon.MODULES):
+    for module in (import_module(f"{addon.__name__}.{name}") for name in addon.MODULES):
         if hasattr(module, name):
             return getattr(module, name)
     raise LookupError(name)
@@ -87,7 +88,8 @@ def panel_class(name):
 
 def panels() -> list[str]:
     """All panels of the sidebar."""
-    from cmc_formfinding.cmc_addon import panels, sidebar
+    from cmc_formfinding.cmc_addon.panels import sidebar
+    from cmc_formfinding.cmc_addon.panels import tab as panels
 
     return [cls.__name__ for cls in sidebar._registered(panels.Tab)]
 
@@ -218,7 +220,7 @@ def test_linked_from_a_library(plan, tmp_path) -> None:
 # --- what is shown -------------------------------------------------------------------------
 
 def test_only_the_parameters_of_the_kind_are_drawn(plan) -> None:
-    from cmc_formfinding.cmc_addon.properties import KINDS
+    from cmc_formfinding.cmc_addon.stored.properties import KINDS
 
     bpy.ops.cmc.group_add(name="rim")
     every = {parameter.name for kind in KINDS.values() for parameter in kind.parameters}
@@ -237,7 +239,7 @@ def test_only_the_size_that_counts_is_drawn(plan) -> None:
 
 
 def test_every_setting_of_a_solve_can_be_reached(plan) -> None:
-    from cmc_formfinding.cmc_addon.settings import SETTINGS
+    from cmc_formfinding.cmc_addon.stored.settings import SETTINGS
 
     bpy.ops.cmc.group_add(name="rim")
     plan.cmc.shell = "DEGREE"
@@ -249,7 +251,7 @@ def test_every_setting_of_a_solve_can_be_reached(plan) -> None:
 
 
 def test_every_setting_of_the_view_can_be_reached(plan) -> None:
-    from cmc_formfinding.cmc_addon.seeing_settings import SEEING_SETTINGS
+    from cmc_formfinding.cmc_addon.stored.seeing_settings import SEEING_SETTINGS
 
     layout = Layout()
     cls = panel_class("CMC_PT_show")
@@ -264,7 +266,12 @@ def test_every_setting_of_the_view_can_be_reached(plan) -> None:
 
 
 def test_every_setting_of_a_design_can_be_reached(plan) -> None:
-    from cmc_formfinding.cmc_addon.design_settings import APPROXIMATE_SETTINGS, FIT_SETTINGS, KNOB_PROPERTY, POINTERS
+    from cmc_formfinding.cmc_addon.stored.design_settings import (
+        APPROXIMATE_SETTINGS,
+        FIT_SETTINGS,
+        KNOB_PROPERTY,
+        POINTERS,
+    )
 
     drawn = set()
     plan.cmc.limit_tilt, plan.cmc.match = True, "POSITION"
@@ -321,7 +328,7 @@ def test_the_count_follows_every_change(plan) -> None:
 
 
 def test_the_count_is_kept_between_redraws(plan, monkeypatch) -> None:
-    from cmc_formfinding.cmc_addon import edge_bridge
+    from cmc_formfinding.cmc_addon.bridges import edge_bridge
 
     draw("CMC_PT_boundary")
     monkeypatch.setattr(edge_bridge, "count_boundary", lambda *_: pytest.fail("counted again"))
@@ -382,7 +389,7 @@ def test_while_running() -> None:
 
 
 def test_groups_have_colours_of_their_own() -> None:
-    from cmc_formfinding.cmc_addon.seeing_colours import colour_of, icon_of
+    from cmc_formfinding.cmc_addon.drawing.seeing_colours import colour_of, icon_of
 
     assert {icon_of(uid) for uid in range(1, 16)} <= ICONS and len({icon_of(uid) for uid in range(1, 16)}) == 15
     assert len({colour_of(uid) for uid in range(1, 16)}) > 10

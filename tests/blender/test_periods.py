@@ -65,7 +65,7 @@ def test_solve_says_that_there_is_a_gap_and_what_to_press(plan, addon):
     (hole,) = told["holes"]
     assert told["is_open"] and hole["name"] == "hole 1" and 0.02 < hole["relative"] < 1.0
     assert_allclose(hole["length"], told["gap"], rtol=1e-9)
-    text = addon.cmc_addon.periods_text
+    text = addon.cmc_addon.panels.periods_text
     said = text.gap_sentence(told)
     assert "has a gap of" in said and "Close Periods" in said and "Tile by Periods" in said
     assert f"{100 * hole['relative']:.2g} %" in said
@@ -76,13 +76,13 @@ def test_solve_says_that_there_is_a_gap_and_what_to_press(plan, addon):
 
 
 def test_the_arrow_leads_from_one_end_of_the_gap_to_the_other(plan, addon):
-    start, along = addon.cmc_addon.seeing_result.gaps(report(plan), np.zeros(3))
+    start, along = addon.cmc_addon.drawing.seeing_result.gaps(report(plan), np.zeros(3))
     assert start.shape == along.shape == (1, 3)
     shell = positions(plan.cmc.f_plus)
     for end in (start, start + along):
         assert np.linalg.norm(shell - end, axis=1).min() < 1e-4
     assert bpy.ops.cmc.close_periods() == FINISHED
-    assert len(addon.cmc_addon.seeing_result.gaps(report(plan), np.zeros(3))[0]) == 0
+    assert len(addon.cmc_addon.drawing.seeing_result.gaps(report(plan), np.zeros(3))[0]) == 0
 
 
 def test_a_shell_that_is_cut_open_has_the_layers_of_the_plan():
@@ -130,12 +130,12 @@ def test_a_court_closes_in_place(plan, way):
 
 def test_the_panel_tells_what_changed(plan, addon):
     assert bpy.ops.cmc.close_periods(close_by="BOTH", close_size=True) == FINISHED
-    rows = dict(addon.cmc_addon.periods_text.closing_rows(report(plan)))
+    rows = dict(addon.cmc_addon.panels.periods_text.closing_rows(report(plan)))
     assert set(rows) == {
         "Gap before", "Gap now", "Normals turned", "Hole x", "Hole y", "Hole twist", "Hole size", "Steps"}
     assert "°" in rows["Normals turned"] and rows["Hole size"].startswith("×")
-    assert dict(addon.cmc_addon.periods_text.gap_rows(report(plan)))["Hole 1"] == "Closed"
-    assert addon.cmc_addon.periods_text.gap_sentence(report(plan)) == ""
+    assert dict(addon.cmc_addon.panels.periods_text.gap_rows(report(plan)))["Hole 1"] == "Closed"
+    assert addon.cmc_addon.panels.periods_text.gap_sentence(report(plan)) == ""
 
 
 def test_solve_gives_the_shell_with_its_gap_again(plan):
@@ -175,7 +175,7 @@ def test_a_gap_that_is_left_is_said(plan, addon):
     told = report(plan)
     assert not told["closing"]["closed"] and told["is_open"]
     assert len(plan.cmc.f_plus.data.vertices) > len(plan.data.vertices)
-    said = addon.cmc_addon.periods_text.gap_sentence(told)
+    said = addon.cmc_addon.panels.periods_text.gap_sentence(told)
     assert said.startswith(told["closing"]["message"]) and "has a gap of" in said
     assert told["warnings"][0] == told["closing"]["message"]
 

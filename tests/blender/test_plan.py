@@ -36,7 +36,7 @@ def added(name, points, edges, faces) -> bpy.types.Object:
 
 def repair_selection(mesh) -> None:
     """Blender 5.0 crashes on setting the selection of edges it has calculated."""
-    from cmc_formfinding.cmc_addon import edge_bridge
+    from cmc_formfinding.cmc_addon.bridges import edge_bridge
 
     edge_bridge.repair_selection(mesh)
 

@@ -27,7 +27,7 @@ def wente_torus():
 @pytest.fixture
 def torus(addon):
     """The torus drawn as a lump, with its own lengths and its map to start from."""
-    from cmc_formfinding.cmc_addon.start_bridge import write_lengths, write_normals
+    from cmc_formfinding.cmc_addon.bridges.start_bridge import write_lengths, write_normals
 
     found = wente_torus()
     domain = found.domain
@@ -133,7 +133,7 @@ def test_lengths_are_for_triangles(addon):
 
 def test_own_lengths_change_the_shell_and_only_they(addon):
     """Lengths of an ellipse on a drawn circle: the normals of the ellipse with the same normals along its rim."""
-    from cmc_formfinding.cmc_addon.start_bridge import write_lengths
+    from cmc_formfinding.cmc_addon.bridges.start_bridge import write_lengths
 
     plan = disc()
     plan.data.cmc.groups[0].kind = "TWISTED"
@@ -239,7 +239,7 @@ def job(tmp_path, solver: str):
     ],
 )
 def test_a_job_with_a_shell_of_its_own_is_solved_in_blender(addon, tmp_path, solver, settings, degree):
-    from cmc_formfinding.cmc_addon.batch_files import open_input
+    from cmc_formfinding.cmc_addon.headless.batch_files import open_input
 
     open_input(job(tmp_path, f"{solver}\ncount_modes = true"))
     plan = bpy.context.view_layer.objects.active
@@ -249,7 +249,7 @@ def test_a_job_with_a_shell_of_its_own_is_solved_in_blender(addon, tmp_path, sol
 
 
 def test_the_command_line_chooses_a_shell(addon, tmp_path):
-    from cmc_formfinding.cmc_addon import cli
+    from cmc_formfinding.cmc_addon.headless import cli
 
     for number, arguments in enumerate((["--shell", "bubble"], ["--degree", "-0.75", "--sheet", "f-"])):
         out = tmp_path / str(number)

@@ -160,8 +160,8 @@ def test_a_number_a_box_or_units():
 
 
 def test_the_panel_knows_the_counts_before_it_runs():
-    from cmc_formfinding.cmc_addon.symmetry import counts
-    from cmc_formfinding.cmc_addon.symmetry_panel import wanted_of
+    from cmc_formfinding.cmc_addon.panels.symmetry_panel import wanted_of
+    from cmc_formfinding.cmc_addon.work.symmetry import counts
 
     plan = module("HONEYCOMB")
     assert counts(plan, wanted_of(plan)) is None
@@ -186,8 +186,8 @@ def test_the_panel_knows_the_counts_before_it_runs():
 
 def test_a_finite_group_has_no_more_copies_than_it_has():
     """A corner of three mirrors: eight, however many are asked for."""
-    from cmc_formfinding.cmc_addon.symmetry import counts
-    from cmc_formfinding.cmc_addon.symmetry_panel import wanted_of
+    from cmc_formfinding.cmc_addon.panels.symmetry_panel import wanted_of
+    from cmc_formfinding.cmc_addon.work.symmetry import counts
 
     plan = solved("UNDULOID")
     plan.data.cmc.groups["End"].across = "OFF"
@@ -301,7 +301,7 @@ def test_edit_mode_is_refused():
 
 
 def test_jobs_that_are_completed_are_not_for_blender(tmp_path):
-    from cmc_formfinding.cmc_addon.batch_files import open_input
+    from cmc_formfinding.cmc_addon.headless.batch_files import open_input
     from cmc_formfinding.solver.errors import JobError
 
     path = tmp_path / "job.toml"

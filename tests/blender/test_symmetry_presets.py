@@ -70,7 +70,7 @@ def test_the_menu_offers_every_preset():
         def separator(self):
             drawn.append("---")
 
-    from cmc_formfinding.cmc_addon.symmetry_panel import CMC_MT_add
+    from cmc_formfinding.cmc_addon.panels.symmetry_panel import CMC_MT_add
 
     CMC_MT_add.draw(type("Menu", (), {"layout": Layout()})(), bpy.context)
     assert drawn[:5] == ["Rectangle", "Round", "L-Shaped", "Court", "---"], "plans that need nothing else come first"

@@ -9,7 +9,8 @@ UNITS = {"LENGTH": {"DISTANCE", "TRANSLATION"}, "ROTATION": {"ANGLE"}}
 
 
 def groups() -> dict:
-    from cmc_formfinding.cmc_addon import preferences, properties
+    from cmc_formfinding.cmc_addon import preferences
+    from cmc_formfinding.cmc_addon.stored import properties
 
     found = {cls.__name__: cls.bl_rna for cls in properties.CLASSES}
     found["CmcPreferences"] = preferences.CmcPreferences.bl_rna

@@ -9,10 +9,10 @@ import pytest
 from numpy.testing import assert_allclose
 
 from solver import shapes
-from solver.answering import answer
 from solver.errors import Interrupted, Status
 from solver.measure import self_intersections
 from solver.pipeline import Group, Plan, Settings, form
+from solver.plans.answering import answer
 
 
 @pytest.fixture(scope="module")

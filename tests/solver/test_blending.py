@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from solver import JobError, conditions, mean_curvature_of, shapes
 from solver.gauss.blending import moving_average
 from solver.pipeline import Group, Plan, Settings, form
-from solver.plan import plan_conditions
+from solver.plans.plan import plan_conditions
 
 
 @pytest.fixture

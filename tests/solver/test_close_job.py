@@ -12,10 +12,10 @@ from solver.__main__ import FAILED, OK, main
 from solver.domain.topology import Homology
 from solver.errors import JobError
 from solver.files import read_mesh
-from solver.hole_gaps import hole_gaps, hole_loops, turns_of_loops
 from solver.job import load_job, run_job
 from solver.pipeline import form
-from solver.plan import plan_domain
+from solver.plans.hole_gaps import hole_gaps, hole_loops, turns_of_loops
+from solver.plans.plan import plan_domain
 
 COURT = """
 [shape]
@@ -132,7 +132,7 @@ def test_one_hole_of_two_moves(tmp_path):
 
 def test_the_plan_with_the_moved_hole_gives_the_closed_shell(tmp_path):
     """Shifted, not turned, a hole's rim has the normals that it had."""
-    from solver.plan_closing import close_plan
+    from solver.plans.closing import close_plan
 
     symmetric = COURT.replace("[3, 3], [6, 3], [6, 6], [3, 6]", "[3, 3.5], [6, 3.5], [6, 6.5], [3, 6.5]")
     job = load_job(job_file(tmp_path, '[close]\nby = "hole"\nmove = ["x", "y", "twist"]\n', symmetric))

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from solver import Domain, shapes
 from solver.errors import ConditionError, JobError
-from solver.fit_curves import curves_of_loops, read_curves
+from solver.plans.fit_curves import curves_of_loops, read_curves
 
 
 def ring(radius: float, centre: tuple[float, float, float] = (0.0, 0.0, 0.0), count: int = 40) -> np.ndarray:

@@ -14,7 +14,7 @@ from solver.__main__ import main
 from solver.errors import JobError
 from solver.files import MeshData, read_mesh, write_mesh
 from solver.job import Job, load_job, run_job
-from solver.plan import plan_domain
+from solver.plans.plan import plan_domain
 
 DISC = '[shape]\nkind = "disc"\nn = 150\nscale = 5.0\n'
 
@@ -140,7 +140,7 @@ def test_wishes_arrive(folder, monkeypatch):
         calls.append(wishes)
         raise JobError("far enough")
 
-    monkeypatch.setattr("solver.fitting.fit_outline", stop)
+    monkeypatch.setattr("solver.plans.fitting.fit_outline", stop)
     text = "[fit]\noutline = true\nvolume = 9\nfree_heights = true\nsmooth = 1e-5\nsheet = 'f-'\nmax_evaluations = 7\n"
     text += "tilt = [-10, 90]\n[[fit.anchors]]\nvertex = 3\nplace = [1, 2, 3]\nweight = 0.5\n"
     for wished in (text, "[fit]\n"):
@@ -161,7 +161,7 @@ def test_wishes_of_an_approximation_arrive(cap, monkeypatch):
         calls.append(wishes)
         raise JobError("far enough")
 
-    monkeypatch.setattr("solver.fitting.fit_gauss_map", stop)
+    monkeypatch.setattr("solver.plans.fitting.fit_gauss_map", stop)
     for wished in ("regularisation = 0.01\nnear = 0.5\nmax_evaluations = 9\n", ""):
         with pytest.raises(JobError, match="far enough"):
             run_job(load(cap, f'mesh = "cap.obj"\n[fit]\napproximate = true\n{wished}'))

@@ -14,7 +14,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from solver.errors import CmcError, ConditionError, JobError, MeshError
 from solver.files import MeshData, read_mesh, write_mesh
 from solver.job import EXAMPLE, SHAPES, load_job, run_job
-from solver.plan import Plan, plan_domain
+from solver.plans.plan import Plan, plan_domain
 
 JOBS = Path(__file__).parents[2] / "assets" / "jobs"
 

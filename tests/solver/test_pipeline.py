@@ -11,9 +11,10 @@ from scipy.spatial import KDTree
 
 from solver.domain import shapes
 from solver.errors import CmcError, ConditionError, MeshError, Status
-from solver.pipeline import Formed, Group, Plan, Settings, form, sheet_polygons
-from solver.plan import plan_domain
-from solver.polygon_sheets import polygon_sheet
+from solver.pipeline import Group, Plan, Settings, form
+from solver.plans.formed import Formed, sheet_polygons
+from solver.plans.plan import plan_domain
+from solver.plans.polygon_sheets import polygon_sheet
 from solver.polygons import triangulate_polygons
 from solver.surface.placement import PlacementError, rim_weights
 

@@ -7,8 +7,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from solver import ConditionError, JobError, shapes
-from solver.plan import Group, Plan
-from solver.plan_sides import goes_on, own_plane, plan_sides
+from solver.plans.plan import Group, Plan
+from solver.plans.sides import goes_on, own_plane, plan_sides
 
 
 def flat(shape) -> np.ndarray:

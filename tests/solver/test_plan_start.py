@@ -11,10 +11,10 @@ from numpy.testing import assert_allclose
 from solver import CmcError, MeshError, complete, shapes, wente
 from solver.errors import JobError
 from solver.job import make_job, run_job
+from solver.jobs.start_table import write_start
 from solver.pipeline import Group, Plan, Settings, count_modes, form
-from solver.plan import matches, plan_domain
-from solver.plan_metric import side_lengths
-from solver.start_table import write_start
+from solver.plans.metric import side_lengths
+from solver.plans.plan import matches, plan_domain
 from solver.surface.whole import whole
 
 

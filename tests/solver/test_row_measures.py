@@ -8,9 +8,10 @@ from numpy.testing import assert_allclose
 
 from solver import shapes
 from solver.measure.arrays import face_areas_in_space
-from solver.pipeline import Group, Plan, Settings, form, row_curvature
-from solver.polygon_sheets import polygon_sheet
-from solver.row_measures import DIRECTION, MEASURES, lines_on_polygons, on_polygons, rim_distances, row_measures
+from solver.pipeline import Group, Plan, Settings, form
+from solver.plans.formed import row_curvature
+from solver.plans.polygon_sheets import polygon_sheet
+from solver.plans.row_measures import DIRECTION, MEASURES, lines_on_polygons, on_polygons, rim_distances, row_measures
 
 RECTANGLE = np.array([[0, 0], [6, 0], [6, 3], [0, 3]], dtype=float)
 

@@ -14,7 +14,7 @@ def running() -> bool:
 
 
 def preview():
-    return next(module for name, module in sys.modules.items() if name.endswith("cmc_addon.preview")).Preview
+    return next(module for name, module in sys.modules.items() if name.endswith("cmc_addon.drawing.preview")).Preview
 
 
 def fits() -> list:
@@ -26,7 +26,8 @@ def top() -> float:
 
 
 def following() -> bool:
-    return next(module for name, module in sys.modules.items() if name.endswith("cmc_addon.following")).Following.uid
+    found = next(module for name, module in sys.modules.items() if name.endswith("cmc_addon.work.following"))
+    return found.Following.uid
 
 
 def tell(hands):

@@ -1,0 +1,121 @@
+"""Measures of results and their colours, as attributes of meshes.
+
+The colours are the attribute `CMC` on the vertices, made the active one so that Solid shading shows it by *Attribute*;
+which one was active before is remembered with the mesh. Where a measure is missing, on a result of an older version or
+while a shell is dragged, curvatures are measured from the mesh itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...solver.measure import vertex_gauss_curvature, vertex_mean_curvature, vertex_principal_curvatures
+from ..work.measures import ATTRIBUTES
+from .mesh_bridge import NORMAL_ATTRIBUTE, read, remove_attribute, set_attribute
+
+Array = NDArray[np.float64]
+
+COLOUR_ATTRIBUTE = "CMC"
+_BEFORE = "cmc_colour_before"
+_DIRECTION = ATTRIBUTES["direction"]
+
+
+def put_measures(mesh: bpy.types.Mesh, found: Mapping[str, NDArray]) -> None:
+    """Write measures, attribute -> values (n,) or (n, 3), and remove those that are not there: they were of a shell
+    that is no more."""
+    for name in ATTRIBUTES.values():
+        if name not in found:
+            remove_attribute(mesh, name)
+    for name, values in found.items():
+        set_attribute(mesh, name, "FLOAT_VECTOR" if values.ndim == 2 else "FLOAT", "POINT", values)
+
+
+def has_measure(mesh: bpy.types.Mesh, name: str) -> bool:
+    attribute = mesh.attributes.get(name)
+    return attribute is not None and attribute.domain == "POINT" and len(attribute.data) == len(mesh.vertices)
+
+
+def measure(mesh: bpy.types.Mesh, name: str) -> Array | None:
+    """A measure (n,) or (n, 3) by the name of its attribute: as stored, or measured now; None where it cannot be.
+
+    Deviation is nan where there is nothing to measure it from.
+    """
+    if has_measure(mesh, name):
+        found = read(mesh, name, len(mesh.vertices), np.float32, 3 if name == _DIRECTION else 1).astype(np.float64)
+        return np.where(found < 0.0, np.nan, found) if name == ATTRIBUTES["deviation"] else found
+    ways = {
+        ATTRIBUTES["mean_curvature"]: vertex_mean_curvature,
+        ATTRIBUTES["gauss_curvature"]: vertex_gauss_curvature,
+        _DIRECTION: lambda *surface: vertex_principal_curvatures(*surface).direction1,
+    }
+    if name not in ways or not has_measure(mesh, NORMAL_ATTRIBUTE) or not len(mesh.polygons):
+        return None
+    return ways[name](*surface_of(mesh))
+
+
+def put_measure(mesh: bpy.types.Mesh, name: str) -> None:
+    """Measure what is missing, and keep it with the mesh."""
+    if not has_measure(mesh, name):
+        found = measure(mesh, name)
+        if found is not None:
+            set_attribute(mesh, name, "FLOAT_VECTOR" if found.ndim == 2 else "FLOAT", "POINT", found)
+
+
+def surface_of(mesh: bpy.types.Mesh) -> tuple[Array, NDArray[np.int32], Array]:
+    """Points (n, 3), triangles (F, 3) and normals (n, 3) of a result, on the side from which H is positive."""
+    count = len(mesh.vertices)
+    points = read(mesh, "position", count, np.float32, 3).astype(np.float64)
+    normals = read(mesh, NORMAL_ATTRIBUTE, count, np.float32, 3).astype(np.float64)
+    mesh.calc_loop_triangles()
+    triangles = np.empty(3 * len(mesh.loop_triangles), dtype=np.int32)
+    mesh.loop_triangles.foreach_get("vertices", triangles)
+    triangles = triangles.reshape(-1, 3)
+    H = vertex_mean_curvature(points, triangles, normals)
+    return points, triangles, -normals if np.nanmedian(H) < 0.0 else normals
+
+
+def points_of(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
+    """Points (n, 3) of a result."""
+    return read(mesh, "position", len(mesh.vertices), np.float32, 3)
+
+
+def points_and_lines(mesh: bpy.types.Mesh) -> tuple[Array, Array, Array] | None:
+    """Points, normals and directions (n, 3) of a result; None where it has none."""
+    if mesh.is_editmode or not has_measure(mesh, NORMAL_ATTRIBUTE):
+        return None
+    lines = measure(mesh, _DIRECTION)
+    if lines is None:
+        return None
+    points, normals = (read(mesh, name, len(mesh.vertices), np.float32, 3) for name in ("position", NORMAL_ATTRIBUTE))
+    return points.astype(np.float64), normals.astype(np.float64), lines
+
+
+def paint(mesh: bpy.types.Mesh, colours: NDArray[np.float32]) -> None:
+    """Give the vertices linear colours (n, 4) and make them the ones that the viewport shows."""
+    set_attribute(mesh, COLOUR_ATTRIBUTE, "FLOAT_COLOR", "POINT", colours)
+    active = mesh.color_attributes.active_color_name
+    if active != COLOUR_ATTRIBUTE or _BEFORE not in mesh:
+        mesh[_BEFORE] = active if active and active != COLOUR_ATTRIBUTE else ""
+        mesh.color_attributes.active_color_name = COLOUR_ATTRIBUTE
+    mesh.update_tag()
+
+
+def unpaint(mesh: bpy.types.Mesh) -> None:
+    """Take the colours away and make those active that were so before."""
+    if COLOUR_ATTRIBUTE not in mesh.attributes:
+        return
+    before, was_active = mesh.get(_BEFORE, ""), mesh.color_attributes.active_color_name == COLOUR_ATTRIBUTE
+    remove_attribute(mesh, COLOUR_ATTRIBUTE)
+    if was_active and before in mesh.color_attributes:
+        mesh.color_attributes.active_color_name = before
+    if _BEFORE in mesh:
+        del mesh[_BEFORE]
+    mesh.update_tag()
+
+
+def is_painted(mesh: bpy.types.Mesh) -> bool:
+    return COLOUR_ATTRIBUTE in mesh.attributes

@@ -1,0 +1,72 @@
+"""A plan from a mesh file or a job as an object of the scene, with its UVs, materials and boundary groups.
+
+One of the files that touch mesh data (see `mesh_bridge`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import bpy
+import numpy as np
+
+from ...solver.obj import MeshData
+from ...solver.plans.plan import Group
+from ..stored import group_list
+from .edge_bridge import repair_selection
+from .mesh_bridge import set_attribute, set_positions
+from .outline_bridge import write_boundary_groups
+
+UV_LAYER = "UVMap"
+
+
+def import_plan(context: bpy.types.Context, name: str, drawn: MeshData, groups: Sequence[Group]) -> bpy.types.Object:
+    """A new object with this mesh and these boundary groups, linked to the scene and active.
+
+    The mesh must have been checked (`triangulate_polygons`) and the groups' edges be edges of it.
+    """
+    mesh = bpy.data.meshes.new(name)
+    _write_polygons(mesh, drawn)
+    if drawn.uv_corners and all(len(rows) for rows in drawn.uv_corners):
+        set_attribute(mesh, UV_LAYER, "FLOAT2", "CORNER", drawn.uvs[np.concatenate(drawn.uv_corners)])
+    _write_materials(mesh, drawn.materials)
+    _write_groups(mesh, groups)
+    ob = bpy.data.objects.new(name, mesh)
+    context.scene.collection.objects.link(ob)
+    context.view_layer.objects.active = ob
+    return ob
+
+
+def _write_polygons(mesh: bpy.types.Mesh, drawn: MeshData) -> None:
+    sizes = np.array([len(polygon) for polygon in drawn.polygons], dtype=np.int32)
+    starts = np.concatenate([[0], np.cumsum(sizes)[:-1]]).astype(np.int32)
+    mesh.vertices.add(len(drawn.positions))
+    mesh.loops.add(int(sizes.sum()))
+    mesh.polygons.add(len(sizes))
+    mesh.loops.foreach_set("vertex_index", np.concatenate(drawn.polygons).astype(np.int32))
+    mesh.polygons.foreach_set("loop_start", starts)
+    mesh.update(calc_edges=True)
+    repair_selection(mesh)
+    set_positions(mesh, drawn.positions)
+
+
+def _write_materials(mesh: bpy.types.Mesh, names: Sequence[str]) -> None:
+    slots = {name: index for index, name in enumerate(dict.fromkeys(name for name in names if name))}
+    for name in slots:
+        mesh.materials.append(bpy.data.materials.get(name) or bpy.data.materials.new(name))
+    if slots:
+        indices = np.array([slots.get(name, 0) for name in names], dtype=np.int32)
+        mesh.polygons.foreach_set("material_index", indices)
+
+
+def _write_groups(mesh: bpy.types.Mesh, groups: Sequence[Group]) -> None:
+    uids = []
+    for group in groups:
+        made = group_list.add(mesh, group.name)
+        made.kind = group.kind.upper()
+        for name, value in group.parameters.items():
+            setattr(made, name, value)
+        uids.append(np.full(len(group.edges), made.uid, dtype=np.int32))
+    if uids:
+        edges = np.concatenate([np.asarray(group.edges).reshape(-1, 2) for group in groups])
+        write_boundary_groups(mesh, edges, np.concatenate(uids))

@@ -1,0 +1,256 @@
+"""Blender meshes to arrays and back; the files named *_bridge are the only ones that touch mesh data.
+
+Positions and topology are read and written through the attributes that Blender itself stores them in
+("position", ".edge_verts", ".corner_vert", …), which costs a hundredth of `vertices` and `loops`. In edit
+mode these have no data: the edit mesh is flushed and a copy is read, so that neither the mode nor the
+selection changes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...solver.errors import MeshError, plural
+from ...solver.plans.metric import side_lengths
+from ...solver.plans.plan import Plan
+from .edge_bridge import group_values
+
+Int = NDArray[np.int32]
+
+NORMAL_ATTRIBUTE = "cmc_normal"
+MEAN_CURVATURE_ATTRIBUTE = "cmc_mean_curvature"
+CORNER_ATTRIBUTE = "cmc_flipped_corner"
+"""Integers on the vertices of a plan, not 0 where a corner between two mirrors takes its other normal."""
+LENGTH_ATTRIBUTE = "cmc_length"
+"""Numbers on the edges of a plan: its own lengths, in place of the drawn ones."""
+START_ATTRIBUTE = "cmc_start"
+"""Vectors on the vertices of a plan: the normals, in the world, that a solve starts from."""
+
+
+@dataclass(frozen=True, eq=False)
+class PlanMesh:
+    """A mesh as the solver sees it, in Blender's own numbering.
+
+    positions (V, 3) in world coordinates; corners (C,) vertex of each polygon corner, corner_edges (C,) the
+    edge from it to the next, starts (P + 1,) the first corner of each polygon; edges (E, 2); groups (E,)
+    identifiers of boundary groups, 0 where in none; selected (E,). mirrored: the object's scale turns the
+    mesh inside out, so that polygons are to be walked backwards. flipped_corners: see `CORNER_ATTRIBUTE`. lengths (E,)
+    and initial (V, 3): see `LENGTH_ATTRIBUTE` and `START_ATTRIBUTE`, None where the mesh has no such attribute.
+    """
+
+    positions: NDArray[np.float64]
+    corners: Int
+    starts: Int
+    edges: Int
+    corner_edges: Int
+    groups: Int
+    selected: NDArray[np.bool_]
+    mirrored: bool
+    flipped_corners: tuple[int, ...] = ()
+    lengths: NDArray[np.float32] | None = None
+    initial: NDArray[np.float32] | None = None
+
+    @cached_property
+    def boundary(self) -> NDArray[np.bool_]:
+        """(E,) edges with exactly one face."""
+        return np.bincount(self.corner_edges, minlength=len(self.edges)) == 1
+
+    def polygons(self) -> list[Int]:
+        """Vertices of each polygon, counter-clockwise in world space."""
+        polygons = np.split(self.corners, self.starts[1:-1]) if len(self.starts) > 1 else []
+        return [polygon[::-1] for polygon in polygons] if self.mirrored else polygons
+
+    def as_plan(self, triangles: Int) -> Plan:
+        """The plan without its groups, on triangles (T, 3). Raises `MeshError` on lengths that do not fit them."""
+        plan = Plan(self.positions, triangles, initial=self.initial)
+        if self.lengths is not None:
+            plan.lengths = side_lengths(triangles, self.edges, self.lengths)
+        return plan
+
+
+def read_plan(ob: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None = None) -> PlanMesh:
+    """The mesh of an object in edit or object mode; with a depsgraph as its modifiers leave it.
+
+    Raises `MeshError` on coordinates that are not finite and on an object without a mesh or without faces.
+    """
+    if ob.type != "MESH":
+        raise MeshError(f"'{ob.name}' is not a mesh; select a plan, or make one with Mesh Plan.")
+    with readable_mesh(ob, depsgraph) as mesh:
+        plan = plan_arrays(mesh, np.array(ob.matrix_world, dtype=np.float64))
+    _check(ob.name, plan)
+    return plan
+
+
+@contextmanager
+def readable_mesh(
+    ob: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None = None
+) -> Iterator[bpy.types.Mesh]:
+    """A mesh with attribute data: the object's own, or where that has none a copy, removed at the end."""
+    if depsgraph is None and not ob.data.is_editmode:
+        yield ob.data
+        return
+    copy = copy_mesh(ob, depsgraph)
+    try:
+        yield copy
+    finally:
+        bpy.data.meshes.remove(copy)
+
+
+def copy_mesh(ob: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None = None) -> bpy.types.Mesh:
+    """A new mesh data-block with all layers: the object's mesh, or what its modifiers make of it."""
+    if ob.data.is_editmode:
+        ob.update_from_editmode()
+    if depsgraph is None:
+        return ob.data.copy()
+    evaluated = ob.evaluated_get(depsgraph)
+    return bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
+
+
+def plan_arrays(mesh: bpy.types.Mesh, matrix: NDArray[np.float64]) -> PlanMesh:
+    """The arrays of a mesh that is not in edit mode, placed by `matrix` (4, 4)."""
+    local = read(mesh, "position", len(mesh.vertices), np.float32, 3)
+    starts = np.empty(len(mesh.polygons) + 1, dtype=np.int32)
+    starts[-1] = len(mesh.loops)
+    mesh.polygons.foreach_get("loop_start", starts[:-1])
+    edge_count = len(mesh.edges)
+    return PlanMesh(
+        positions=local @ matrix[:3, :3].T + matrix[:3, 3],
+        corners=read(mesh, ".corner_vert", len(mesh.loops), np.int32),
+        starts=starts,
+        edges=read(mesh, ".edge_verts", edge_count, np.int32, 2),
+        corner_edges=read(mesh, ".corner_edge", len(mesh.loops), np.int32),
+        groups=group_values(mesh),
+        selected=_selected(mesh),
+        mirrored=bool(np.linalg.det(matrix[:3, :3]) < 0),
+        flipped_corners=_flipped_corners(mesh),
+        lengths=_own(mesh, LENGTH_ATTRIBUTE, "EDGE", "FLOAT"),
+        initial=_own(mesh, START_ATTRIBUTE, "POINT", "FLOAT_VECTOR"),
+    )
+
+
+def _own(mesh: bpy.types.Mesh, name: str, domain: str, kind: str) -> NDArray[np.float32] | None:
+    """An attribute that a plan may have; raises `MeshError` where it is of another kind or on other elements."""
+    attribute = mesh.attributes.get(name)
+    if attribute is None:
+        return None
+    if (attribute.domain, attribute.data_type) != (domain, kind):
+        what = {"EDGE": "a Float on its edges", "POINT": "a Vector on its vertices"}[domain]
+        raise MeshError(f"The attribute '{name}' of a plan must be {what}; convert it (Attributes), or remove it.")
+    values = attribute_values(attribute)
+    return values[:, 0] if kind == "FLOAT" else values
+
+
+def _flipped_corners(mesh: bpy.types.Mesh) -> tuple[int, ...]:
+    attribute = mesh.attributes.get(CORNER_ATTRIBUTE)
+    if attribute is None or (attribute.domain, attribute.data_type) != ("POINT", "INT"):
+        return ()
+    return tuple(np.flatnonzero(read(mesh, CORNER_ATTRIBUTE, len(mesh.vertices), np.int32)).tolist())
+
+
+def _selected(mesh: bpy.types.Mesh) -> NDArray[np.bool_]:
+    """Blender 5.0 makes ".select_edge" with a wrong type where it calculates edges: then the slow way."""
+    attribute = mesh.attributes.get(".select_edge")
+    if attribute is None or attribute.data_type == "BOOLEAN":
+        return read(mesh, ".select_edge", len(mesh.edges), np.bool_)
+    selected = np.empty(len(mesh.edges), dtype=np.bool_)
+    mesh.edges.foreach_get("select", selected)
+    return selected
+
+
+def _check(name: str, plan: PlanMesh) -> None:
+    if len(plan.starts) == 1:
+        raise MeshError(f"'{name}' has no faces; fill its outline (F), or use Mesh Plan.")
+    bad = np.flatnonzero(~np.isfinite(plan.positions).all(axis=1))
+    if bad.size:
+        raise MeshError(
+            f"Coordinates of {plural('vertex', bad)} of '{name}' are not finite numbers; move or delete "
+            + ("it." if bad.size == 1 else "them."),
+            vertices=bad,
+        )
+
+
+# --- one attribute -------------------------------------------------------------------------
+
+_FIELDS = {
+    "FLOAT": ("value", np.float32, 1),
+    "INT": ("value", np.int32, 1),
+    "INT8": ("value", np.int8, 1),
+    "BOOLEAN": ("value", np.bool_, 1),
+    "FLOAT_VECTOR": ("vector", np.float32, 3),
+    "FLOAT2": ("vector", np.float32, 2),
+    "FLOAT_COLOR": ("color", np.float32, 4),
+    "BYTE_COLOR": ("color_srgb", np.float32, 4),
+    "QUATERNION": ("value", np.float32, 4),
+    "FLOAT4X4": ("value", np.float32, 16),
+    "INT16_2D": ("value", np.int16, 2),
+    "INT32_2D": ("value", np.int32, 2),
+}
+"""Type of an attribute -> the field its values are in, their type, and how many there are."""
+
+
+def read(mesh: bpy.types.Mesh, name: str, count: int, dtype: type, width: int = 1) -> NDArray:
+    """Values (count,) or (count, width) of an attribute; zeros where the mesh does not have it."""
+    shape = (count,) if width == 1 else (count, width)
+    attribute = mesh.attributes.get(name)
+    if attribute is None:
+        return np.zeros(shape, dtype=dtype)
+    values = np.empty(shape, dtype=dtype)
+    attribute.data.foreach_get(_FIELDS[attribute.data_type][0], values.reshape(-1))
+    return values
+
+
+def attribute_values(attribute: bpy.types.Attribute) -> NDArray | list[bytes]:
+    """Values of any attribute; (n, width), or a list for strings."""
+    if attribute.data_type == "STRING":
+        return [item.value for item in attribute.data]
+    field, dtype, width = _FIELDS[attribute.data_type]
+    values = np.empty((len(attribute.data), width), dtype=dtype)
+    attribute.data.foreach_get(field, values.reshape(-1))
+    return values
+
+
+def set_attribute(
+    mesh: bpy.types.Mesh, name: str, kind: str, domain: str, values: NDArray | list[bytes]
+) -> None:
+    """Write an attribute of a mesh that is not in edit mode; one of another type or domain is replaced."""
+    attribute = mesh.attributes.get(name)
+    if attribute is not None and (attribute.data_type, attribute.domain) != (kind, domain):
+        mesh.attributes.remove(attribute)
+        attribute = None
+    if attribute is None:
+        attribute = mesh.attributes.new(name, kind, domain)
+    if kind == "STRING":
+        for item, value in zip(attribute.data, values, strict=True):
+            item.value = value
+        return
+    field, dtype, _ = _FIELDS[kind]
+    attribute.data.foreach_set(field, np.ascontiguousarray(values, dtype=dtype).reshape(-1))
+
+
+def set_positions(mesh: bpy.types.Mesh, positions: NDArray) -> None:
+    """Write vertex positions (V, 3) and tell Blender that normals and bounds have changed."""
+    set_attribute(mesh, "position", "FLOAT_VECTOR", "POINT", positions)
+    mesh.update()
+
+
+def remove_attribute(mesh: bpy.types.Mesh, name: str) -> None:
+    attribute = mesh.attributes.get(name)
+    if attribute is not None:
+        mesh.attributes.remove(attribute)
+
+
+def same_topology(a: bpy.types.Mesh, b: bpy.types.Mesh) -> bool:
+    """Whether two meshes (neither in edit mode) have the same polygons and edges, in the same order."""
+    if any(len(getattr(a, k)) != len(getattr(b, k)) for k in ("vertices", "edges", "loops", "polygons")):
+        return False
+    one, other = (plan_arrays(mesh, np.eye(4)) for mesh in (a, b))
+    return all(
+        np.array_equal(getattr(one, name), getattr(other, name)) for name in ("starts", "corners", "edges")
+    )

@@ -1,0 +1,167 @@
+"""Outlines out of Blender's meshes and curves, and the mesh of a plan into an object.
+
+One of the files that touch mesh data (see `mesh_bridge`). Reading changes nothing, in object mode and in edit
+mode; all coordinates are world coordinates.
+"""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+from numpy.typing import NDArray
+
+from ...solver.domain.mesher import PlanMesh
+from ...solver.errors import MeshError, plural
+from ..plans.outline import Outline, Wire, nearest
+from .edge_bridge import group_values, write_group_values
+from .mesh_bridge import read, readable_mesh, remove_attribute, set_attribute, set_positions
+
+UV_LAYER = "Plan"
+
+_CURVE_STEPS = 48  # pieces of a curve between two control points; the mesher samples them anew
+
+
+def read_wire(ob: bpy.types.Object) -> Wire:
+    """The edges that an outline consists of: the boundary of the faces, or where there are none all edges;
+    of a curve object its splines.
+
+    Raises MeshError for other objects, open splines, edges with three faces and faces without a boundary.
+    """
+    if ob.type == "MESH":
+        with readable_mesh(ob) as mesh:
+            return _mesh_wire(ob, mesh)
+    if ob.type == "CURVE":
+        return _curve_wire(ob)
+    raise MeshError(f"'{ob.name}' is neither a mesh nor a curve; draw the outline of the plan as one of these.")
+
+
+def write_plan(ob: bpy.types.Object, meshed: PlanMesh, outline: Outline, matrix: Matrix) -> None:
+    """Replace the mesh of a plan object (object mode) and place the object; materials and names stay.
+
+    `matrix` is the object's new place, without scale. The faces look along the normal of the outline's plane,
+    and the UV layer "Plan" holds plan coordinates in world units.
+    """
+    mesh = ob.data
+    _replace(mesh, meshed.positions, meshed.triangles)
+    inverse = np.array(matrix.inverted(), dtype=np.float64)
+    points = outline.plane.raised(meshed.positions)
+    set_positions(mesh, points @ inverse[:3, :3].T + inverse[:3, 3])
+    set_attribute(mesh, UV_LAYER, "FLOAT2", "CORNER", meshed.positions[meshed.triangles.ravel()])
+    mesh.uv_layers.active = mesh.uv_layers[UV_LAYER]
+    ob.matrix_world = matrix
+
+
+def write_boundary_groups(mesh: bpy.types.Mesh, edges: NDArray, groups: NDArray) -> None:
+    """Put boundary edges, as vertex pairs (B, 2), into groups (B,)."""
+    ends = read(mesh, ".edge_verts", len(mesh.edges), np.int32, 2)
+    keys, wanted = _keys(ends, len(mesh.vertices)), _keys(edges, len(mesh.vertices))
+    order = np.argsort(keys)
+    values = np.zeros(len(mesh.edges), dtype=np.int32)
+    values[order[np.searchsorted(keys, wanted, sorter=order)]] = groups
+    write_group_values(mesh, values)
+
+
+def groups_nearby(ob: bpy.types.Object, points: NDArray[np.float64]) -> NDArray[np.int32]:
+    """For each point (n, 3) in the world the group of the boundary edge of a mesh object nearest to it."""
+    with readable_mesh(ob) as mesh:
+        if not len(mesh.edges):
+            return np.zeros(len(points), dtype=np.int32)
+        wire = _mesh_wire(ob, mesh)
+    index = nearest(points, wire.points[wire.edges[:, 0]], wire.points[wire.edges[:, 1]])
+    return wire.groups[index]
+
+
+def local_size(ob: bpy.types.Object) -> float:
+    """Longest side of the object's box, scale included: cheap, for the panel."""
+    return max(ob.dimensions)
+
+
+# --- meshes --------------------------------------------------------------------------------
+
+def _mesh_wire(ob: bpy.types.Object, mesh: bpy.types.Mesh) -> Wire:
+    count = len(mesh.edges)
+    edges = read(mesh, ".edge_verts", count, np.int32, 2)
+    groups = group_values(mesh)
+    if len(mesh.polygons):
+        corner_edges = read(mesh, ".corner_edge", len(mesh.loops), np.int32)
+        faces = np.bincount(corner_edges, minlength=count)
+        bad = np.flatnonzero(faces > 2)
+        if bad.size:
+            raise MeshError(
+                f"{plural('edge', bad).capitalize()} of '{ob.name}' {'has' if bad.size == 1 else 'have'} more than "
+                "two faces; delete the extra faces.",
+                edges=bad,
+            )
+        if not (faces == 1).any():
+            raise MeshError(f"'{ob.name}' is closed and has no boundary; delete the faces where its rim is to be.")
+        edges, groups = edges[faces == 1], groups[faces == 1]
+    local = read(mesh, "position", len(mesh.vertices), np.float32, 3)
+    return Wire(f"'{ob.name}'", _in_world(ob, local), edges, groups)
+
+
+def _replace(mesh: bpy.types.Mesh, positions: NDArray, triangles: NDArray) -> None:
+    """Give a mesh other vertices and triangles; `clear_geometry` keeps materials and custom properties."""
+    mesh.clear_geometry()
+    mesh.vertices.add(len(positions))
+    mesh.loops.add(triangles.size)
+    mesh.polygons.add(len(triangles))
+    mesh.loops.foreach_set("vertex_index", triangles.ravel())
+    mesh.polygons.foreach_set("loop_start", np.arange(0, triangles.size, 3, dtype=np.int32))
+    mesh.update(calc_edges=True)
+    for name in (".select_vert", ".select_edge", ".select_poly"):  # all of it is selected when it is new
+        remove_attribute(mesh, name)
+
+
+def _keys(pairs: NDArray, count: int) -> NDArray[np.int64]:
+    ends = np.sort(np.asarray(pairs, dtype=np.int64), axis=1)
+    return ends[:, 0] * count + ends[:, 1]
+
+
+def _in_world(ob: bpy.types.Object, local: NDArray) -> NDArray[np.float64]:
+    matrix = np.array(ob.matrix_world, dtype=np.float64)
+    return local @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+# --- curves --------------------------------------------------------------------------------
+
+def _curve_wire(ob: bpy.types.Object) -> Wire:
+    if ob.data.is_editmode:
+        ob.update_from_editmode()
+    splines = ob.data.splines
+    if not len(splines):
+        raise MeshError(f"The curve '{ob.name}' is empty; draw a closed spline in it.")
+    still_open = [k for k, spline in enumerate(splines) if not spline.use_cyclic_u]
+    if still_open:
+        raise MeshError(
+            f"{plural('spline', still_open).capitalize()} of '{ob.name}' {'is' if len(still_open) == 1 else 'are'} "
+            "open; close with Toggle Cyclic (Alt C in edit mode)."
+        )
+    local, edges = _sampled(ob.data)
+    return Wire(f"'{ob.name}'", _in_world(ob, local), edges, np.zeros(len(edges), np.int32), numbered=False)
+
+
+def _sampled(curve: bpy.types.Curve) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+    """Fine polylines of all splines, by Blender's own evaluation of a bare copy of the curve."""
+    bare = curve.copy()
+    sampler = None
+    try:
+        bare.bevel_depth = bare.extrude = bare.offset = 0.0
+        bare.bevel_object = bare.taper_object = None
+        bare.bevel_mode = "ROUND"
+        if bare.dimensions == "2D":
+            bare.fill_mode = "NONE"
+        bare.render_resolution_u = 0
+        bare.resolution_u = _CURVE_STEPS
+        for spline in bare.splines:
+            spline.resolution_u = _CURVE_STEPS
+        sampler = bpy.data.objects.new("outline", bare)
+        mesh = sampler.to_mesh()
+        points = read(mesh, "position", len(mesh.vertices), np.float32, 3)
+        edges = read(mesh, ".edge_verts", len(mesh.edges), np.int32, 2)
+        sampler.to_mesh_clear()
+        return points, edges
+    finally:
+        if sampler is not None:
+            bpy.data.objects.remove(sampler)
+        bpy.data.curves.remove(bare)

@@ -1,0 +1,249 @@
+"""The mesh of a result: the plan's own mesh, layers and all, with other positions.
+
+Where the surface is cut open (a plan with holes whose surface does not close), vertices along the cut are
+doubled. The polygons stay, with the data of their corners; data of vertices and edges go to both sides of the
+cut. A polygon that the cut runs through, along the diagonal by which it was triangulated, becomes triangles.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...solver.plans.formed import sheet_polygons
+from .edge_bridge import mend_selection
+from .mesh_bridge import (
+    LENGTH_ATTRIBUTE,
+    START_ATTRIBUTE,
+    PlanMesh,
+    attribute_values,
+    copy_mesh,
+    read,
+    remove_attribute,
+    same_topology,
+    set_attribute,
+)
+
+Int = NDArray[np.int32]
+
+# Layers that are not the plan's to give: where the vertices are, shading, and which material a face has,
+# which on a result is the user's. Blender's own (".corner_vert", ".select_edge", …) begin with a dot.
+NOT_REFRESHED = {"position", "material_index", "sharp_face", "custom_normal"}
+
+CUT_ATTRIBUTE = "cmc_cut"
+"""On a result that is cut open, true on the edges on both sides of the cut."""
+SOURCE_ATTRIBUTE = "cmc_source"
+"""On a result that is cut open, the plan's vertex that each of its vertices comes from."""
+
+
+@dataclass(frozen=True, eq=False)
+class Cut:
+    """A mesh with doubled vertices, by where everything comes from in the plan.
+
+    vertices (n,), corners (C,) and faces (P,): the plan's vertex, corner and polygon each comes from;
+    rows (C,): the vertex of each corner, among the n; starts (P + 1,).
+    """
+
+    vertices: Int
+    corners: NDArray[np.integer]
+    faces: Int
+    rows: Int
+    starts: Int
+
+
+def find_cut(plan: PlanMesh, triangles: Int, owners: Int, rows: Int, source: Int) -> Cut | None:
+    """The cut of a surface with triangles `rows` (T, 3) on the plan's `triangles` (T, 3), or None.
+
+    owners (T,): the polygon each triangle is part of; source (n,): the plan's vertex each row comes from.
+    """
+    if np.array_equal(triangles, rows):
+        return None
+    pieces, faces = sheet_polygons(plan.polygons(), owners, triangles, rows)
+    if plan.mirrored:  # the polygons are walked as seen in the world; a mesh stores them the other way round
+        pieces = [piece[::-1] for piece in pieces]
+    sizes = np.array([len(piece) for piece in pieces])
+    corner_rows = np.concatenate(pieces)
+    return Cut(
+        vertices=np.asarray(source, dtype=np.int32),
+        corners=corners_of(plan, np.repeat(faces, sizes), source[corner_rows]),
+        faces=faces,
+        rows=corner_rows,
+        starts=np.concatenate([[0], np.cumsum(sizes)]).astype(np.int32),
+    )
+
+
+def corners_of(plan: PlanMesh, polygons: Int, vertices: Int) -> NDArray[np.int64]:
+    """The corner of each polygon at which each vertex lies."""
+    count = len(plan.positions)
+    owner = np.repeat(np.arange(len(plan.starts) - 1), np.diff(plan.starts)).astype(np.int64)
+    keys = owner * count + plan.corners
+    order = np.argsort(keys)
+    return order[np.searchsorted(keys[order], polygons.astype(np.int64) * count + vertices)]
+
+
+def fresh_mesh(
+    ob: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None, plan: PlanMesh, cut: Cut | None
+) -> bpy.types.Mesh:
+    """A new mesh for a result, with all of the plan's layers; smooth, and without boundary groups and start."""
+    mesh = copy_mesh(ob, depsgraph)
+    if cut is not None:
+        _cut_open(mesh, plan, cut)
+    if plan.mirrored:
+        mesh.flip_normals()
+    mesh.cmc.groups.clear()
+    mesh.cmc.active_index = 0
+    for name in ("custom_normal", LENGTH_ATTRIBUTE, START_ATTRIBUTE):
+        remove_attribute(mesh, name)
+    mesh.shade_smooth()
+    return mesh
+
+
+def _cut_open(mesh: bpy.types.Mesh, plan: PlanMesh, cut: Cut) -> None:
+    """Build the mesh anew with doubled vertices, every layer gathered from where it was."""
+    layers = mesh_layers(mesh, lambda name: name != "position" and not name.startswith("."))
+    active = active_layers(mesh)
+    old_edges, count = read(mesh, ".edge_verts", len(mesh.edges), np.int32, 2), len(mesh.vertices)
+    build_polygons(mesh, len(cut.vertices), cut.rows, cut.starts)
+    new_edges = cut.vertices[read(mesh, ".edge_verts", len(mesh.edges), np.int32, 2)]
+    origin = {
+        "POINT": cut.vertices,
+        "EDGE": _find_pairs(new_edges, old_edges, count),
+        "FACE": cut.faces,
+        "CORNER": cut.corners,
+    }
+    for name, kind, domain, values in layers:
+        set_attribute(mesh, name, kind, domain, gather(values, origin[domain]))
+    set_active_layers(mesh, active)
+    inner = _find_pairs(new_edges, old_edges[plan.boundary], count) < 0
+    once = np.bincount(read(mesh, ".corner_edge", len(mesh.loops), np.int32), minlength=len(mesh.edges)) == 1
+    set_attribute(mesh, CUT_ATTRIBUTE, "BOOLEAN", "EDGE", once & inner)
+    set_attribute(mesh, SOURCE_ATTRIBUTE, "INT", "POINT", cut.vertices)
+
+
+def build_polygons(mesh: bpy.types.Mesh, vertex_count: int, corners: Int, starts: Int) -> None:
+    """Replace all that a mesh has by polygons: corners (C,) vertices, starts (P + 1,). Materials stay."""
+    mesh.clear_geometry()
+    mesh.vertices.add(vertex_count)
+    mesh.loops.add(len(corners))
+    mesh.polygons.add(len(starts) - 1)
+    mesh.polygons.foreach_set("loop_start", np.asarray(starts[:-1], dtype=np.int32))
+    mesh.loops.foreach_set("vertex_index", np.asarray(corners, dtype=np.int32))
+    mesh.update(calc_edges=True)
+    mend_selection(mesh)
+
+
+def _find_pairs(pairs: Int, among: Int, count: int) -> NDArray[np.int64]:
+    """Where each vertex pair is `among` others; -1 where it is not."""
+    if not len(among):
+        return np.full(len(pairs), -1)
+    wanted, keys = (np.sort(p, axis=1).astype(np.int64) @ [count, 1] for p in (pairs, among))
+    order = np.argsort(keys)
+    slot = order[np.searchsorted(keys[order], wanted).clip(max=len(keys) - 1)]
+    return np.where(keys[slot] == wanted, slot, -1)
+
+
+def gather(values: NDArray | list[bytes], origin: NDArray) -> NDArray | list[bytes]:
+    """values[origin], and nothing (zero) where origin is -1."""
+    if isinstance(values, list):
+        return [values[i] if i >= 0 else b"" for i in origin]
+    gathered = values[origin]
+    gathered[origin < 0] = 0
+    return gathered
+
+
+def mesh_layers(mesh: bpy.types.Mesh, wanted) -> list[tuple[str, str, str, NDArray | list[bytes]]]:
+    """Name, type, domain and values of the attributes whose name is wanted."""
+    return [
+        (attribute.name, attribute.data_type, attribute.domain, attribute_values(attribute))
+        for attribute in mesh.attributes
+        if wanted(attribute.name)
+    ]
+
+
+def active_layers(mesh: bpy.types.Mesh) -> dict[str, str | None]:
+    uv, colors = mesh.uv_layers, mesh.color_attributes
+    rendered = colors.render_color_index
+    return {
+        "uv": uv.active.name if uv.active else None,
+        "render_uv": next((layer.name for layer in uv if layer.active_render), None),
+        "color": colors.active_color_name or None,
+        "render_color": colors[rendered].name if rendered >= 0 else None,
+    }
+
+
+def set_active_layers(mesh: bpy.types.Mesh, active: dict[str, str | None]) -> None:
+    if active["uv"]:
+        mesh.uv_layers.active = mesh.uv_layers[active["uv"]]
+    if active["render_uv"]:
+        mesh.uv_layers[active["render_uv"]].active_render = True
+    if active["color"]:
+        mesh.color_attributes.active_color_name = active["color"]
+    if active["render_color"]:
+        mesh.color_attributes.render_color_index = mesh.color_attributes.find(active["render_color"])
+
+
+# --- into an existing result ---------------------------------------------------------------
+
+def put_mesh(ob: bpy.types.Object, fresh: bpy.types.Mesh) -> None:
+    """Bring a result's mesh up to date with a fresh one, which is used up.
+
+    Same polygons and edges: the plan's layers are refreshed, everything else of the mesh stays. Otherwise the
+    mesh is replaced, also under linked duplicates of the result; its name and its material slots stay.
+    """
+    old = ob.data
+    if same_topology(old, fresh):
+        refreshed = mesh_layers(fresh, lambda name: name not in NOT_REFRESHED and not name.startswith("."))
+        for name, kind, domain, values in refreshed:
+            set_attribute(old, name, kind, domain, values)
+        bpy.data.meshes.remove(fresh)
+        return
+    _keep_materials(fresh, old)
+    name = old.name
+    old.user_remap(fresh)
+    bpy.data.meshes.remove(old)
+    fresh.name = name
+
+
+def _keep_materials(fresh: bpy.types.Mesh, old: bpy.types.Mesh) -> None:
+    """The old mesh's slots; the plan's beyond their number, which faces may have come to use."""
+    added = list(fresh.materials)[len(old.materials):]
+    indices = read(fresh, "material_index", len(fresh.polygons), np.int32)
+    fresh.materials.clear()
+    for material in [*old.materials, *added]:
+        fresh.materials.append(material)
+    if indices.any():
+        set_attribute(fresh, "material_index", "INT", "FACE", indices)
+
+
+# --- vertex groups -------------------------------------------------------------------------
+
+def vertex_weights(mesh: bpy.types.Mesh, group_count: int) -> list[dict[int, float]]:
+    """Weight of each vertex that is in the group, a dictionary for each vertex group."""
+    weights: list[dict[int, float]] = [{} for _ in range(group_count)]
+    if group_count:
+        for vertex in mesh.vertices:
+            for element in vertex.groups:
+                weights[element.group][vertex.index] = element.weight
+    return weights
+
+
+def put_weights(ob: bpy.types.Object, names: list[str], weights: list[dict[int, float]]) -> None:
+    """Give an object vertex groups of these names and weights; its other groups stay. Unchanged ones cost
+    only the look."""
+    if not names:
+        return
+    present = vertex_weights(ob.data, len(ob.vertex_groups))
+    for name, wanted in zip(names, weights, strict=True):
+        group = ob.vertex_groups.get(name) or ob.vertex_groups.new(name=name)
+        has = present[group.index] if group.index < len(present) else {}
+        if has == wanted:
+            continue
+        group.remove([vertex for vertex in has if vertex not in wanted])
+        alike: dict[float, list[int]] = {}
+        for vertex, weight in wanted.items():
+            alike.setdefault(weight, []).append(vertex)
+        for weight, vertices in alike.items():
+            group.add(vertices, weight, "REPLACE")

@@ -1,0 +1,187 @@
+"""What the colours of results mean: a bar with numbers at the left of the viewport.
+
+It is there while Solid shading shows the colours and the coloured result of the active plan can be seen.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import blf
+import bpy
+import gpu
+import numpy as np
+from gpu_extras.batch import batch_for_shader
+
+from ..bridges.colour_bridge import is_painted
+from ..panels.results_panel import per_length
+from ..panels.tab import length_text
+from ..stored.colour_settings import QUANTITIES
+from ..stored.properties import COMPLETED_ROLES, DESIGN_ROLES, ROLES
+from ..work.colours import stored_range
+from ..work.results import result_of
+from . import shading
+from .colour_maps import Range, decimals
+
+# Pixels at an interface scale of 1.
+_BAR, _HEIGHT, _MARGIN, _FONT, _LINE = 16, 190, 22, 11, 15
+# The bar is drawn of so many pieces, and is never more than this part of the viewport high.
+_PIECES, _LARGEST = 48, 0.5
+
+_handle = None
+
+
+@dataclass(frozen=True)
+class Legend:
+    """title and subtitle; labels: place on the bar, from 0 to 1, and what is written there; no labels, no bar."""
+
+    title: str
+    subtitle: str
+    labels: list[tuple[float, str]]
+    range: Range | None
+
+
+# --- what it says --------------------------------------------------------------------------
+
+def legend_of(context: bpy.types.Context) -> Legend | None:
+    """The legend for the active plan or result; None where nothing that is coloured can be seen."""
+    plan = _plan(context.object)
+    if plan is None or plan.cmc.colour_by == "NONE":
+        return None
+    result = _seen(context, plan)
+    if result is None:
+        return None
+    by = QUANTITIES[plan.cmc.colour_by]
+    found = _range(plan, result)
+    if found is None:
+        return Legend(by.label, f"Not measured on {result.name}: Solve does", [], None)
+    parts = [_unit(plan.cmc.colour_by, result.cmc.role), result.name]
+    return Legend(by.label, "  ".join(part for part in parts if part), labels(plan.cmc.colour_by, found), found)
+
+
+def _plan(ob: bpy.types.Object | None) -> bpy.types.Object | None:
+    return ob if ob is None or ob.cmc.role == "NONE" else ob.cmc.source
+
+
+def _seen(context: bpy.types.Context, plan: bpy.types.Object) -> bpy.types.Object | None:
+    """The coloured result that is active, else the first of the plan's that is visible."""
+    roles = dict.fromkeys([plan.cmc.sheet, *DESIGN_ROLES, *COMPLETED_ROLES, *ROLES])
+    results = [result_of(plan, role) for role in roles]
+    copies = [] if plan.cmc.copies is None else plan.cmc.copies.objects[:1]
+    active = [context.object] if context.object.cmc.role != "NONE" else []
+    for ob in (*active, *results, *copies):
+        if ob is None or ob.type != "MESH" or not is_painted(ob.data):
+            continue
+        if ob.visible_get(view_layer=context.view_layer):
+            return ob
+    return None
+
+
+def _range(plan: bpy.types.Object, result: bpy.types.Object) -> Range | None:
+    """Of many instances only the first remembers the range, which is that of the shell."""
+    own = stored_range(result)
+    if own is None and result.cmc.role in COMPLETED_ROLES:
+        shell = result_of(plan, plan.cmc.sheet)
+        return None if shell is None else stored_range(shell)
+    return own
+
+
+def _unit(by: str, role: str) -> str:
+    if by == "DEVIATION":
+        return "from the surface" if role == "NEAREST" else "of the rim"
+    return {-1: per_length(), -2: f"{per_length()}²"}.get(QUANTITIES[by].power, "1 keeps shapes")
+
+
+def labels(by: str, found: Range) -> list[tuple[float, str]]:
+    """What is written beside the bar: numbers, the target named, and whether there are others beyond the ends."""
+    ticks = found.ticks()
+    digits = decimals(ticks)
+    written = []
+    for value in ticks:
+        text = length_text(value, digits=3) if QUANTITIES[by].power == 1 else _number(value, digits)
+        if value == found.low and found.below:
+            text = f"≤ {text}"
+        if value == found.high and found.above:
+            text = f"≥ {text}"
+        if by == "MEAN_CURVATURE" and value == found.centre:
+            text += "  target"
+        written.append(((value - found.low) / (found.high - found.low), text))
+    return written
+
+
+def _number(value: float, digits: int) -> str:
+    return f"{value:.3g}" if not value or digits > 5 or abs(value) >= 1e5 else f"{value:.{digits}f}"
+
+
+# --- drawing -------------------------------------------------------------------------------
+
+def _shows_colours(view: bpy.types.SpaceView3D) -> bool:
+    solid = view.shading.type == "SOLID" and view.shading.color_type == shading.BY_ATTRIBUTE
+    return solid and view.overlay.show_overlays
+
+
+def _draw() -> None:
+    context = bpy.context
+    if not _shows_colours(context.space_data):
+        return
+    legend = legend_of(context)
+    if legend is None:
+        return
+    scale = context.preferences.system.ui_scale
+    x, height = _left(context) + _MARGIN * scale, min(_HEIGHT * scale, _LARGEST * context.region.height)
+    y = 0.5 * (context.region.height - height)
+    if legend.range is not None:
+        _bar(legend.range, x, y, _BAR * scale, height)
+    text = (*context.preferences.themes[0].view_3d.space.text_hi, 1.0)
+    top = y + height if legend.range is not None else y
+    _write(legend.title, x, top + (_MARGIN + _LINE) * scale, _FONT * scale, text)
+    _write(legend.subtitle, x, top + _MARGIN * scale, _FONT * scale, text)
+    for place, words in legend.labels:
+        _write(words, x + 1.5 * _BAR * scale, y + place * height - 0.35 * _FONT * scale, _FONT * scale, text)
+
+
+def _left(context: bpy.types.Context) -> float:
+    """Where the toolbar ends, in pixels of the region that is drawn in."""
+    edges = [
+        region.x + region.width - context.region.x
+        for region in context.area.regions
+        if region.type == "TOOLS" and region.width > 1
+    ]
+    return max(0, *edges) if edges else 0
+
+
+def _bar(found: Range, x: float, y: float, width: float, height: float) -> None:
+    parts = np.linspace(0.0, 1.0, _PIECES)
+    rgb = found.colours(found.low + parts * (found.high - found.low))
+    places = [(x + side * width, y + part * height) for part in parts for side in (0, 1)]
+    colours = np.column_stack([np.repeat(rgb, 2, axis=0), np.ones(2 * _PIECES)])
+    shader = gpu.shader.from_builtin("SMOOTH_COLOR")
+    batch_for_shader(shader, "TRI_STRIP", {"pos": places, "color": colours.tolist()}).draw(shader)
+    frame = [(x, y), (x + width, y), (x + width, y + height), (x, y + height), (x, y)]
+    plain = gpu.shader.from_builtin("UNIFORM_COLOR")
+    plain.uniform_float("color", (0.0, 0.0, 0.0, 1.0))
+    batch_for_shader(plain, "LINE_STRIP", {"pos": frame}).draw(plain)
+
+
+def _write(words: str, x: float, y: float, size: float, colour: tuple[float, ...]) -> None:
+    blf.size(0, size)
+    blf.color(0, *colour)
+    blf.enable(0, blf.SHADOW)
+    blf.shadow(0, 3, 0.0, 0.0, 0.0, 0.7)
+    blf.shadow_offset(0, 1, -1)
+    blf.position(0, round(x), round(y), 0)
+    blf.draw(0, words)
+    blf.disable(0, blf.SHADOW)
+
+
+def register() -> None:
+    global _handle
+    if not bpy.app.background:
+        _handle = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_PIXEL")
+
+
+def unregister() -> None:
+    global _handle
+    if _handle is not None:
+        bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
+        _handle = None

@@ -1,0 +1,62 @@
+"""Look: what the results are coloured by, strokes along their lines of curvature, the Gauss image."""
+
+import bpy
+
+from ..drawing.strokes import usual_spacing_of
+from ..work import gauss_image
+from ..work.colours import families, stored_range
+from .tab import Tab, automatic, plan_to_solve, properties_column
+
+
+class CMC_PT_look(Tab, bpy.types.Panel):
+    """Shown where there is a result, of Solve or of a design."""
+
+    bl_idname = "CMC_PT_look"
+    bl_label = "Look"
+    bl_order = 4
+
+    @classmethod
+    def poll(cls, context):
+        plan = plan_to_solve(context)
+        return plan is not None and bool(families(plan))
+
+    def draw(self, context):
+        plan = plan_to_solve(context)
+        self.layout.enabled = plan.is_editable
+        column = properties_column(self.layout)
+        column.prop(plan.cmc, "colour_by")
+        if plan.cmc.colour_by != "NONE":
+            self._range(column, plan)
+        column.separator()
+        column.prop(plan.cmc, "strokes")
+        if plan.cmc.strokes != "NONE":
+            column.prop(plan.cmc, "stroke_spacing")
+            if not plan.cmc.stroke_spacing:
+                automatic(column, usual_spacing_of(families(plan)[0].shell.dimensions))
+        column.separator()
+        shown = gauss_image.is_shown(plan)
+        column.operator("cmc.gauss_image", depress=shown, icon="SHADING_RENDERED")
+
+    def _range(self, column, plan):
+        column.prop(plan.cmc, "colour_fit")
+        found = [stored_range(family.shell) for family in families(plan)]
+        if not plan.cmc.colour_fit:
+            both = column.column(align=True)
+            both.prop(plan.cmc, "colour_min")
+            both.prop(plan.cmc, "colour_max")
+        elif not any(found):
+            column.label(text="Not measured: solve again", icon="INFO")
+
+
+CLASSES = (CMC_PT_look,)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    for cls in reversed(CLASSES):
+        if cls.is_registered:
+            bpy.utils.unregister_class(cls)

@@ -1,0 +1,115 @@
+"""Design: a shell nearest to a surface, or to an outline, a curve, anchors; and how near it has come."""
+
+import json
+import math
+from functools import lru_cache
+
+import bpy
+
+from ...solver.design.targets import Anchors, Closed, Crown, NearSurface, RimOnCurve, TiltBounds
+from ..operators.design import draw_approximate, draw_fit
+from ..work.following import problem_of
+from ..work.results import result_of
+from .results_panel import numbers, paragraph, per_length
+from .tab import TALL, Tab, length_text, plan_to_solve, properties_column
+
+_LENGTHS = {target.label for target in (RimOnCurve, Crown, Anchors, NearSurface, Closed)}
+
+
+def last_design(context: bpy.types.Context) -> dict | None:
+    """The report of the last fit of the active plan or result; None where there was none."""
+    plan = plan_to_solve(context)
+    return _parsed(plan.cmc.design_report) if plan is not None and plan.cmc.design_report else None
+
+
+@lru_cache(maxsize=4)
+def _parsed(text: str) -> dict | None:
+    """A report as it was written; None if somebody else wrote into the property."""
+    try:
+        found = json.loads(text)
+        found["sheets"][found["sheet"]]["area"], found["message"], found["met"], found["distances"].items()
+    except (ValueError, KeyError, TypeError, AttributeError):
+        return None
+    return found
+
+
+class CMC_PT_design(Tab, bpy.types.Panel):
+    bl_idname = "CMC_PT_design"
+    bl_label = "Design"
+    bl_parent_id = "CMC_PT_shell"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 2
+
+    @classmethod
+    def poll(cls, context):
+        return plan_to_solve(context) is not None or _is_anchor(context.object)
+
+    def draw(self, context):
+        layout, plan = self.layout, plan_to_solve(context)
+        if plan is None:
+            properties_column(layout).prop(context.object.cmc, "anchor_weight", text="Anchor Weight")
+            return
+        draw_fit(self._settings(layout, context, plan), plan.cmc)
+        self._button(layout, "cmc.fit_outline")
+        if result_of(plan, "FIT") is not None:
+            self._settings(layout, context, plan).prop(plan.cmc, "follow")
+            if problem_of(plan):
+                paragraph(layout, context, problem_of(plan), "ERROR")
+        layout.separator()
+        draw_approximate(self._settings(layout, context, plan), plan.cmc)
+        self._button(layout, "cmc.approximate_surface")
+        report = last_design(context)
+        if report is not None:
+            paragraph(layout, context, report["message"], "CHECKMARK" if report["met"] else "ERROR")
+            numbers(layout, design_rows(report))
+
+    def _settings(self, layout, context, plan):
+        """A column of settings; the buttons are outside of it, since a disabled one says why only by itself."""
+        column = properties_column(layout)
+        column.enabled = plan.is_editable and not context.window_manager.cmc.running
+        return column
+
+    def _button(self, layout, name):
+        row = layout.row()
+        row.scale_y = TALL
+        row.operator(name)
+
+
+def _is_anchor(ob: bpy.types.Object | None) -> bool:
+    return ob is not None and ob.type == "EMPTY"
+
+
+def design_rows(report: dict) -> list[tuple[str, str]]:
+    shown, H = report["sheets"][report["sheet"]], report["mean_curvature"]
+    rows = [
+        ("Span", length_text(shown["span"])),
+        ("Rise", length_text(shown["rise"])),
+        ("Area", length_text(shown["area"], 2)),
+        ("Radius 1/H", length_text(1 / H)),
+        ("H", f"{H:.4g} {per_length()}"),
+    ]
+    if report.get("deviation"):
+        mean, most = (length_text(report["deviation"][name], digits=2) for name in ("mean", "max"))
+        rows.append(("Deviation", f"{mean}, at most {most}"))
+    return rows + [_distance_row(label, off) for label, off in report["distances"].items()]
+
+
+def _distance_row(label: str, off: float) -> tuple[str, str]:
+    name = label[:1].upper() + label[1:]
+    if label == TiltBounds.label:
+        return name, f"{math.degrees(off):.2g}°"
+    return name, length_text(off, digits=2) if label in _LENGTHS else f"{off:.2g}"
+
+
+CLASSES = (CMC_PT_design,)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    for cls in reversed(CLASSES):
+        if cls.is_registered:
+            bpy.utils.unregister_class(cls)

@@ -1,0 +1,51 @@
+"""Export: the last step, the shell as a file."""
+
+import bpy
+
+from ...solver.errors import CmcError
+from ..stored.export_settings import draw_export
+from ..work.exporting import wanted_objects
+from .tab import TALL, Tab, hint, plan_to_solve, properties_column, running_row
+
+
+class CMC_PT_export(Tab, bpy.types.Panel):
+    bl_idname = "CMC_PT_export"
+    bl_label = "Export"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 60
+
+    def draw(self, context):
+        layout, plan = self.layout, plan_to_solve(context)
+        if plan is None:
+            hint(layout, "Select a plan or its shell", "to write it as a file")
+            return
+        column = properties_column(layout)
+        column.enabled = plan.is_editable
+        draw_export(column, plan.cmc)
+        if context.window_manager.cmc.running:
+            running_row(layout, context)
+            return
+        row = layout.row()
+        row.scale_y = TALL
+        try:
+            objects = wanted_objects(context, plan, plan.cmc.export_what)
+        except CmcError as error:
+            hint(layout, *str(error).split("; "))
+            row.enabled = False
+        else:
+            hint(layout, objects[0].name if len(objects) == 1 else f"{len(objects)} objects as one mesh")
+        row.operator("cmc.export", text="Export…", icon="EXPORT")
+
+
+CLASSES = (CMC_PT_export,)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    for cls in reversed(CLASSES):
+        if cls.is_registered:
+            bpy.utils.unregister_class(cls)

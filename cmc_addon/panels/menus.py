@@ -1,0 +1,147 @@
+"""Menus: "CMC" in the Object and Mesh menus, where F3 finds every operator; "Assign to Boundary Group" in the context
+menu and the Edge menu of edit mode; presets of groups; Export in File > Export; and a pie for whoever wants one.
+
+The pie has no key of its own: in Preferences > Keymap add `wm.call_menu_pie` with the name CMC_MT_pie.
+"""
+
+import bpy
+
+from ..drawing.seeing_colours import icon_of
+from ..plans.group_presets import PRESETS
+from .tab import plan_to_solve
+
+
+class CMC_MT_group_presets(bpy.types.Menu):
+    bl_idname = "CMC_MT_group_presets"
+    bl_label = "Presets of Boundary Groups"
+
+    def draw(self, context):
+        for name, preset in PRESETS.items():
+            self.layout.operator("cmc.group_preset", text=preset.label, icon=preset.icon).preset = name
+
+
+class CMC_MT_assign(bpy.types.Menu):
+    bl_idname = "CMC_MT_assign"
+    bl_label = "Assign to Boundary Group"
+
+    def draw(self, context):
+        layout, mesh = self.layout, context.object.data
+        for group in mesh.cmc.groups:
+            layout.operator("cmc.group_assign", text=group.name, icon=icon_of(group.uid)).group = group.name
+        if mesh.cmc.groups:
+            layout.separator()
+        layout.operator("cmc.group_add", text="New Group", icon="ADD").assign = True
+        for name, preset in PRESETS.items():
+            layout.operator("cmc.group_new", text=f"New: {preset.label}", icon=preset.icon).preset = name
+        layout.separator()
+        layout.operator("cmc.group_remove_from", text="Remove from All Groups", icon="X").all = True
+
+
+class CMC_MT_object(bpy.types.Menu):
+    """All steps, in the order of the work"""
+
+    bl_idname = "CMC_MT_object"
+    bl_label = "CMC"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.operator("cmc.mesh_plan")
+        layout.separator()
+        for name in ("cmc.solve", "cmc.flip", "cmc.fit_outline", "cmc.approximate_surface"):
+            layout.operator(name)
+        layout.separator()
+        for name in ("cmc.complete", "cmc.close_periods", "cmc.tile_periods"):
+            layout.operator(name)
+        layout.separator()
+        for name in ("cmc.gauss_image", "cmc.count_modes", "cmc.start_from_shell", "cmc.start_clear"):
+            layout.operator(name)
+        layout.separator()
+        for which in ("OUTLINE", "PLAN", "SHELL"):
+            layout.operator("cmc.go_to", text=f"Go to {which.capitalize()}").target = which
+        layout.separator()
+        layout.operator("cmc.export", text="Export Shell…")
+
+
+class CMC_MT_mesh(bpy.types.Menu):
+    """What there is to do with the edges of a plan"""
+
+    bl_idname = "CMC_MT_mesh"
+    bl_label = "CMC"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.menu("CMC_MT_assign")
+        layout.operator("cmc.group_assign", text="Assign to Active Boundary Group")
+        for name in ("cmc.group_remove_from", "cmc.group_select", "cmc.group_deselect", "cmc.select_ungrouped"):
+            layout.operator(name)
+        layout.menu("CMC_MT_group_presets")
+        layout.separator()
+        for name in ("cmc.solve", "cmc.solve_selection", "cmc.flip", "cmc.fit_outline", "cmc.mesh_plan"):
+            layout.operator(name)
+
+
+class CMC_MT_pie(bpy.types.Menu):
+    """The most used, around the mouse"""
+
+    bl_idname = "CMC_MT_pie"
+    bl_label = "CMC"
+
+    def draw(self, context):
+        pie = self.layout.menu_pie()
+        editing = context.mode == "EDIT_MESH"
+        pie.operator("cmc.group_assign" if editing else "cmc.fit_outline")
+        pie.operator("cmc.solve_selection" if editing else "cmc.complete")
+        pie.operator("cmc.solve")
+        pie.operator("cmc.flip")
+        if not editing:
+            return
+        pie.operator("cmc.group_add", text="New Group from Selection").assign = True
+        pie.operator("cmc.select_ungrouped")
+        pie.operator("cmc.group_select")
+        pie.operator("cmc.group_remove_from")
+
+
+def _in_object_menu(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
+    menu.layout.separator()
+    menu.layout.menu("CMC_MT_object")
+
+
+def _in_mesh_menu(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
+    menu.layout.separator()
+    menu.layout.menu("CMC_MT_mesh")
+
+
+def _in_edge_menu(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
+    if plan_to_solve(context) == context.object:
+        menu.layout.separator()
+        menu.layout.menu("CMC_MT_assign", icon="MESH_GRID")
+
+
+def _in_export_menu(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
+    menu.layout.operator("cmc.export", text="CMC Shell (.glb/.obj/.ply/.stl)")
+
+
+CLASSES = (CMC_MT_group_presets, CMC_MT_assign, CMC_MT_object, CMC_MT_mesh, CMC_MT_pie)
+PLACES = {
+    "VIEW3D_MT_object": _in_object_menu,
+    "VIEW3D_MT_edit_mesh": _in_mesh_menu,
+    "VIEW3D_MT_edit_mesh_context_menu": _in_edge_menu,
+    "VIEW3D_MT_edit_mesh_edges": _in_edge_menu,
+    "TOPBAR_MT_file_export": _in_export_menu,
+}
+"""Blender's menu → what is added at its end."""
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    for name, draw in PLACES.items():
+        getattr(bpy.types, name).append(draw)
+
+
+def unregister() -> None:
+    for name, draw in PLACES.items():
+        getattr(bpy.types, name).remove(draw)
+    for cls in reversed(CLASSES):
+        if cls.is_registered:
+            bpy.utils.unregister_class(cls)

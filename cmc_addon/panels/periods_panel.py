@@ -1,0 +1,82 @@
+"""Periods: under Complete, the gaps around the holes of a plan, and the two things to do about them."""
+
+import bpy
+
+from ...solver.errors import CmcError
+from ..operators import add_bubble
+from ..operators.add_plan import first_in_add_menu, in_add_menu
+from ..stored.periods_settings import draw_close, draw_tile
+from ..work.periods import tile_counts
+from .periods_text import closing_rows, gap_rows
+from .results_panel import ResultPanel, last_report, numbers, paragraph
+from .symmetry_panel import completed_rows, has_holes, last_completion
+from .tab import TALL, hint, plan_to_solve, properties_column
+
+
+class CMC_PT_periods(ResultPanel, bpy.types.Panel):
+    bl_idname = "CMC_PT_periods"
+    bl_label = "Periods"
+    bl_parent_id = "CMC_PT_complete"
+    bl_order = 1
+
+    @classmethod
+    def poll(cls, context):
+        return has_holes(context)
+
+    def draw_header_preset(self, context):
+        self.layout.prop(context.scene.cmc, "show_periods", text="", icon="OVERLAY", emboss=False)
+
+    def draw(self, context):
+        layout, plan, report = self.layout, plan_to_solve(context), last_report(context)
+        numbers(layout, gap_rows(report))
+        numbers(layout, closing_rows(report))
+        column = properties_column(layout)
+        column.enabled = plan.is_editable and not context.window_manager.cmc.running
+        draw_close(column, plan.cmc)
+        self._button(layout, "cmc.close_periods")
+        if not report.get("is_open"):
+            hint(layout, "The shell closes: nothing", "to tile by")
+            return
+        layout.separator()
+        column = properties_column(layout)
+        column.enabled = plan.is_editable and not context.window_manager.cmc.running
+        draw_tile(column, plan.cmc, len(report["holes"]))
+        self._counts(layout, context, plan, len(report["holes"]))
+        self._button(layout, "cmc.tile_periods")
+        if plan.cmc.complete_report:
+            numbers(layout, completed_rows(last_completion(plan.cmc.complete_report)))
+
+    def _counts(self, layout, context, plan, holes):
+        """How many copies there will be."""
+        try:
+            copies, faces = tile_counts(plan, holes, plan.cmc.tile_repeat)
+        except CmcError as error:
+            paragraph(layout, context, str(error), "ERROR")
+            return
+        numbers(layout, [("Copies", f"{copies:,}"), ("Faces", f"{faces:,}")])
+
+    def _button(self, layout, name):
+        row = layout.row()
+        row.scale_y = TALL
+        row.operator(name)
+
+
+CLASSES = (CMC_PT_periods,)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    bpy.types.CMC_MT_add.prepend(first_in_add_menu)
+    bpy.types.CMC_MT_add.append(in_add_menu)
+    bpy.types.CMC_MT_add.append(add_bubble.in_add_menu)
+
+
+def unregister() -> None:
+    if hasattr(bpy.types, "CMC_MT_add"):
+        bpy.types.CMC_MT_add.remove(add_bubble.in_add_menu)
+        bpy.types.CMC_MT_add.remove(in_add_menu)
+        bpy.types.CMC_MT_add.remove(first_in_add_menu)
+    for cls in reversed(CLASSES):
+        if cls.is_registered:
+            bpy.utils.unregister_class(cls)

@@ -1,0 +1,170 @@
+"""The last solve in numbers, under the shell it belongs to. Drawn from the report which the solve has left."""
+
+import json
+import textwrap
+from functools import lru_cache
+
+import bpy
+
+from .periods_text import gap_sentence
+from .tab import Tab, length_text, plan_to_solve
+
+_LETTER = 7.0  # pixels, of the interface font at scale 1
+
+
+def last_report(context: bpy.types.Context) -> dict | None:
+    """The report of the active plan or result; None where nothing was solved."""
+    plan = plan_to_solve(context)
+    return _parsed(plan.cmc.report) if plan is not None and plan.cmc.report else None
+
+
+@lru_cache(maxsize=4)
+def _parsed(text: str) -> dict | None:
+    """A report as it was written; None if somebody else wrote into the property."""
+    try:
+        found = json.loads(text)
+        found["sheets"][found["sheet"]]["area"], found["message"], found["converged"]
+    except (ValueError, KeyError, TypeError):
+        return None
+    return found
+
+
+def paragraph(layout: bpy.types.UILayout, context: bpy.types.Context, text: str, icon: str) -> None:
+    """A sentence in as many lines as the sidebar's width asks for."""
+    scale = context.preferences.system.ui_scale or 1.0  # 0 where there is no window
+    letters = max(16, int((context.region.width / scale - 60) / _LETTER))
+    column = layout.column(align=True)
+    column.scale_y = 0.8
+    for k, line in enumerate(textwrap.wrap(text, letters)):
+        column.label(text=line, icon=icon if k == 0 else "BLANK1")
+
+
+def numbers(layout: bpy.types.UILayout, rows: list[tuple[str, str]]) -> None:
+    """Names on the left, values on the right, aligned as the settings above are."""
+    column = layout.column(align=True)
+    column.scale_y = 0.85
+    for name, value in rows:
+        split = column.split(factor=0.4)
+        left = split.row()
+        left.alignment = "RIGHT"
+        left.active = False
+        left.label(text=name)
+        split.label(text=value)
+
+
+class ResultPanel(Tab):
+    """Shown where there is a report."""
+
+    @classmethod
+    def poll(cls, context):
+        return last_report(context) is not None
+
+
+class CMC_PT_results(ResultPanel, bpy.types.Panel):
+    bl_idname = "CMC_PT_results"
+    bl_label = "Results"
+    bl_order = 3
+
+    def draw(self, context):
+        report = last_report(context)
+        shown = report["sheets"][report["sheet"]]
+        done = report["converged"] and not report.get("is_open")
+        paragraph(self.layout, context, gap_sentence(report) or report["message"], "CHECKMARK" if done else "ERROR")
+        numbers(self.layout, size_rows(report, shown))
+        for warning in report.get("warnings", ()):
+            if warning != report["message"]:
+                paragraph(self.layout, context, warning, "ERROR")
+
+
+def size_rows(report: dict, shown: dict) -> list[tuple[str, str]]:
+    H = report["mean_curvature"]
+    return [
+        ("Span", length_text(shown["span"])),
+        ("Rise", length_text(shown["rise"])),
+        ("Area", length_text(shown["area"], 2)),
+        ("Rim", length_text(shown["boundary_length"])),
+        ("Radius 1/H", length_text(1 / H)),
+        ("H", f"{H:.4g} {per_length()}"),
+    ]
+
+
+def per_length() -> str:
+    """What H is counted in: one over a Blender unit, which in a metric scene of scale 1 is a metre."""
+    units = bpy.context.scene.unit_settings
+    return "1/m" if units.system == "METRIC" and units.scale_length == 1.0 else "per unit"
+
+
+class CMC_PT_checks(ResultPanel, bpy.types.Panel):
+    bl_idname = "CMC_PT_checks"
+    bl_label = "Checks"
+    bl_parent_id = "CMC_PT_results"
+    bl_order = 1  # below Periods
+
+    def draw(self, context):
+        report = last_report(context)
+        numbers(self.layout, check_rows(report, report["sheets"][report["sheet"]]))
+
+
+def check_rows(report: dict, shown: dict) -> list[tuple[str, str]]:
+    rows = []
+    if shown["mean_curvature"]:
+        rows.append(("H off by", f"{100 * shown['mean_curvature']['relative_l2']:.2g} %"))
+    if shown["distortion"]:
+        rows.append(("Distortion", f"{shown['distortion']['mean']:.3f}, at most {shown['distortion']['max']:.3f}"))
+    if shown["outline"]:
+        mean, most = (length_text(shown["outline"][name], digits=2) for name in ("mean", "max"))
+        rows.append(("Off Outline", f"{mean}, at most {most}"))
+    if shown["overhang"]:
+        share = 100 * shown["overhang"]["area_share"]
+        rows.append(("Overhang", f"{share:.2g} %, by {shown['overhang']['largest_lean']:.1f}°" if share else "None"))
+    if shown["intersections"]:
+        pairs = shown["intersections"]["count"]
+        rows.append(("Crossing", f"{pairs} pairs of faces" if pairs else "None"))
+    if report["periods"]:
+        rows.append(("Gap", length_text(report["gap"])))
+    return rows
+
+
+class CMC_PT_solver(ResultPanel, bpy.types.Panel):
+    bl_idname = "CMC_PT_solver"
+    bl_label = "Solver"
+    bl_parent_id = "CMC_PT_results"
+    bl_order = 2
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        report = last_report(context)
+        rows = [
+            ("Energy E", f"{report['energy']:.6g}"),
+            *map_rows(report),
+            ("Residual", f"{report['residual']:.1e}"),
+            ("Steps", str(report["iterations"])),
+            ("Faces", str(report["faces"])),
+            ("Closure", f"{report['closure_error']:.1e}"),
+        ]
+        numbers(self.layout, rows)
+        if report["converged"] and report.get("index") is None:
+            self.layout.operator("cmc.count_modes")
+
+
+def map_rows(report: dict) -> list[tuple[str, str]]:
+    """Degree, and unstable modes where they were counted."""
+    rows = [("Degree", f"{round(report['degree'], 6) + 0.0:.3g}")]
+    if report.get("index") is not None:
+        null = f", {report['nullity']} null" if report.get("nullity") else ""
+        rows.append(("Unstable Modes", f"{report['index'] or 'None'}{null}"))
+    return rows
+
+
+CLASSES = (CMC_PT_results, CMC_PT_checks, CMC_PT_solver)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    for cls in reversed(CLASSES):
+        if cls.is_registered:
+            bpy.utils.unregister_class(cls)

@@ -1,0 +1,36 @@
+"""Which tab of the sidebar the panels are in: they have to be registered anew where that changes."""
+
+from __future__ import annotations
+
+import bpy
+
+from .tab import CATEGORY, Tab
+
+
+def put_into(category: str) -> None:
+    """Move all panels into a tab; an empty name is the usual one."""
+    category = category.strip() or CATEGORY
+    if Tab.bl_category == category:
+        return
+    Tab.bl_category = category
+    panels = sorted(_registered(Tab), key=_depth)
+    for cls in reversed(panels):
+        bpy.utils.unregister_class(cls)
+    for cls in panels:
+        bpy.utils.register_class(cls)
+
+
+def _registered(base: type) -> list[type]:
+    """Panels below a class that Blender knows now."""
+    found = []
+    for cls in base.__subclasses__():
+        if issubclass(cls, bpy.types.Panel) and cls.is_registered:
+            found.append(cls)
+        found += _registered(cls)
+    return list(dict.fromkeys(found))
+
+
+def _depth(cls: type) -> int:
+    """How many panels it is inside of: those around it come first."""
+    parent = getattr(cls, "bl_parent_id", "")
+    return 1 + _depth(getattr(bpy.types, parent)) if parent else 0

@@ -1,0 +1,186 @@
+"""Planes and copies: what mirrors need below the list of boundary groups, Complete by Symmetry, Add > Mesh > CMC."""
+
+import json
+from functools import lru_cache
+from types import SimpleNamespace
+
+import bpy
+
+from ...solver.errors import CmcError
+from ..bridges.mesh_cache import mirror_corners
+from ..plans.presets import PRESETS
+from ..stored.symmetry_settings import COMPLETE_SETTINGS, draw_complete
+from ..work.symmetry import counts
+from .results_panel import last_report, numbers, paragraph
+from .tab import TALL, Tab, hint, length_text, plan_to_solve, properties_column
+
+PLANAR_KINDS = ("MIRROR", "PLANE")
+
+
+def draw_group(layout: bpy.types.UILayout, context: bpy.types.Context, mesh: bpy.types.Mesh, group) -> None:
+    """For the active group: where its plane is, its corners, and whether the shell goes on across it."""
+    if group.kind in PLANAR_KINDS:
+        row = layout.row(align=True)
+        for plane in ("X", "Y", "Z"):
+            row.operator("cmc.group_plane", text=plane).plane = plane
+        row.operator("cmc.group_plane", text="Edges").plane = "EDGES"
+        row.operator("cmc.group_plane", text="", icon="ARROW_LEFTRIGHT").plane = "FLIP"
+    if group.kind == "MIRROR":
+        _draw_corners(layout, mesh, group)
+    if group.kind in (*PLANAR_KINDS, "FREE"):
+        properties_column(layout).prop(group, "across")
+        numbers(layout, plane_rows(last_report(context), group.name))
+
+
+def _draw_corners(layout, mesh, group) -> None:
+    names = {other.uid: other.name for other in mesh.cmc.groups}
+    for corner in mirror_corners(mesh):
+        normal = corner.normal(mesh)
+        if group.uid not in corner.uids or normal is None:
+            continue
+        other = names[corner.uids[0] if corner.uids[1] == group.uid else corner.uids[1]]
+        row = layout.row(align=True)
+        row.label(text=f"At {other}: faces {direction(normal)}", icon="EMPTY_SINGLE_ARROW")
+        row.operator("cmc.flip_corner", text="", icon="ARROW_LEFTRIGHT").vertex = corner.vertex
+
+
+def direction(normal) -> str:
+    """An axis by its name, other directions by their numbers."""
+    for k, axis in enumerate("XYZ"):
+        if abs(normal[k]) > 0.9999:
+            return f"{'+' if normal[k] > 0 else '-'}{axis}"
+    return "({:.2f}, {:.2f}, {:.2f})".format(*normal)
+
+
+def plane_rows(report: dict | None, name: str) -> list[tuple[str, str]]:
+    """Offset and planarity error of the sides of a group after the last solve."""
+    found = [] if report is None else report.get("planes", [])
+    rows = []
+    for plane in found:
+        if plane["name"] == name or plane["name"].rpartition(" ")[0] == name:
+            rows.append(("Plane at", length_text(plane["offset"])))
+            off = length_text(plane["error"], digits=2)
+            rows.append(("Off Plane", f"{off} ({100 * plane['relative']:.2g} %)"))
+    return rows
+
+
+class CMC_PT_complete(Tab, bpy.types.Panel):
+    """What makes the shell a part of something larger: copies by symmetry, and around holes by periods"""
+
+    bl_idname = "CMC_PT_complete"
+    bl_label = "Complete"
+    bl_order = 50
+
+    def draw(self, context):
+        plan = plan_to_solve(context)
+        if plan is None:
+            hint(self.layout, "Select a plan or its shell", "to continue it")
+        elif not _goes_on(plan) and not has_holes(context):
+            hint(self.layout, "A shell goes on across mirrors,", "planes, free sides, and around holes")
+
+
+def _goes_on(plan: bpy.types.Object) -> bool:
+    return any(group.kind in (*PLANAR_KINDS, "FREE") for group in plan.data.cmc.groups)
+
+
+def has_holes(context: bpy.types.Context) -> bool:
+    """Whether the last solve found holes around which the shell may have a gap."""
+    report = last_report(context)
+    return report is not None and bool(report.get("holes"))
+
+
+class CMC_PT_symmetry(Tab, bpy.types.Panel):
+    bl_idname = "CMC_PT_symmetry"
+    bl_label = "Symmetry"
+    bl_parent_id = "CMC_PT_complete"
+    bl_order = 0
+
+    @classmethod
+    def poll(cls, context):
+        plan = plan_to_solve(context)
+        return plan is not None and _goes_on(plan)
+
+    def draw(self, context):
+        layout, plan = self.layout, plan_to_solve(context)
+        column = properties_column(layout)
+        column.enabled = plan.is_editable and not context.window_manager.cmc.running
+        draw_complete(column, plan.cmc)
+        self._preview(layout, context, plan)
+        row = layout.row()
+        row.scale_y = TALL
+        row.operator("cmc.complete")
+        if plan.cmc.complete_report:
+            numbers(layout, completed_rows(last_completion(plan.cmc.complete_report)))
+
+    def _preview(self, layout, context, plan):
+        """How many copies there will be."""
+        try:
+            found = counts(plan, wanted_of(plan))
+        except CmcError as error:
+            paragraph(layout, context, str(error), "ERROR")
+            return
+        if found is None:
+            hint(layout, "Solve to see how many copies", "there will be")
+        else:
+            copies, more = found
+            than = "more than " if more else ""
+            faces = copies * len(plan.data.polygons)
+            numbers(layout, [("Copies", f"{than}{copies:,}"), ("Faces", f"{than}{faces:,}")])
+
+
+def wanted_of(plan: bpy.types.Object) -> SimpleNamespace:
+    """The settings stored with a plan, as the operator takes them."""
+    settings = plan.cmc
+    box = settings.complete_box.name if settings.complete_box is not None else ""
+    return SimpleNamespace(**{name: getattr(settings, name) for name in COMPLETE_SETTINGS}, box=box)
+
+
+@lru_cache(maxsize=4)
+def last_completion(text: str) -> dict | None:
+    """A report as it was written; None if somebody else wrote into the property."""
+    try:
+        found = json.loads(text)
+        found["copies"], found["largest_gap"], found["relative_gap"]
+    except (ValueError, KeyError, TypeError):
+        return None
+    return found
+
+
+def completed_rows(report: dict | None) -> list[tuple[str, str]]:
+    if report is None:
+        return []
+    gap = length_text(report["largest_gap"], digits=2)
+    rows = [("Made", f"{report['copies']:,} copies"), ("Seams", f"{gap} apart ({100 * report['relative_gap']:.2g} %)")]
+    if report.get("largest_offset"):
+        rows.append(("Off Plane", length_text(report["largest_offset"], digits=2)))
+    return rows
+
+
+class CMC_MT_add(bpy.types.Menu):
+    bl_idname = "CMC_MT_add"
+    bl_label = "CMC"
+
+    def draw(self, context):
+        for name, preset in PRESETS.items():
+            self.layout.operator("cmc.add_module", text=preset.name).module = name.upper()
+
+
+def _in_add_menu(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
+    menu.layout.separator()
+    menu.layout.menu("CMC_MT_add", icon="MESH_GRID")
+
+
+CLASSES = (CMC_PT_complete, CMC_PT_symmetry, CMC_MT_add)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    bpy.types.VIEW3D_MT_mesh_add.append(_in_add_menu)
+
+
+def unregister() -> None:
+    bpy.types.VIEW3D_MT_mesh_add.remove(_in_add_menu)
+    for cls in reversed(CLASSES):
+        if cls.is_registered:
+            bpy.utils.unregister_class(cls)

@@ -1,0 +1,269 @@
+"""The CMC tab of the sidebar: one column in the order of the work.
+
+    Plan 0, Boundary 1, Shell 2 (Options, Advanced, Design), Results 3 (what there is to see), Complete 50, Export 60
+
+are their `bl_order`. What is drawn depends on the active object and on nothing else; no state raises. A button that
+cannot be pressed is there, disabled, and its tooltip says why: that is its operator's `poll`. Here are Plan and Shell
+and what all panels share; Boundary is in `boundary_panel`, the numbers of a solve in `results_panel`.
+"""
+
+from collections.abc import Callable
+
+import bpy
+
+from ..bridges.edge_bridge import has_faces
+from ..bridges.outline_bridge import local_size
+from ..bridges.start_bridge import has_lengths, has_start
+from ..operators.go_to import target
+from ..operators.plan import outline_of, plan_of
+from ..operators.solve import draw_advanced, draw_shell
+from ..plans.outline import default_corner_radius, default_edge_length
+from ..stored.settings import SIZE_PROPERTY
+
+CATEGORY = "CMC"
+
+TALL = 1.3  # the buttons that do the work
+
+BESIDE_SOLVE: list[Callable[[bpy.types.UILayout, bpy.types.Context, bpy.types.Object], None]] = []
+"""Called with the layout below Solve, the context and the plan: rows of modules that come after this one."""
+
+
+class Tab:
+    """Where all panels are; `bl_order` says in which order."""
+
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = CATEGORY
+
+
+def plan_to_solve(context: bpy.types.Context) -> bpy.types.Object | None:
+    """The plan which Solve would take: the active mesh, or the plan that the active result comes from."""
+    ob = context.object
+    if ob is None:
+        return None
+    if ob.cmc.role != "NONE":
+        source = ob.cmc.source
+        return source if source is not None and source.users_scene else None
+    return ob if ob.type == "MESH" else None
+
+
+def hint(layout: bpy.types.UILayout, *lines: str) -> None:
+    """A sentence that says what to do next, in lines short enough for a narrow sidebar."""
+    column = layout.column(align=True)
+    column.active = False
+    column.scale_y = 0.8
+    for k, line in enumerate(lines):
+        column.label(text=line, icon="INFO" if k == 0 else "BLANK1")
+
+
+def properties_column(layout: bpy.types.UILayout) -> bpy.types.UILayout:
+    """A column of settings as Blender's own panels have them."""
+    column = layout.column()
+    column.use_property_split = True
+    column.use_property_decorate = False
+    return column
+
+
+def go_to_row(layout: bpy.types.UILayout, ob: bpy.types.Object, which: str) -> None:
+    """Name of an object that belongs to this one, if there is one; a click makes it the active object."""
+    other = target(ob, which)
+    if other is not None:
+        split = layout.split(factor=0.4)
+        name = split.row()
+        name.alignment = "RIGHT"
+        name.label(text=which.capitalize())
+        split.operator("cmc.go_to", text=other.name, icon=_ICONS[which]).target = which
+
+
+_ICONS = {"OUTLINE": "CURVE_DATA", "PLAN": "MESH_GRID", "SHELL": "SURFACE_NSURFACE", "FIT": "SNAP_ON"}
+
+
+# --- Mesh Plan -----------------------------------------------------------------------------
+
+class CMC_PT_plan(Tab, bpy.types.Panel):
+    bl_idname = "CMC_PT_plan"
+    bl_label = "Plan"
+    bl_order = 0
+
+    def draw(self, context):
+        layout, ob = self.layout, context.object
+        if ob is None or ob.type not in {"MESH", "CURVE"}:
+            hint(layout, "Select a mesh or a closed curve", "to use as plan")
+            return
+        if ob.cmc.role != "NONE":
+            if target(ob, "PLAN"):
+                go_to_row(layout, ob, "PLAN")
+            else:
+                hint(layout, "The plan of this result", "has been deleted")
+            return
+        self._settings(layout, context.scene.cmc, ob)
+        go_to_row(layout, ob, "OUTLINE" if ob.cmc.meshed else "PLAN")
+        if context.window_manager.cmc.running:
+            running_row(layout, context)
+            return
+        row = layout.row()
+        row.scale_y = TALL
+        row.operator("cmc.mesh_plan", text="Mesh Plan" if plan_of(ob) is None else "Update Plan")
+
+    def _settings(self, layout, settings, ob):
+        column = properties_column(layout)
+        size = local_size(outline_of(ob))
+        column.prop(settings, "edge_length")
+        if not settings.edge_length:
+            automatic(column, default_edge_length(size))
+        column.prop(settings, "round_corners", text="Round Corners")
+        if settings.round_corners:
+            column.prop(settings, "corner_radius", text="Radius")
+            if not settings.corner_radius:
+                automatic(column, default_corner_radius(size))
+
+
+def running_row(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """In the place of a button, while something runs: how far it is, and the cross that stops it."""
+    run = context.window_manager.cmc
+    row = layout.row(align=True)
+    row.progress(factor=run.progress, text=run.message or "Working")
+    row.operator("cmc.cancel", text="", icon="X")
+
+
+def automatic(column: bpy.types.UILayout, length: float) -> None:
+    """What a setting of 0 stands for now, under that setting."""
+    row = column.row()
+    row.active = False
+    split = row.split(factor=0.4)
+    split.label()
+    split.label(text=f"Automatic: {length_text(length)}")
+
+
+def length_text(value: float, power: int = 1, digits: int = 4) -> str:
+    """A length or area in the scene's units."""
+    units = bpy.context.scene.unit_settings
+    if units.system == "NONE":
+        return f"{value:.{digits}g}"
+    kind = {1: "LENGTH", 2: "AREA"}[power]
+    value *= units.scale_length**power
+    return bpy.utils.units.to_string(units.system, kind, value, precision=digits, split_unit=False)
+
+
+# --- the shell -----------------------------------------------------------------------------
+
+class CMC_PT_shell(Tab, bpy.types.Panel):
+    bl_idname = "CMC_PT_shell"
+    bl_label = "Shell"
+    bl_order = 2
+
+    def draw(self, context):
+        layout, plan = self.layout, plan_to_solve(context)
+        if context.window_manager.cmc.running:
+            running_row(layout, context)
+            return
+        if plan is None:
+            hint(layout, "Select a plan; from a curve", "Mesh Plan makes one")
+            self._solve(layout)
+            return
+        if not has_faces(plan.data):
+            hint(layout, "This mesh has no faces:", "Mesh Plan makes them")
+            self._solve(layout)
+            return
+        if plan == context.object and not plan.cmc.meshed and target(plan, "PLAN") is not None:
+            hint(layout, "This is the outline;", "its plan is what is solved")
+            go_to_row(layout, plan, "PLAN")
+            return
+        if not plan.is_editable:
+            hint(layout, "This plan is linked from another", "file; make it local to solve it")
+        self._settings(layout, plan)
+        self._solve(layout)
+        if context.mode == "EDIT_MESH":
+            layout.operator("cmc.solve_selection")
+        for draw in BESIDE_SOLVE:
+            draw(layout, context, plan)
+        go_to_row(layout, context.object, "SHELL")
+        go_to_row(layout, context.object, "FIT")
+
+    def _solve(self, layout):
+        row = layout.split(factor=0.75, align=True)
+        row.scale_y = TALL
+        row.operator("cmc.solve")
+        row.operator("cmc.flip")
+
+    def _settings(self, layout, plan):
+        settings = plan.cmc
+        column = properties_column(layout)
+        column.enabled = plan.is_editable
+        column.prop(settings, "size")
+        value = SIZE_PROPERTY[settings.size]
+        if value:
+            column.prop(settings, value)
+        column.prop(settings, "ground")
+
+
+class CMC_PT_options(Tab, bpy.types.Panel):
+    bl_idname = "CMC_PT_options"
+    bl_label = "Options"
+    bl_parent_id = "CMC_PT_shell"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 1
+
+    @classmethod
+    def poll(cls, context):
+        return plan_to_solve(context) is not None
+
+    def draw(self, context):
+        settings = plan_to_solve(context).cmc
+        column = properties_column(self.layout)
+        column.enabled = plan_to_solve(context).is_editable
+        draw_shell(column, settings)
+        column.prop(settings, "sheet")
+        checks = column.column(heading="Also Make")
+        for name in ("want_twin", "want_g", "want_gauss"):
+            checks.prop(settings, name)
+        column.prop(settings, "apply_modifiers")
+        if settings.size == "MATCH_PLAN":
+            column.prop(settings, "rotate")
+        column.separator()
+        for name in ("tolerance", "intersections", "count_modes"):
+            column.prop(settings, name)
+
+
+class CMC_PT_advanced(Tab, bpy.types.Panel):
+    bl_idname = "CMC_PT_advanced"
+    bl_label = "Advanced"
+    bl_parent_id = "CMC_PT_shell"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 1
+
+    @classmethod
+    def poll(cls, context):
+        return plan_to_solve(context) is not None
+
+    def draw(self, context):
+        plan = plan_to_solve(context)
+        column = properties_column(self.layout)
+        column.enabled = plan.is_editable
+        draw_advanced(column, plan.cmc)
+        draw_start(column, plan)
+
+
+def draw_start(layout: bpy.types.UILayout, plan: bpy.types.Object) -> None:
+    """What the plan has to be solved from, and the buttons that give and take it."""
+    layout.separator()
+    known = {"map to start from": has_start(plan.data), "own edge lengths": has_lengths(plan.data)}
+    if any(known.values()):
+        row = layout.row()
+        row.label(text=f"Has {' and '.join(name for name, there in known.items() if there)}", icon="INFO")
+        row.operator("cmc.start_clear", text="", icon="X")
+    layout.operator("cmc.start_from_shell")
+
+
+CLASSES = (CMC_PT_plan, CMC_PT_shell, CMC_PT_options, CMC_PT_advanced)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    for cls in reversed(CLASSES):
+        if cls.is_registered:
+            bpy.utils.unregister_class(cls)

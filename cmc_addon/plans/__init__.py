@@ -1,0 +1,1 @@
+"""Plans and modules to start from, as arrays."""

@@ -1,0 +1,1 @@
+"""What the add-on keeps in a .blend file, and its settings."""

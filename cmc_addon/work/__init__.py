@@ -1,0 +1,1 @@
+"""What is done to plans: solved, designed, completed, measured, exported."""

@@ -1,0 +1,1 @@
+"""Job files: their tables, and the files that a job writes."""

@@ -1,0 +1,49 @@
+"""The [close] table of a job: what may change so that the shell closes around the holes of its plan."""
+
+from __future__ import annotations
+
+from ..design.holes import MOTIONS
+from ..errors import CmcError
+from ..plans.closing import MOVING, WAYS, Closure
+from .tables import Table, suggestion
+
+KEYS = ("by", "weight", "move", "holes", "max_steps")
+# Keys that go with some of the ways only.
+_FOR = {"weight": ("both",), "move": MOVING, "holes": MOVING}
+
+
+def read_close(root: Table) -> Closure | None:
+    """How a job's [close] wants its shell closed, None without one. Raises `JobError`."""
+    if "close" not in root:
+        return None
+    table = root.table("close")
+    if "fit" in root:
+        raise table.fail("a shell that is fitted is closed by the fit; take [fit] or [close] out.")
+    table.known.extend(KEYS)
+    by = table.text("by", "normals", among=list(WAYS))
+    for key, ways in _FOR.items():
+        if key in table and by not in ways:
+            fitting = " or ".join(f'"{way}"' for way in ways)
+            raise table.fail(f'"{key}" goes with by = {fitting}, not with "{by}".')
+    values: dict[str, object] = {"by": by}
+    if "weight" in table:
+        values["weight"] = table.number("weight")
+    if "max_steps" in table:
+        values["max_steps"] = table.integer("max_steps")
+    if "move" in table:
+        values["move"] = _motions(table)
+    if "holes" in table:
+        values["holes"] = tuple(table.integers("holes"))
+    table.finish()
+    try:
+        return Closure(**values)  # type: ignore[arg-type]
+    except CmcError as error:
+        raise table.fail(str(error)) from error
+
+
+def _motions(table: Table) -> tuple[str, ...]:
+    names = table.texts("move")
+    for name in names:
+        if name not in MOTIONS:
+            raise table.fail(f'there is no motion "{name}" of a hole{suggestion(name, MOTIONS)}')
+    return tuple(dict.fromkeys(names))

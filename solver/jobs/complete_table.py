@@ -1,0 +1,124 @@
+"""The [complete] table of a job: across which groups the shell goes on, how far, and what is written of it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import CmcError
+from ..files import FORMATS
+from ..plans.completing import Extent
+from ..plans.plan import Group
+from ..plans.sides import check_sides
+from ..surface.symmetry import MOST_COPIES
+from .tables import Table, suggestion
+
+KEYS = ("sides", "copies", "box", "around", "repeat", "mesh", "instances")
+
+
+@dataclass(frozen=True, eq=False)
+class Completing:
+    """What a job wants of the completed shell: which copies, and the files (None: not wanted)."""
+
+    extent: Extent
+    mesh: Path | None = None
+    instances: Path | None = None
+
+    @property
+    def files(self) -> dict[str, Path]:
+        """Name of a result → its file."""
+        named = {"completed": self.mesh, "instances": self.instances}
+        return {name: file for name, file in named.items() if file is not None}
+
+
+def read_complete(root: Table, groups: Sequence[Group], folder: Path) -> Completing | None:
+    """What a job's [complete] asks for, None without one. Raises `JobError`."""
+    if "complete" not in root:
+        return None
+    table = root.table("complete")
+    if "fit" in root:
+        raise table.fail("a shell that is fitted has no sides to go on across; take [fit] or [complete] out.")
+    table.known.extend(KEYS)
+    if ("mesh" in table) + ("instances" in table) == 0:
+        raise table.fail('say what to write: "mesh" for one welded mesh, "instances" for a list of transforms.')
+    completing = Completing(
+        _extent(table, groups),
+        _file(table, "mesh", folder, FORMATS),
+        _file(table, "instances", folder, (".json",)),
+    )
+    table.finish()
+    return completing
+
+
+def _extent(table: Table, groups: Sequence[Group]) -> Extent:
+    chosen = [key for key in ("copies", "box", "around") if key in table]
+    if len(chosen) > 1:
+        raise table.fail(f"give one of copies, box and around, not {' and '.join(chosen)}.")
+    if "repeat" in table and chosen and chosen[0] != "around":
+        raise table.fail(f'"repeat" goes with the unit cell or with "around", not with "{chosen[0]}".')
+    sides = _group_names(table, "sides", table.texts("sides"), groups) if "sides" in table else None
+    try:
+        check_sides(groups, sides)
+    except CmcError as error:
+        raise table.fail(str(error)) from error
+    return Extent(
+        sides=sides,
+        copies=_count(table, "copies", MOST_COPIES) if "copies" in table else None,
+        box=_box(table) if "box" in table else None,
+        around=_around(table, groups) if "around" in table else (),
+        repeat=_repeat(table) if "repeat" in table else 1,
+    )
+
+
+def _group_names(table: Table, key: str, names: Sequence[str], groups: Sequence[Group]) -> list[str]:
+    """Names as the conditions have them: "side left" may be called "left"."""
+    full = {group.name: group.name for group in groups}
+    known = {name.split(" ", 1)[-1]: name for name in full} | full
+    for name in names:
+        if name not in known:
+            raise table.fail(f'"{key}": no condition is on "{name}"{suggestion(name, known)}')
+    return [known[name] for name in names]
+
+
+def _count(table: Table, key: str, most: int) -> int:
+    value = table.integer(key)
+    if not 1 <= value <= most:
+        raise table.fail(f'"{key}" must be from 1 to {most}, not {value}.')
+    return value
+
+
+def _box(table: Table) -> np.ndarray:
+    box = table.rows("box", 3, "two corners, [[0, 0, 0], [1, 1, 1]]")
+    if len(box) != 2 or not (box[0] < box[1]).all():
+        raise table.fail('"box" must be two corners, the lowest one first, [[0, 0, 0], [1, 1, 1]].')
+    return box
+
+
+def _around(table: Table, groups: Sequence[Group]) -> list[list[str]]:
+    rings = table.data["around"]
+    if not isinstance(rings, list) or not rings or not all(isinstance(ring, list) and ring for ring in rings):
+        raise table.fail('"around" must be a list of lists of sides, [["left", "floor"]].')
+    return [
+        _group_names(table, "around", Table({"around": ring}, table.where).texts("around"), groups) for ring in rings
+    ]
+
+
+def _repeat(table: Table) -> int | list[int]:
+    value = table.data["repeat"]
+    times = value if isinstance(value, list) else [value]
+    if not times or len(times) > 3 or not all(type(n) is int and n >= 1 for n in times):
+        raise table.fail('"repeat" must be a whole number of 1 or more, or up to three of them, [3, 3].')
+    return times if isinstance(value, list) else int(value)
+
+
+def _file(table: Table, key: str, folder: Path, formats: Sequence[str]) -> Path | None:
+    if key not in table:
+        return None
+    path = Path(os.path.normpath(folder / table.text(key)))
+    if path.suffix.lower() not in formats:
+        raise table.fail(f'"{key}" has no format known here ("{path.suffix}"); use {", ".join(formats)}.')
+    return path

@@ -1,0 +1,131 @@
+"""The files a solved job leaves: the sheets as meshes, with what the plan's mesh carries, and the report."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import JobError
+from ..files import MeshData, corner_rows, write_bytes, write_mesh
+from ..measure.report import plain
+from ..plans.formed import Formed, sheet_polygons
+from ..plans.plan import Plan
+from ..plans.polygon_sheets import PolygonSheet, polygon_sheet
+
+SHEET_KEYS = {"f_plus": "f+", "f_minus": "f-", "g": "g", "gauss": "gauss"}
+"""Key of a file in a job → name of the sheet."""
+
+
+def sheet_mesh(formed: Formed, sheet: str, plan: Plan, mesh: MeshData, *, triangles: bool = False) -> MeshData:
+    """A placed sheet with the polygons, UVs, groups and materials of the plan's mesh.
+
+    A polygon that the cut of an open surface runs through is there as triangles; edge groups are kept
+    unless the surface is cut. `triangles` gives the plan's triangles instead, since a
+    sheet that folds has polygons no other triangles fit. Raises `JobError` where the sheet degenerates to a
+    point.
+    """
+    _check_placed(formed, sheet)
+    assert plan.polygons is not None and plan.triangle_polygons is not None
+    polygons, owner = list(formed.faces), plan.triangle_polygons
+    if not triangles:
+        polygons, owner = sheet_polygons(plan.polygons, plan.triangle_polygons, plan.triangles, formed.faces)
+    uv_corners = []
+    if mesh.uv_corners:
+        for polygon, index in zip(polygons, owner, strict=True):
+            rows = mesh.uv_corners[index]
+            row_of = dict(zip(mesh.polygons[index].tolist(), rows.tolist(), strict=False))
+            corners = [row_of[vertex] for vertex in formed.source[polygon].tolist()] if len(rows) else []
+            uv_corners.append(np.array(corners, dtype=np.int32))
+    names = {
+        key: [values[index] for index in owner.tolist()] if (values := getattr(mesh, key)) else []
+        for key in ("objects", "groups", "materials")
+    }
+    cut = len(formed.source) != len(plan.positions)
+    return replace(
+        mesh,
+        positions=formed.placed[sheet],
+        polygons=polygons,
+        uv_corners=uv_corners,
+        edge_groups={} if cut else mesh.edge_groups,
+        **names,
+    )
+
+
+def polygon_mesh(sheet: PolygonSheet, plan: Plan, mesh: MeshData) -> MeshData:
+    """A dual or corner mesh with the UVs, objects, groups and materials of the plan's mesh, as far as they have any.
+
+    Every row has one UV, interpolated in its triangle; a polygon with a row that has none is without.
+    """
+    assert plan.triangle_polygons is not None
+    owners = sheet.owners(plan.triangles, plan.triangle_polygons).tolist()
+    uvs, uv_corners = np.empty((0, 2)), []
+    if mesh.uv_corners:
+        rows = corner_rows(mesh.polygons, mesh.uv_corners, plan.triangles, plan.triangle_polygons)
+        padded = np.vstack([mesh.uvs, np.full((1, 2), np.nan)])  # row -1
+        uvs = sheet.from_corners(padded[rows], plan.triangles)
+        known = np.isfinite(uvs).all(axis=1)
+        uv_corners = [p if known[p].all() else p[:0] for p in sheet.polygons]
+        uvs = np.nan_to_num(uvs)
+    names = {
+        key: [values[index] for index in owners] if (values := getattr(mesh, key)) else []
+        for key in ("objects", "groups", "materials")
+    }
+    return replace(
+        mesh, positions=sheet.points, polygons=sheet.polygons, uvs=uvs, uv_corners=uv_corners, edge_groups={}, **names
+    )
+
+
+def _check_placed(formed: Formed, sheet: str) -> None:
+    if sheet not in formed.placed:
+        raise JobError(f"{sheet} degenerates to a point for these boundary conditions, so there is nothing to write.")
+
+
+def report_data(formed: Formed) -> dict[str, Any]:
+    """The report as plain data, with the message and the warnings, and for a fit how near it came."""
+    data = {"message": formed.message, "warnings": formed.warnings, **formed.report.to_dict()}
+    if formed.fit is None:
+        return data
+    found = formed.fit
+    return data | {
+        "fit": {
+            "met": found.met,
+            "status": found.status.value,
+            "message": found.message,
+            "distances": plain(found.distances),
+            "evaluations": len(found.history),
+        }
+    }
+
+
+def write_results(
+    formed: Formed,
+    plan: Plan,
+    mesh: MeshData,
+    outputs: Mapping[str, Path],
+    *,
+    up: str | None = None,
+    combinatorics: str = "primal",
+    more: Mapping[str, Any] | None = None,
+) -> None:
+    """Write each of `outputs`, sheet or "report" → file; the report first: it says why a sheet is missing.
+
+    combinatorics: of `COMBINATORICS`, the polygons of the sheets. more: tables to add to the report.
+    """
+    if "report" in outputs:
+        text = json.dumps(report_data(formed) | dict(more or {}), indent=2, ensure_ascii=False, allow_nan=False)
+        write_bytes(outputs["report"], (text + "\n").encode())
+    for name, file in outputs.items():
+        if name == "report":
+            continue
+        _check_placed(formed, name)
+        if combinatorics == "primal":
+            sheet = sheet_mesh(formed, name, plan, mesh, triangles=file.suffix.lower() != ".obj")
+            write_mesh(file, sheet, normals=formed.normals[name], up=up)
+        else:
+            polygons = polygon_sheet(formed, name, combinatorics)
+            write_mesh(file, polygon_mesh(polygons, plan, mesh), normals=polygons.normals, up=up)

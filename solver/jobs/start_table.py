@@ -1,0 +1,73 @@
+"""The start of a job: a .npz file with the normals to start from, and edge lengths in place of the drawn ones."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import CmcError, JobError
+from ..plans.metric import side_lengths, start_map
+from ..plans.plan import Plan
+from .tables import Table
+
+Array = NDArray[np.float64]
+Int = NDArray[np.integer]
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """normals (V, 3), or None; lengths (E,) of the edges (E, 2), vertex pairs, or None."""
+
+    normals: Array | None = None
+    edges: Int | None = None
+    lengths: Array | None = None
+
+
+def read_start_key(root: Table, plan: Plan, folder: Path) -> None:
+    """Give a plan what the file of `start = "file.npz"` has. Raises `JobError` where that does not fit the plan."""
+    name = root.text("start")
+    if not name:
+        return
+    try:
+        start = read_start(folder / name)
+        if start.normals is not None:
+            plan.initial = start_map(start.normals, len(plan.positions))
+        if start.edges is not None and start.lengths is not None:
+            plan.lengths = side_lengths(plan.triangles, start.edges, start.lengths)
+    except CmcError as error:
+        raise root.fail(f'"start": {error}') from error
+
+
+def read_start(path: str | os.PathLike[str]) -> Start:
+    """The arrays `normals` (V, 3), `edges` (E, 2) and `lengths` (E,) of a .npz file, as far as they are there.
+
+    Raises `JobError` where the file cannot be read or has none of them, or edges without lengths.
+    """
+    file = Path(path)
+    try:
+        with np.load(file, allow_pickle=False) as data:
+            found = {name: data[name] for name in ("normals", "edges", "lengths") if name in data}
+    except (OSError, ValueError, BadZipFile) as error:
+        raise JobError(f"{file} cannot be read as .npz: {error}.") from error
+    if not found or ("edges" in found) != ("lengths" in found):
+        raise JobError(f'{file} must have the arrays "normals", or "edges" and "lengths", or all three.')
+    lengths = found.get("lengths")
+    if lengths is not None and np.shape(found["edges"]) != (np.size(lengths), 2):
+        raise JobError(f'{file} has "edges" of shape {np.shape(found["edges"])} for {np.size(lengths)} "lengths".')
+    return Start(found.get("normals"), found.get("edges"), lengths)
+
+
+def write_start(
+    path: str | os.PathLike[str],
+    normals: Array | None = None,
+    edges: Int | None = None,
+    lengths: Array | None = None,
+) -> None:
+    """Write what `read_start` reads; edges and lengths go together."""
+    arrays = {"normals": normals, "edges": edges, "lengths": lengths}
+    np.savez_compressed(path, **{name: np.asarray(array) for name, array in arrays.items() if array is not None})

@@ -1,0 +1,117 @@
+"""What a plan may bring besides its drawing: edge lengths in place of the drawn ones, and a map to start from.
+
+Lengths say of which conformal type the domain is where a drawing cannot: a flat torus has no place in space. A start
+says which harmonic map is meant where there are several, and stands for a boundary where there is none.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..domain import connectivity
+from ..domain.domain import Domain
+from ..domain.sites import SiteGraph
+from ..errors import MeshError, plural
+from ..linalg import as_numbers
+
+Array = NDArray[np.float64]
+Int = NDArray[np.integer]
+
+# Of two sides of a triangle the third falls short by at least this part: single precision leaves 1e-7.
+_SHORTER = 1e-6
+# How messages call them; the names in brackets are those of the attributes in Blender.
+_LENGTHS = "The plan's own edge lengths (cmc_length)"
+_START = "The start of the plan (cmc_start)"
+# A start shorter than this has no direction.
+_SHORTEST = 1e-6
+
+
+def side_lengths(triangles: Int, edges: ArrayLike, lengths: ArrayLike) -> Array:
+    """(T, 3) lengths of the sides of triangles (T, 3), side k opposite corner k, from those of edges (E, 2), pairs.
+
+    Raises `MeshError` on lengths that are not positive numbers, and naming a side that is no edge.
+    """
+    pairs = np.sort(np.asarray(edges, dtype=np.int64).reshape(-1, 2), axis=1)
+    values = np.asarray(lengths, dtype=np.float64).ravel()
+    corners = np.asarray(triangles, dtype=np.int64)
+    sides = np.sort(np.stack([np.roll(corners, -1, axis=1), np.roll(corners, 1, axis=1)], axis=2), axis=2)
+    count = int(max(corners.max(initial=0), pairs.max(initial=0))) + 1
+    keys = pairs @ [count, 1]
+    order = np.argsort(keys, kind="stable")
+    wanted = sides @ [count, 1]
+    slot = order[np.searchsorted(keys[order], wanted).clip(max=max(len(keys) - 1, 0))] if len(keys) else None
+    known = np.zeros(wanted.shape, dtype=bool) if slot is None else keys[slot] == wanted
+    if slot is None or not known.all():
+        bad = np.flatnonzero(~known.all(axis=1))
+        raise MeshError(
+            f"{_LENGTHS} are needed for every side of a triangle, and {plural('face', bad)} "
+            f"{'has' if len(bad) == 1 else 'have'} a side without; triangulate the faces, or leave the lengths out.",
+            faces=bad,
+        )
+    found = values[slot]
+    bad = np.flatnonzero(~(np.isfinite(found) & (found > 0.0)).all(axis=1))
+    if bad.size:
+        raise MeshError(
+            f"{_LENGTHS} are not positive numbers at {plural('face', bad)}; give each edge one, or leave them out.",
+            faces=bad,
+        )
+    return found
+
+
+def metric_domain(positions: Array, triangles: Int, lengths: Array) -> Domain:
+    """The domain of drawn triangles (T, 3) with other side lengths (T, 3), side k opposite corner k.
+
+    Raises `MeshError` where the triangles are no surface, and naming faces whose sides are no triangle.
+    """
+    faces = connectivity.as_faces(triangles)
+    connectivity.check_faces(faces, len(positions))
+    sides = np.asarray(lengths, dtype=np.float64)
+    if sides.shape != faces.shape:
+        raise MeshError(f"{_LENGTHS} must have shape {faces.shape}, not {sides.shape}.")
+    bad = np.flatnonzero(2.0 * sides.max(axis=1) >= (1.0 - _SHORTER) * sides.sum(axis=1))
+    if bad.size:
+        raise MeshError(
+            f"{_LENGTHS} make no triangle of {plural('face', bad)}: one side is as long as the two others together; "
+            "correct them, or leave them out.",
+            faces=bad,
+        )
+    return Domain.from_edge_lengths(faces, sides)
+
+
+def start_map(initial: ArrayLike, count: int) -> Array:
+    """Unit normals (V, 3) of a start, given one vector for each of `count` vertices.
+
+    Raises `MeshError` on another shape, and naming vertices whose vector is zero or not finite.
+    """
+    given = as_numbers(initial, "The normals of a start", MeshError)
+    if given.shape != (count, 3):
+        raise MeshError(f"A start has a normal for each of the {count} vertices of the plan, not shape {given.shape}.")
+    length = np.linalg.norm(given, axis=1)
+    bad = np.flatnonzero(~(np.isfinite(length) & (length > _SHORTEST)))
+    if bad.size:
+        raise MeshError(
+            f"{_START} has no normal at {plural('vertex', bad)}, where it is zero or not finite; give one, or leave "
+            "the start out.",
+            vertices=bad,
+        )
+    return given / length[:, None]
+
+
+def at_sites(graph: SiteGraph, normals: Array) -> Array:
+    """Unit normals (S, 3) of a start at the sites of a graph: at faces the mean of the corners, on the rim of the ends.
+
+    Raises `MeshError` naming where they cancel.
+    """
+    if graph.at_vertices:
+        return normals
+    domain = graph.domain
+    means = normals[domain.faces].mean(axis=1)
+    if graph.count > len(domain.faces):
+        means = np.concatenate([means, normals[domain.edges[domain.boundary_edges]].mean(axis=1)])
+    length = np.linalg.norm(means, axis=1)
+    bad = np.flatnonzero(length < _SHORTEST)
+    if bad.size:
+        where, offenders = graph.named(bad)
+        raise MeshError(f"The normals of the start cancel at {where}; refine the plan there.", **offenders)
+    return means / length[:, None]
