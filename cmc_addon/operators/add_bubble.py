@@ -5,10 +5,9 @@ import math
 import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty
 
-from ...solver.errors import CmcError
 from ..plans.bubble_plans import ring_plan, torus_plan, wente_plan
 from ..work.readiness import LEAVE_EDIT_MODE, allow
-from .add_plan import new_plan
+from .add_plan import add
 
 BUBBLES = [
     ("WENTE", "Wente Cylinder", "A quarter of one of the cylinders that a Wente torus is made of: Solve, then Complete "
@@ -65,17 +64,7 @@ class CMC_OT_add_bubble(bpy.types.Operator):
         if not self.properties.is_property_set("columns"):
             self.columns = _OWN_COLUMNS[self.bubble]
         make, names = _MAKE[self.bubble]
-        try:
-            start = make(*(getattr(self, name) for name in names))
-        except CmcError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        plan = new_plan(context, start)
-        for other in context.selected_objects:
-            other.select_set(False)
-        plan.select_set(True)
-        context.view_layer.objects.active = plan
-        return {"FINISHED"}
+        return add(self, context, make, names)
 
     def draw(self, context):
         column = self.layout.column()

@@ -92,23 +92,28 @@ class CMC_OT_add_plan(bpy.types.Operator):
         for name, value in _OWN.get(self.shape, {}).items():
             if not self.properties.is_property_set(name):
                 setattr(self, name, value)
-        try:
-            start = make(*(getattr(self, name) for name in names))
-        except CmcError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        plan = new_plan(context, start)
-        for other in context.selected_objects:
-            other.select_set(False)
-        plan.select_set(True)
-        context.view_layer.objects.active = plan
-        return {"FINISHED"}
+        return add(self, context, make, names)
 
     def draw(self, context):
         column = self.layout.column()
         column.use_property_split = True
         for name in ("shape", *_MAKE[self.shape][1]):
             column.prop(self, name)
+
+
+def add(operator: bpy.types.Operator, context: bpy.types.Context, make, names) -> set[str]:
+    """The plan that `make` gives for the operator's settings of these names, as the active object."""
+    try:
+        start = make(*(getattr(operator, name) for name in names))
+    except CmcError as error:
+        operator.report({"ERROR"}, str(error))
+        return {"CANCELLED"}
+    plan = new_plan(context, start)
+    for other in context.selected_objects:
+        other.select_set(False)
+    plan.select_set(True)
+    context.view_layer.objects.active = plan
+    return {"FINISHED"}
 
 
 def new_plan(context: bpy.types.Context, start: StartPlan) -> bpy.types.Object:
