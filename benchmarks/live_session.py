@@ -67,7 +67,7 @@ def updated(live, change) -> tuple[float, float]:
 def bare_solves(addon, live, plan, changes):
     """As a function of k: the solver's own solve after change k, on the plan's cached factor, from the last map."""
     forming, session, work = addon.cmc_addon.work.forming, addon.cmc_addon.work.session, addon.cmc_addon.work.live_work
-    conditions = __import__(f"{PACKAGE}.solver.plan", fromlist=["plan_conditions"]).plan_conditions
+    conditions = __import__(f"{PACKAGE}.solver.plans.plan", fromlist=["plan_conditions"]).plan_conditions
     made = []
     for change in changes:
         change()
