@@ -6,8 +6,8 @@ on a closed domain; along a boundary it is the flux out of it.
 
 `balanced` descends among balanced maps; at a harmonic map of a closed domain its three multipliers vanish. From near
 the map of a Wente torus plain descent ends at a constant, this one at a harmonic map onto a great circle, that of a
-round cylinder (measured on six cylinders of 32 columns; its index is 4). The constraint does not take away the unstable
-modes of the Wente map itself: that is for `saddle_maps.saddle`. A constant map is balanced, too.
+round cylinder (a test has both). The constraint does not take away the unstable modes of the Wente map itself: that is
+for `saddle_maps.saddle`. A constant map is balanced, too.
 """
 
 from __future__ import annotations

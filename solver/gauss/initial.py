@@ -32,6 +32,8 @@ _COPLANAR = 1e-6
 _SHORTEST = 0.2
 # Boundary normals that on average lean this much away from the side asked for want the way over the pole.
 _LEANING = 0.05
+# A mean of unit normals shorter than this has no direction.
+_BALANCED = 1e-9
 # The part of the domain's conformal radius that a wound bubble takes.
 _BUBBLE = 0.5
 
@@ -68,12 +70,24 @@ def over_the_other_pole(dirichlet: Dirichlet, N: Array) -> Array:
 
     Raises `ConditionError` where N has no mean.
     """
-    mean = (dirichlet.graph.areas[:, None] * N).sum(axis=0)
-    length = float(np.linalg.norm(mean))
-    if length < 1e-9 * float(dirichlet.graph.areas.sum()):
+    pole = _mean_direction(dirichlet, N)
+    if pole is None:
         raise ConditionError("The normals point to all sides equally, so there is no other pole to lift them over.")
-    lifted = N - 2.0 * _depth(dirichlet)[:, None] * (mean / length)
-    lifted[dot(lifted, lifted)[:, 0] < 1e-9] = -mean / length
+    return _lifted(dirichlet, N, pole)
+
+
+def _mean_direction(dirichlet: Dirichlet, N: Array) -> Array | None:
+    """The unit vector (3,) along the mean of N (S, 3); None where N points to all sides equally."""
+    areas = dirichlet.graph.areas
+    mean = (areas[:, None] * N).sum(axis=0)
+    length = float(np.linalg.norm(mean))
+    return None if length < _BALANCED * float(areas.sum()) else mean / length
+
+
+def _lifted(dirichlet: Dirichlet, N: Array, pole: Array) -> Array:
+    """N lifted over the pole opposite to `pole` (3,), where it is free."""
+    lifted = N - 2.0 * _depth(dirichlet)[:, None] * pole
+    lifted[dot(lifted, lifted)[:, 0] < 1e-9] = -pole
     start = normalize(lifted)
     start[dirichlet.fixed] = N[dirichlet.fixed]
     return start
@@ -104,8 +118,9 @@ def wound_start(dirichlet: Dirichlet, start: Array, degree: float) -> Array:
         wound = _winding_cylinder(dirichlet, start, round(degree))
         other = _winding_cylinder(dirichlet, start, -round(degree))
     elif len(rings) == 1 and genus == 0:
-        if start.mean(axis=0).any():  # it shrinks less easily than a bubble does
-            lifted = over_the_other_pole(dirichlet, start)
+        pole = _mean_direction(dirichlet, start)
+        if pole is not None:  # over it a map shrinks less easily than a bubble does
+            lifted = _lifted(dirichlet, start, pole)
             if abs(degree_of(lifted, graph.triangles) - degree) < 0.5:
                 return lifted
         wound = _grafted(dirichlet, start, turns)

@@ -10,6 +10,7 @@ from solver import ConditionError, HarmonicSolver, Status, conditions, linalg, s
 from solver.gauss import sphere
 from solver.gauss.admissible import resolved
 from solver.gauss.energies import ENERGIES
+from solver.gauss.initial import wound_start
 from solver.gauss.problem import EnergyProblem
 from tests.solver.exact import Nodoid, cylinder, disc, hemisphere, rates
 
@@ -372,3 +373,23 @@ def test_bad_arguments_are_condition_errors(arguments):
 def test_unknown_names_list_the_known_ones(arguments):
     with pytest.raises(ConditionError, match="known are"):
         HarmonicSolver(disc(60)[0], **arguments)
+
+
+def test_a_bubble_is_grafted_where_normals_point_to_all_sides():
+    """There is no pole to go over then: on the flat map of a circle's outward normals, whose middle leans to one side
+    as much as the vertices around it to the other."""
+    shape = shapes.disc(600)
+    x, y = shape.positions[:, :2].T
+    centre, *around = np.argsort(np.hypot(x, y))[:7].tolist()
+    areas = shape.domain.vertex_areas
+    down = -areas[centre] / areas[around].sum()
+    flat = np.column_stack([x, y, np.zeros_like(x)])
+    flat[centre] = [0.0, 0.0, 1.0]
+    flat /= np.linalg.norm(flat, axis=1)[:, None]
+    flat[around] = flat[around] * np.sqrt(1.0 - down**2) + [0.0, 0.0, down]
+    assert np.linalg.norm(areas @ flat) < 1e-9 * areas.sum()
+    dirichlet = HarmonicSolver(shape.domain).dirichlet(shape.domain.boundary_vertices)
+    degree = sphere.degree(flat, shape.domain.faces)
+    wound = wound_start(dirichlet, flat, degree + 1.0)
+    assert_allclose(sphere.degree(wound, shape.domain.faces), degree + 1.0, rtol=0, atol=1e-9)
+    assert_allclose(wound[dirichlet.fixed], flat[dirichlet.fixed], rtol=0, atol=0)
