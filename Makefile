@@ -9,14 +9,14 @@ PYTHON := .venv/bin/python
 WORKERS := $(shell n=$$(nproc); echo $$((n < 8 ? n : 8)))
 # A process a core, each with whole files; BLAS threads of their own would only be in each other's way.
 PYTEST := OPENBLAS_NUM_THREADS=1 $(PYTHON) -m pytest --timeout=300 -n $(WORKERS) --dist loadfile
-SETUP := Makefile pyproject.toml scripts/setup_env.sh scripts/requirements.py scripts/system_libraries.sh
-SHIPPED := __init__.py blender_manifest.toml pyproject.toml scripts/build_extension.py scripts/help_pages.py \
+SETUP := Makefile pyproject.toml scripts/build/setup_env.sh scripts/build/requirements.py scripts/build/system_libraries.sh
+SHIPPED := __init__.py blender_manifest.toml pyproject.toml scripts/build/build_extension.py scripts/build/help_pages.py \
            $(shell find solver cmc_addon -name '*.py') $(shell find docs -name '*.md')
 BLENDERS := .venvs/bpy-4.5/ready .venvs/bpy-5.0/ready .venvs/bpy-5.2/ready
 
 # Form one of the plans and render it: build/demo/.
 demo: .venv/ready
-	$(PYTHON) scripts/demo.py
+	$(PYTHON) -m scripts.gallery.demo
 
 # Everything that needs no window and no patience; its last line is pytest's.
 test: lint test-solver test-blender
@@ -39,7 +39,7 @@ test-versions: .venvs/full-4.5/ready .venvs/full-5.2/ready
 
 # The zips to install in Blender, one a platform: dist/.
 extension: .venv/ready
-	$(PYTHON) scripts/build_extension.py --all
+	$(PYTHON) scripts/build/build_extension.py --all
 
 # Stories told in a real Blender with a window, in a Debian of its own, with the extension built for it and installed;
 # pictures in build/gui/. Needs root; CMC_GUI_ROOT is where that Debian is (.venvs/gui-root).
@@ -51,14 +51,14 @@ bench: .venv/ready
 
 # The pictures of docs/, and the tables of its pages; those of the window by the stories of gui-test, where it can run.
 gallery: .venv/ready
-	$(PYTHON) scripts/measure_faces.py --write
-	$(PYTHON) scripts/measure_fits.py --write
-	$(PYTHON) scripts/measure_approximation.py --write
-	$(PYTHON) scripts/measure_symmetry.py --write
-	$(PYTHON) scripts/measure_periods.py --write
-	$(PYTHON) scripts/measure_bubbles.py --write
-	$(PYTHON) scripts/render_gallery.py
-	$(PYTHON) scripts/gallery_window.py
+	$(PYTHON) -m scripts.tables.measure_faces --write
+	$(PYTHON) -m scripts.tables.measure_fits --write
+	$(PYTHON) -m scripts.tables.measure_approximation --write
+	$(PYTHON) -m scripts.tables.measure_symmetry --write
+	$(PYTHON) -m scripts.tables.measure_periods --write
+	$(PYTHON) -m scripts.tables.measure_bubbles --write
+	$(PYTHON) -m scripts.gallery.render_gallery
+	$(PYTHON) -m scripts.gallery.gallery_window
 
 # What was made from the sources; the environments stay.
 clean:
@@ -67,22 +67,22 @@ clean:
 
 # The zip for this machine only, for the tests.
 dist/here: .venv/ready $(SHIPPED)
-	$(PYTHON) scripts/build_extension.py
+	$(PYTHON) scripts/build/build_extension.py
 	basename "$$(ls -t dist/*.zip | head -n 1)" >$@
 
 .venv/ready: $(SETUP)
-	scripts/setup_env.sh $(@D) 3.11 base fast intrinsic blender test
+	scripts/build/setup_env.sh $(@D) 3.11 base fast intrinsic blender test
 
 .venvs/bpy-4.5/ready .venvs/bpy-5.0/ready: .venvs/%/ready: $(SETUP)
-	scripts/setup_env.sh $(@D) 3.11 $*
+	scripts/build/setup_env.sh $(@D) 3.11 $*
 
 .venvs/full-4.5/ready: $(SETUP)
-	scripts/setup_env.sh $(@D) 3.11 base fast intrinsic test bpy-4.5
+	scripts/build/setup_env.sh $(@D) 3.11 base fast intrinsic test bpy-4.5
 
 .venvs/full-5.2/ready: $(SETUP)
-	scripts/setup_env.sh $(@D) 3.13 base fast intrinsic test bpy-5.2
+	scripts/build/setup_env.sh $(@D) 3.13 base fast intrinsic test bpy-5.2
 
 # Blender 5.2 runs on Python 3.13, which not every machine has; tests/blender/test_extension.py says so.
 .venvs/bpy-5.2/ready: $(SETUP)
-	if scripts/find_python.sh 3.13; then scripts/setup_env.sh $(@D) 3.13 bpy-5.2; else \
+	if scripts/build/find_python.sh 3.13; then scripts/build/setup_env.sh $(@D) 3.13 bpy-5.2; else \
 	  echo "No Python 3.13 on PATH or in ~/.pyenv/versions: the tests in Blender 5.2 are not run."; fi

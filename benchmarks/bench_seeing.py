@@ -46,7 +46,7 @@ def measure(vertices: int) -> dict[str, float]:
     plan = bpy.context.object
     edges = boundary_edges(plan.data)
     group = add_group(plan, "Half", edges[: len(edges) // 2], "BINORMAL")
-    seeing = sys.modules["cmc_formfinding.cmc_addon.drawing.seeing"]
+    seeing = sys.modules["cmc_formfinding.cmc_addon.drawing.overlay"]
 
     def least(change) -> float:
         taken = []

@@ -66,14 +66,15 @@ def updated(live, change) -> tuple[float, float]:
 
 def bare_solves(addon, live, plan, changes):
     """As a function of k: the solver's own solve after change k, on the plan's cached factor, from the last map."""
-    forming, session, work = addon.cmc_addon.work.forming, addon.cmc_addon.work.session, addon.cmc_addon.work.live_work
-    conditions = __import__(f"{PACKAGE}.solver.plans.plan", fromlist=["plan_conditions"]).plan_conditions
+    forming, work = addon.cmc_addon.tasks.solve, addon.cmc_addon.live.update
+    plan_cache = addon.cmc_addon.background.plan_cache
+    conditions = __import__(f"{PACKAGE}.solver.shells.plan", fromlist=["plan_conditions"]).plan_conditions
     made = []
     for change in changes:
         change()
         reading = work.read(bpy.context, plan)
         settings = forming.solver_settings(reading.order.settings)
-        prepared = session.prepare(reading.order.mesh, settings.solver_choice)
+        prepared = plan_cache.prepare(reading.order.mesh, settings.solver_choice)
         made.append((prepared.solver, conditions(reading.order.plan(prepared), settings, prepared.solver.domain)))
     last = [made[-1][0].solve(made[-1][1]).harmonic.normals]
 
@@ -87,7 +88,7 @@ def bare_solves(addon, live, plan, changes):
 
 def speed(addon, vertices: int) -> dict:
     """Medians over interleaved rounds of a tilt that goes to and fro by two degrees."""
-    live = addon.cmc_addon.work.live
+    live = addon.cmc_addon.live.live
     plan = live_plan(vertices)
     group = plan.data.cmc.groups[0]
     tilts = [lambda: setattr(group, "tilt", 0.3), lambda: setattr(group, "tilt", 0.335)]
@@ -130,7 +131,7 @@ def memory() -> float:
 
 def edits(addon, count: int) -> dict:
     """Memory after a fifth of the edits, when the steps of undo are as many as are kept, and at the end."""
-    live = addon.cmc_addon.work.live
+    live = addon.cmc_addon.live.live
     live_plan(1_000)
     settle(live)
     bpy.ops.ed.undo_push(message="Live")

@@ -6,12 +6,13 @@ import importlib
 from types import ModuleType
 
 MODULES = (
-    "stored.properties", "work.session", "operators", "stored.group_history", "bridges.mesh_cache",
-    "drawing.seeing_draw", "drawing.shading", "work.colours", "drawing.preview", "work.following", "work.solved",
-    "work.symmetry", "panels.tab", "panels.seeing_panel", "panels.boundary_panel", "panels.design_panel",
-    "panels.symmetry_panel", "panels.results_panel", "drawing.legend", "drawing.strokes_overlay",
-    "panels.colours_panel", "work.nearness", "work.live", "panels.live_panel", "work.periods",
-    "panels.periods_panel", "panels.export_panel", "panels.menus", "preferences", "work.manual", "headless.cli",
+    "properties.stored", "background.worker", "operators", "bridges.group_history", "bridges.mesh_cache",
+    "drawing.overlay_draw", "drawing.shading", "results.colours", "drawing.preview", "live.follow",
+    "background.solve_cache", "tasks.complete", "panels.tab", "panels.overlay_panel", "panels.boundary_panel",
+    "panels.design_panel", "panels.symmetry_panel", "panels.results_panel", "drawing.legend",
+    "drawing.curvature_lines_overlay", "panels.colours_panel", "live.live", "panels.live_panel",
+    "tasks.close_periods", "panels.periods_panel", "panels.export_panel", "panels.menus", "properties.preferences",
+    "panels.sidebar", "operators.manual", "headless.cli",
 )
 """Sub-modules with register() and unregister(), in the order in which they need each other."""
 

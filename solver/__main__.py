@@ -9,7 +9,7 @@ from pathlib import Path
 
 from . import __version__
 from .errors import CmcError
-from .job import EXAMPLE, Job, load_job, run_job
+from .jobs.job import EXAMPLE, Job, load_job, run_job
 
 OK, FAILED, BAD_JOB = 0, 1, 2
 

@@ -1,8 +1,8 @@
 """The direction of every import, function-level ones too.
 
-A file of the solver imports from rooms to the left of its own, from its own room without cycles, and
-from what is for everyone. Nothing below `cmc_addon` knows Blender, and the add-on reaches the solver
-only through relative imports, since two names for one solver would make two copies of every class.
+A file imports from the rooms to the left of its own and from its own room, without cycles. Nothing below
+`cmc_addon` knows Blender, and the add-on reaches the solver only through relative imports, since two names for
+one solver would make two copies of every class.
 """
 
 from __future__ import annotations
@@ -16,10 +16,19 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 
-FOR_EVERYONE = ("errors", "linalg", "polygons", "obj", "files")
-ROOMS = ("domain", "gauss", "surface", "measure", "design", "fabrication", "plans", "jobs")
-TOP = "the top of solver/"  # pipeline, job, __main__, and the public names in __init__
-RANK = {room: rank for rank, room in enumerate((*FOR_EVERYONE, *ROOMS, TOP))}
+# The rooms of each half, from the ground up. `errors` and `linalg` are files; `__init__` and `__main__` come last.
+SOLVER = (
+    "errors", "linalg", "io", "meshing", "domain", "gauss", "surface", "measure", "symmetry", "closing", "fitting",
+    "catalogue", "shells", "jobs",
+)
+ADDON = (
+    "properties", "bridges", "drawing", "background", "results", "tasks", "operators", "live", "headless", "panels",
+)
+TOP = "the top"
+RANK = {
+    package: {room: rank for rank, room in enumerate((*rooms, TOP))}
+    for package, rooms in (("solver", SOLVER), ("cmc_addon", ADDON))
+}
 
 BLENDER_MODULES = {"bpy", "bpy_extras", "bmesh", "mathutils", "gpu", "gpu_extras", "blf", "addon_utils"}
 OUR_PACKAGES = {"solver", "cmc_addon", "cmc_formfinding"}
@@ -101,9 +110,9 @@ def dynamic_import(node: ast.Call) -> str | None:
 
 
 def room_of(module: str) -> str:
-    """The room of a module of the solver."""
-    part = [*module.split("."), ""][1]
-    return part if part in RANK else TOP
+    """The room of a module, "the top" for the files beside the rooms."""
+    package, part = [*module.split("."), ""][:2]
+    return part if part in RANK[package] else TOP
 
 
 # --------------------------------------------------------------------------------------------
@@ -111,16 +120,28 @@ def room_of(module: str) -> str:
 # --------------------------------------------------------------------------------------------
 
 
-def solver_direction(sources: list[Source]) -> Iterator[str]:
-    """Rooms import leftwards."""
-    for source in of_package(sources, "solver"):
-        mine = room_of(source.module)
-        for found in source.imports:
-            if not found.relative or top(found.module) != "solver":
-                continue
-            other = room_of(found.module)
-            if RANK[other] > RANK[mine]:
-                yield f"{source.path}:{found.line}: {mine} must not import {found.module} ({other})"
+def direction(sources: list[Source]) -> Iterator[str]:
+    """Rooms import leftwards, in each half."""
+    for package, rank in RANK.items():
+        for source in of_package(sources, package):
+            mine = room_of(source.module)
+            for found in source.imports:
+                if not found.relative or top(found.module) != package:
+                    continue
+                other = room_of(found.module)
+                if rank[other] > rank[mine]:
+                    yield f"{source.path}:{found.line}: {mine} must not import {found.module} ({other})"
+
+
+def known_rooms(sources: list[Source]) -> Iterator[str]:
+    """Every folder is a room with a place in the order; beside the rooms there are only the two ways in."""
+    for package, rank in RANK.items():
+        for source in of_package(sources, package):
+            room, *inside = source.path.parts[1:]
+            if inside and room not in rank:
+                yield f"{source.path}: {room}/ has no place in the order of rooms"
+            elif not inside and room not in ("__init__.py", "__main__.py") and room.removesuffix(".py") not in rank:
+                yield f"{source.path}: belongs into a room"
 
 
 def solver_names(sources: list[Source]) -> Iterator[str]:
@@ -192,7 +213,7 @@ def top(module: str) -> str:
     return module.split(".")[0]
 
 
-RULES = (solver_direction, solver_names, addon_names, cycles, mesh_bridge_alone)
+RULES = (direction, known_rooms, solver_names, addon_names, cycles, mesh_bridge_alone)
 
 
 # --------------------------------------------------------------------------------------------
@@ -222,31 +243,38 @@ GOOD = {
     "solver/linalg.py": "from .errors import CmcError",
     "solver/domain/__init__.py": "",
     "solver/domain/domain.py": "from ..errors import MeshError\nimport numpy as np",
-    "solver/domain/shapes.py": "from .domain import Domain",
+    "solver/domain/sites.py": "from .domain import Domain",
     "solver/gauss/harmonic.py": "from ..domain import domain\nfrom .. import linalg",
-    "solver/job.py": "from .gauss import harmonic",
-    "cmc_addon/__init__.py": "from . import mesh_bridge, operators",
-    "cmc_addon/mesh_bridge.py": "import bpy\nimport bmesh\nfrom ..solver import solve\nx.foreach_get('co')",
-    "cmc_addon/operators/__init__.py": "from ...solver.errors import CmcError\nfrom .. import mesh_bridge",
+    "solver/jobs/job.py": "from ..gauss import harmonic",
+    "cmc_addon/__init__.py": "from .operators import solve",
+    "cmc_addon/bridges/mesh_bridge.py": "import bpy\nimport bmesh\nfrom ...solver import solve\nx.foreach_get('co')",
+    "cmc_addon/tasks/solve.py": "from ...solver.errors import CmcError\nfrom ..bridges import mesh_bridge",
+    "cmc_addon/operators/solve.py": "from ..tasks import solve",
 }
+MESH, TASK, JOB = "cmc_addon/bridges/mesh_bridge.py", "cmc_addon/tasks/solve.py", "solver/jobs/job.py"
 BAD = {
-    "rightwards": ("solver_direction", "solver/domain/domain.py", "from ..gauss import harmonic"),
+    "rightwards": ("direction", "solver/domain/domain.py", "from ..gauss import harmonic"),
     "rightwards, in a function": (
-        "solver_direction",
+        "direction",
         "solver/domain/domain.py",
         "def f():\n    from ..gauss.harmonic import solve",
     ),
-    "linalg from a room": ("solver_direction", "solver/linalg.py", "from .domain.domain import Domain"),
-    "the public names from a room": ("solver_direction", "solver/gauss/harmonic.py", "from .. import solve"),
-    "bpy": ("solver_names", "solver/job.py", "import bpy.types"),
-    "bpy by name": ("solver_names", "solver/job.py", "import importlib\nimportlib.import_module('bpy')"),
-    "absolute": ("solver_names", "solver/job.py", "from solver.errors import CmcError"),
-    "the add-on": ("solver_names", "solver/job.py", "from ..cmc_addon import mesh_bridge"),
-    "an absolute solver in the add-on": ("addon_names", "cmc_addon/mesh_bridge.py", "import solver"),
-    "beside the add-on": ("addon_names", "cmc_addon/mesh_bridge.py", "from ..scripts import demo"),
-    "a cycle": ("cycles", "solver/domain/domain.py", "def f():\n    from .shapes import disc"),
-    "a cycle in the add-on": ("cycles", "cmc_addon/mesh_bridge.py", "from .operators import solve"),
-    "bmesh": ("mesh_bridge_alone", "cmc_addon/operators/__init__.py", "import bmesh"),
+    "linalg from a room": ("direction", "solver/linalg.py", "from .domain.domain import Domain"),
+    "the public names from a room": ("direction", "solver/gauss/harmonic.py", "from .. import solve"),
+    "rightwards in the add-on": ("direction", MESH, "from ..tasks import solve"),
+    "the add-on's top from a room": ("direction", TASK, "from .. import register"),
+    "a room without a place": ("known_rooms", "solver/work/solve.py", ""),
+    "a room of the add-on without a place": ("known_rooms", "cmc_addon/work/solve.py", ""),
+    "a file beside the rooms": ("known_rooms", "solver/pipeline.py", ""),
+    "bpy": ("solver_names", JOB, "import bpy.types"),
+    "bpy by name": ("solver_names", JOB, "import importlib\nimportlib.import_module('bpy')"),
+    "absolute": ("solver_names", JOB, "from solver.errors import CmcError"),
+    "the add-on": ("solver_names", JOB, "from ...cmc_addon.bridges import mesh_bridge"),
+    "an absolute solver in the add-on": ("addon_names", MESH, "import solver"),
+    "beside the add-on": ("addon_names", MESH, "from ...scripts import demo"),
+    "a cycle": ("cycles", "solver/domain/domain.py", "def f():\n    from .sites import disc"),
+    "a cycle in the add-on": ("cycles", MESH, "from ..operators import solve"),
+    "bmesh": ("mesh_bridge_alone", TASK, "import bmesh"),
     "bulk access": ("mesh_bridge_alone", "cmc_addon/__init__.py", "mesh.vertices.foreach_set('co', a)"),
     "an attribute": ("mesh_bridge_alone", "cmc_addon/__init__.py", "mesh.attributes.new('x', 'INT', 'EDGE')"),
 }

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...solver.measure import vertex_gauss_curvature, vertex_mean_curvature, vertex_principal_curvatures
-from ..work.measures import ATTRIBUTES
+from ..properties.attributes import ATTRIBUTES
 from .mesh_bridge import NORMAL_ATTRIBUTE, read, remove_attribute, set_attribute
 
 Array = NDArray[np.float64]

@@ -16,7 +16,7 @@ import bpy
 import numpy as np
 
 from ...solver.errors import MeshError
-from ..stored.properties import GROUP_ATTRIBUTE
+from ..properties.stored import GROUP_ATTRIBUTE
 
 _SELECTION = ".select_edge"
 _STAMP = ".cmc_list_"

@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...solver.files import MeshData
+from ...solver.io.obj import MeshData
 from .mesh_bridge import NORMAL_ATTRIBUTE, read
 
 Array = NDArray[np.float64]

@@ -10,9 +10,9 @@ from collections.abc import Sequence
 import bpy
 import numpy as np
 
-from ...solver.obj import MeshData
-from ...solver.plans.plan import Group
-from ..stored import group_list
+from ...solver.io.obj import MeshData
+from ...solver.shells.plan import Group
+from ..properties import group_list
 from .edge_bridge import repair_selection
 from .mesh_bridge import set_attribute, set_positions
 from .outline_bridge import write_boundary_groups

@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...solver.errors import MeshError, plural
-from ...solver.plans.metric import side_lengths
-from ...solver.plans.plan import Plan
+from ...solver.shells.plan import Plan
+from ...solver.shells.plan_metric import side_lengths
 from .edge_bridge import group_values
 
 Int = NDArray[np.int32]

@@ -12,7 +12,7 @@ from typing import TypeVar
 import bpy
 from bpy.app.handlers import persistent
 
-from ..stored import group_list
+from ..properties import group_list
 from . import corner_bridge, edge_bridge
 
 T = TypeVar("T")

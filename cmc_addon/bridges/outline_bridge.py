@@ -11,9 +11,9 @@ import numpy as np
 from mathutils import Matrix
 from numpy.typing import NDArray
 
-from ...solver.domain.mesher import PlanMesh
 from ...solver.errors import MeshError, plural
-from ..plans.outline import Outline, Wire, nearest
+from ...solver.meshing.mesher import PlanMesh
+from ...solver.meshing.wires import Outline, Wire, nearest
 from .edge_bridge import group_values, write_group_values
 from .mesh_bridge import read, readable_mesh, remove_attribute, set_attribute, set_positions
 

@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...solver.plans.polygon_sheets import PolygonSheet
+from ...solver.shells.polygon_sheets import PolygonSheet
 from .mesh_bridge import PlanMesh, copy_mesh, set_attribute
 from .result_bridge import (
     NOT_REFRESHED,

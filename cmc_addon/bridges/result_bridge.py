@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...solver.plans.formed import sheet_polygons
+from ...solver.shells.shell import sheet_polygons
 from .edge_bridge import mend_selection
 from .mesh_bridge import (
     LENGTH_ATTRIBUTE,

@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...solver.plans.plan import Plan
+from ...solver.shells.plan import Plan
 from .mesh_bridge import LENGTH_ATTRIBUTE, START_ATTRIBUTE, read, remove_attribute, set_attribute
 
 Array = NDArray[np.floating]

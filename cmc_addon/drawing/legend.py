@@ -14,14 +14,13 @@ import numpy as np
 from gpu_extras.batch import batch_for_shader
 
 from ..bridges.colour_bridge import is_painted
-from ..panels.results_panel import per_length
-from ..panels.tab import length_text
-from ..stored.colour_settings import QUANTITIES
-from ..stored.properties import COMPLETED_ROLES, DESIGN_ROLES, ROLES
-from ..work.colours import stored_range
-from ..work.results import result_of
+from ..properties.colour_maps import Range, decimals
+from ..properties.colour_range import stored_range
+from ..properties.colour_settings import QUANTITIES
+from ..properties.links import result_of
+from ..properties.stored import COMPLETED_ROLES, DESIGN_ROLES, ROLES
+from ..properties.units import length_text, per_length
 from . import shading
-from .colour_maps import Range, decimals
 
 # Pixels at an interface scale of 1.
 _BAR, _HEIGHT, _MARGIN, _FONT, _LINE = 16, 190, 22, 11, 15

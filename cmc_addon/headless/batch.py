@@ -21,11 +21,12 @@ from pathlib import Path
 import bpy
 
 from ...solver.errors import CmcError, JobError
-from ...solver.files import write_bytes
+from ...solver.io.mesh_files import write_bytes
 from ..bridges.start_bridge import has_start
-from ..stored.settings import SETTINGS, fitted_settings
-from ..work.forming import deliver, settings_of, take_order
-from ..work.results import check_writable, result_of, results_of, wanted_roles
+from ..properties.links import result_of, results_of, wanted_roles
+from ..properties.settings import SETTINGS, fitted_settings
+from ..results.objects import check_writable
+from ..tasks.solve import deliver, settings_of, take_order
 from .batch_files import EXPORTERS, export, open_input, save_blend
 
 OUTPUTS = ("blend", *EXPORTERS)

@@ -14,14 +14,14 @@ import bpy
 import numpy as np
 
 from ...solver.errors import JobError
-from ...solver.files import FORMATS
-from ...solver.job import Job, load_job, make_job
-from ...solver.plans.plan import Group, Settings, plan_domain
+from ...solver.io.mesh_files import FORMATS
+from ...solver.jobs.job import Job, load_job, make_job
+from ...solver.shells.plan import Group, Settings, plan_domain
 from ..bridges.corner_bridge import flip
 from ..bridges.import_bridge import import_plan
 from ..bridges.start_bridge import write_start
-from ..stored.properties import ROLES
-from ..stored.settings import SIDES, SIZE_PROPERTY
+from ..properties.settings import SIDES, SIZE_PROPERTY
+from ..properties.stored import ROLES
 
 INPUTS = (".blend", ".toml", *FORMATS)
 

@@ -11,8 +11,8 @@ from pathlib import Path
 import bpy
 
 from ...solver.errors import CmcError, JobError
-from ..stored.properties import CmcObject
-from ..stored.settings import SETTINGS, SIZE_PROPERTY, fitted_settings
+from ..properties.settings import SETTINGS, SIZE_PROPERTY, fitted_settings
+from ..properties.stored import CmcObject
 from .batch import OUTPUTS, Done, Request, run_file
 from .batch_files import INPUTS
 

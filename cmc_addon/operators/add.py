@@ -4,12 +4,12 @@ import bpy
 import numpy as np
 from bpy.props import EnumProperty, FloatProperty, IntProperty
 
+from ...solver.catalogue.module_presets import EDGES, PRESETS
 from ...solver.errors import CmcError
 from ..bridges.mesh_bridge import set_attribute
 from ..bridges.outline_bridge import write_boundary_groups
 from ..bridges.result_bridge import build_polygons
-from ..plans.presets import EDGES, PRESETS
-from ..stored import group_list
+from ..properties import group_list
 
 
 class CMC_OT_add_module(bpy.types.Operator):

@@ -5,9 +5,9 @@ import math
 import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty
 
-from ..plans.bubble_plans import ring_plan, torus_plan, wente_plan
-from ..work.readiness import LEAVE_EDIT_MODE, allow
+from ...solver.catalogue.bubble_plans import ring_plan, torus_plan, wente_plan
 from .add_plan import add
+from .poll import LEAVE_EDIT_MODE, allow
 
 BUBBLES = [
     ("WENTE", "Wente Cylinder", "A quarter of one of the cylinders that a Wente torus is made of: Solve, then Complete "

@@ -4,15 +4,15 @@ import bpy
 import numpy as np
 from bpy.props import EnumProperty, FloatProperty, IntProperty
 
+from ...solver.catalogue.holed_plans import StartPlan, annulus, cylinder
+from ...solver.catalogue.start_plans import court, l_shape, rectangle, round_plan
 from ...solver.errors import CmcError
 from ..bridges.mesh_bridge import set_attribute
 from ..bridges.outline_bridge import write_boundary_groups
 from ..bridges.periods_bridge import mark_seams
 from ..bridges.result_bridge import build_polygons
 from ..bridges.start_bridge import write_lengths, write_normals
-from ..plans.periods_plans import StartPlan, annulus, cylinder
-from ..plans.start_plans import court, l_shape, rectangle, round_plan
-from ..stored import group_list
+from ..properties import group_list
 
 ORDINARY = [
     ("RECTANGLE", "Rectangle", "A rectangular plan with rounded corners: Solve makes its shell, Fit to Outline one "

@@ -11,9 +11,9 @@ import numpy as np
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from ...solver.errors import CmcError, MeshError
-from ..bridges import edge_bridge
-from ..stored import group_history, group_list
-from ..stored.properties import condition_annotations, kind_parameters
+from ..bridges import edge_bridge, group_history
+from ..properties import group_list
+from ..properties.stored import condition_annotations, kind_parameters
 
 SCRIPT_ONLY = {"HIDDEN", "SKIP_SAVE"}
 

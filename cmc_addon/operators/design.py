@@ -9,7 +9,7 @@ import math
 import bpy
 
 from ..drawing import preview
-from ..stored.design_settings import (
+from ..properties.design_settings import (
     APPROXIMATE_SETTINGS,
     FIT_SETTINGS,
     KNOB_PROPERTY,
@@ -19,9 +19,9 @@ from ..stored.design_settings import (
     take_settings,
     take_targets,
 )
-from ..work.approximate_order import ApproximateOrder
-from ..work.designing import DesignOrder, read_order
-from ..work.fit_order import take_fit
+from ..tasks.approximate import ApproximateOrder
+from ..tasks.design import DesignOrder, read_order
+from ..tasks.fit_outline import take_fit
 from .solve import Solving, as_settings
 
 # Evaluations of a usual fit: the bar is half way then.

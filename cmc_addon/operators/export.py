@@ -7,14 +7,14 @@ import bpy
 from bpy.props import StringProperty
 
 from ...solver.errors import CmcError
-from ...solver.files import FORMATS
-from ..stored.export_settings import EXPORT_SETTINGS, draw_export, export_annotations
-from ..work import session
-from ..work.exporting import take_export, wanted_objects
-from ..work.readiness import RUNNING, allow
-from ..work.results import plan_of
+from ...solver.io.mesh_files import FORMATS
+from ..background import worker
+from ..properties.export_settings import EXPORT_SETTINGS, draw_export, export_annotations
+from ..properties.links import plan_of
+from ..tasks.export import take_export, wanted_objects
+from .modal import Working
+from .poll import RUNNING, allow
 from .solve import as_settings
-from .working import Working
 
 
 def why_not_export(context: bpy.types.Context) -> str:
@@ -100,7 +100,7 @@ class CMC_OT_export(Working, bpy.types.Operator):
         if path.suffix.lower() not in FORMATS:
             path = path.with_name(path.name + self._suffix)
         order = take_export(context, plan, path, self.export_what, self.export_modifiers, self.export_report)
-        written = yield from session.steps(order.work, 1.0, wait)
+        written = yield from worker.steps(order.work, 1.0, wait)
         if written is None:
             return self._say_cancelled()
         plan.cmc.export_what, plan.cmc.export_format = self.export_what, path.suffix[1:].upper()

@@ -3,7 +3,7 @@
 import bpy
 from bpy.props import EnumProperty
 
-from ..work.results import result_of
+from ..properties.links import result_of
 from .plan import outline_of
 from .plan import plan_of as meshed_plan_of
 

@@ -1,11 +1,13 @@
 """Presets for boundary groups: for the active one, or a new one of the selected edges."""
 
 import bpy
+import numpy as np
 from bpy.props import EnumProperty
 
 from ..bridges import edge_bridge
-from ..plans.group_presets import PRESETS, apply, preset_items
-from ..stored import group_list
+from ..bridges.mesh_bridge import read_plan
+from ..properties import group_list
+from ..properties.group_presets import PRESETS, GroupPreset, preset_items
 from .boundary import GroupOperator, OnOneGroup, selected_boundary
 
 
@@ -46,3 +48,24 @@ class CMC_OT_group_new(Preset, GroupOperator, bpy.types.Operator):
 
 
 CLASSES = (CMC_OT_group_preset, CMC_OT_group_new)
+
+
+def apply(preset: GroupPreset, plan: bpy.types.Object, group) -> None:
+    """Give a group of a plan the kind and the parameters of a preset. Raises `CmcError` where the mesh is none."""
+    group.kind = preset.kind
+    for name, value in preset.values.items():
+        setattr(group, name, value)
+    if preset.axis is not None:
+        group.normal = outwards(plan, group.uid, preset.axis)
+
+
+def outwards(plan: bpy.types.Object, uid: int, axis: tuple[float, float, float]) -> tuple[float, ...]:
+    """The axis, or its opposite, whichever points out of the plan at the edges of a group; in the world."""
+    mesh = read_plan(plan)
+    edges = mesh.edges[(mesh.groups == uid) & mesh.boundary]
+    if not len(edges):
+        return axis
+    rim = mesh.positions[edges].mean(axis=(0, 1))
+    centre = 0.5 * (mesh.positions.min(axis=0) + mesh.positions.max(axis=0))
+    sign = -1.0 if float(np.dot(rim - centre, axis)) < 0.0 else 1.0
+    return tuple(sign * part + 0.0 for part in axis)

@@ -3,8 +3,8 @@
 import bpy
 
 from ...solver.errors import CmcError
-from ..work import gauss_image
-from ..work.results import plan_of, result_of
+from ..properties.links import plan_of, result_of
+from ..results import gauss_image
 
 
 class CMC_OT_gauss_image(bpy.types.Operator):

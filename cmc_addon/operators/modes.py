@@ -4,12 +4,12 @@ import bpy
 import numpy as np
 
 from ...solver.errors import CmcError
+from ..background import solve_cache, worker
 from ..bridges import start_bridge
-from ..work import session, solved
-from ..work.counting import take_count
-from ..work.forming import settings_of, take_order
-from ..work.readiness import LEAVE_EDIT_MODE, allow, why_not_solve
-from ..work.results import plan_of
+from ..properties.links import plan_of
+from ..tasks.count_modes import take_count
+from ..tasks.solve import settings_of, take_order
+from .poll import LEAVE_EDIT_MODE, allow, why_not_solve
 from .solve import Solving
 
 
@@ -22,7 +22,7 @@ class CMC_OT_count_modes(Solving, bpy.types.Operator):
     def take(self, context, plan):
         return take_count(context, plan)
 
-    def tell(self, update: session.Update) -> tuple[float, str]:
+    def tell(self, update: worker.Update) -> tuple[float, str]:
         return 0.5 * update.part, f"Solving, step {update.iteration}"
 
     def _say_cancelled(self):
@@ -59,7 +59,7 @@ class CMC_OT_start_from_shell(OnStart, bpy.types.Operator):
 
     def act(self, context, plan):
         order = take_order(context, plan, settings_of(plan.cmc))
-        known = solved.recall(order)
+        known = solve_cache.recall(order)
         if known is None:
             raise CmcError(f"'{plan.name}' was changed since its shell was made, or it has none; solve first.")
         if plan.cmc.apply_modifiers and len(plan.modifiers):

@@ -4,7 +4,8 @@ from types import SimpleNamespace
 
 import bpy
 
-from ..stored.periods_settings import (
+from ..background import worker
+from ..properties.periods_settings import (
     CLOSE_SETTINGS,
     TILE_SETTINGS,
     close_annotations,
@@ -12,9 +13,8 @@ from ..stored.periods_settings import (
     draw_tile,
     tile_annotations,
 )
-from ..work import session
-from ..work.periods import take_closing, take_tiling
-from ..work.readiness import LEAVE_EDIT_MODE, allow, why_not_solve
+from ..tasks.close_periods import take_closing, take_tiling
+from .poll import LEAVE_EDIT_MODE, allow, why_not_solve
 from .solve import Solving, as_settings
 
 # Steps of Newton's method that closing usually takes: the bar is half way then.
@@ -50,7 +50,7 @@ class CMC_OT_close_periods(Periodic, bpy.types.Operator):
     def take(self, context, plan):
         return take_closing(context, plan, self.wanted(plan))
 
-    def tell(self, update: session.Update) -> tuple[float, str]:
+    def tell(self, update: worker.Update) -> tuple[float, str]:
         gap = 100.0 * update.residual
         return update.iteration / (update.iteration + _USUAL), f"Step {update.iteration}, gap {gap:.2g} %"
 
@@ -74,7 +74,7 @@ class CMC_OT_tile_periods(Periodic, bpy.types.Operator):
     def take(self, context, plan):
         return take_tiling(context, plan, self.wanted(plan))
 
-    def tell(self, update: session.Update) -> tuple[float, str]:
+    def tell(self, update: worker.Update) -> tuple[float, str]:
         return 0.5 * update.part, f"Solving, step {update.iteration}"
 
     def draw(self, context):

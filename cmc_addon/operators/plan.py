@@ -25,10 +25,9 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from ...solver.domain.mesher import PlanMesh, mesh_plan
 from ...solver.errors import CmcError, MeshError
-from ..bridges import outline_bridge
-from ..plans.outline import (
+from ...solver.meshing.mesher import PlanMesh, mesh_plan
+from ...solver.meshing.wires import (
     Outline,
     check_count,
     default_corner_radius,
@@ -37,11 +36,13 @@ from ..plans.outline import (
     is_flat,
     make_outline,
 )
-from ..stored import group_list
-from ..stored.properties import PLAN_SETTINGS, kind_parameters, plan_annotations
-from ..work import session
-from ..work.readiness import RUNNING
-from .working import Working, by_uid
+from ..background import worker
+from ..bridges import outline_bridge
+from ..properties import group_list
+from ..properties.links import by_uid
+from ..properties.stored import PLAN_SETTINGS, kind_parameters, plan_annotations
+from .modal import Working
+from .poll import RUNNING
 
 
 def outline_of(ob: bpy.types.Object) -> bpy.types.Object:
@@ -93,7 +94,7 @@ class CMC_OT_mesh_plan(Working, bpy.types.Operator):
         self._take_settings(context.scene.cmc)
         outline = make_outline(outline_bridge.read_wire(outline_of(context.object)))
         work = partial(_mesh, outline, self.edge_length, self.corner_radius if self.round_corners else None)
-        meshed = yield from session.steps(lambda progress: work(), 1.0, wait)
+        meshed = yield from worker.steps(lambda progress: work(), 1.0, wait)
         if meshed is None:
             return self._say_cancelled()
         ob = by_uid(uid)

@@ -8,14 +8,15 @@ from collections.abc import Generator
 import bpy
 
 from ...solver.errors import CmcError
-from ..stored.properties import condition_annotations, kind_parameters, parameter_values
-from ..stored.settings import SETTINGS, SIZE_PROPERTY, energies_on, fitted_settings, setting_annotations
-from ..work import session
-from ..work.forming import settings_of, take_order
-from ..work.readiness import allow, why_not_solve
-from ..work.results import check_writable, plan_of
-from .working import Working, by_uid
-from .working import redraw as redraw
+from ..background import worker
+from ..drawing.viewport import redraw as redraw
+from ..properties.links import by_uid, plan_of
+from ..properties.settings import SETTINGS, SIZE_PROPERTY, energies_on, fitted_settings, setting_annotations
+from ..properties.stored import condition_annotations, kind_parameters, parameter_values
+from ..results.objects import check_writable
+from ..tasks.solve import settings_of, take_order
+from .modal import Working
+from .poll import allow, why_not_solve
 
 
 class Solving(Working):
@@ -52,7 +53,7 @@ class Solving(Working):
         check_writable(plan)
         order = self.take(context, plan)
         uid = plan.session_uid
-        outcome = yield from session.steps(order.work, order.settings.tolerance, wait)
+        outcome = yield from worker.steps(order.work, order.settings.tolerance, wait)
         if outcome is None:
             return self._say_cancelled()
         plan = by_uid(uid)
@@ -69,7 +70,7 @@ class Solving(Working):
     def poll(cls, context: bpy.types.Context) -> bool:
         return allow(cls, why_not_solve(context))
 
-    def tell(self, update: session.Update) -> tuple[float, str]:
+    def tell(self, update: worker.Update) -> tuple[float, str]:
         if update.part >= 1.0:
             return 1.0, "Measuring"
         return update.part, f"Step {update.iteration}, residual {update.residual:.1e}"
@@ -183,7 +184,7 @@ class CMC_OT_cancel(bpy.types.Operator):
     bl_options = {"INTERNAL"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        if not session.cancel():
+        if not worker.cancel():
             self.report({"INFO"}, "No solve is running.")
             return {"CANCELLED"}
         return {"FINISHED"}

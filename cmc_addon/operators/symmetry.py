@@ -10,14 +10,14 @@ import numpy as np
 from bpy.props import EnumProperty, IntProperty
 
 from ...solver.errors import CmcError, ConditionError
-from ...solver.plans.sides import own_plane
+from ...solver.shells.plan_sides import own_plane
+from ..background import plan_cache, worker
 from ..bridges import corner_bridge
 from ..bridges.mesh_bridge import read_plan
-from ..stored.symmetry_settings import COMPLETE_SETTINGS, complete_annotations, draw_complete
-from ..work import session
-from ..work.readiness import LEAVE_EDIT_MODE, allow, why_not_solve
-from ..work.symmetry import take_completion
+from ..properties.symmetry_settings import COMPLETE_SETTINGS, complete_annotations, draw_complete
+from ..tasks.complete import take_completion
 from .boundary import GroupOperator, OnOneGroup
+from .poll import LEAVE_EDIT_MODE, allow, why_not_solve
 from .solve import Solving, as_settings
 
 
@@ -50,7 +50,7 @@ class CMC_OT_complete(Solving, bpy.types.Operator):
                 self.complete_extent = extent
         return SimpleNamespace(**{name: getattr(self, name) for name in (*COMPLETE_SETTINGS, "box")})
 
-    def tell(self, update: session.Update) -> tuple[float, str]:
+    def tell(self, update: worker.Update) -> tuple[float, str]:
         return 0.5 * update.part, f"Solving, step {update.iteration}"
 
     def _say_cancelled(self):
@@ -107,7 +107,7 @@ def edge_plane(plan: bpy.types.Object, group) -> list[float]:
     edges = mesh.edges[(mesh.groups == group.uid) & mesh.boundary]
     if not len(edges):
         raise ConditionError(f"Group {group.name!r} has no edges on the boundary; assign some first.")
-    normal = own_plane(session.prepare(mesh).solver.domain, mesh.positions, edges)
+    normal = own_plane(plan_cache.prepare(mesh).solver.domain, mesh.positions, edges)
     return np.where(np.abs(normal) < 1e-7, 0.0, normal).tolist()
 
 

@@ -4,13 +4,15 @@ import math
 
 import bpy
 
+from ...solver.gauss.conditions import KINDS
 from ..bridges.mesh_cache import boundary_counts
 from ..bridges.start_bridge import has_start
-from ..drawing.seeing_colours import icon_of
-from ..stored import group_list
-from ..stored.properties import KINDS, kind_parameters
+from ..drawing.palette import icon_of
+from ..properties import group_list
+from ..properties.links import plan_to_solve
+from ..properties.stored import kind_parameters
 from .symmetry_panel import draw_group
-from .tab import Tab, hint, plan_to_solve, properties_column
+from .tab import Tab, hint, properties_column
 
 
 class CMC_UL_groups(bpy.types.UIList):

@@ -2,10 +2,11 @@
 
 import bpy
 
-from ..drawing.strokes import usual_spacing_of
-from ..work import gauss_image
-from ..work.colours import families, stored_range
-from .tab import Tab, automatic, plan_to_solve, properties_column
+from ..drawing.curvature_lines import usual_spacing_of
+from ..properties.colour_range import stored_range
+from ..properties.links import families, plan_to_solve
+from ..results import gauss_image
+from .tab import Tab, automatic, properties_column
 
 
 class CMC_PT_look(Tab, bpy.types.Panel):

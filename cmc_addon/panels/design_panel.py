@@ -1,36 +1,19 @@
 """Design: a shell nearest to a surface, or to an outline, a curve, anchors; and how near it has come."""
 
-import json
 import math
-from functools import lru_cache
 
 import bpy
 
-from ...solver.design.targets import Anchors, Closed, Crown, NearSurface, RimOnCurve, TiltBounds
+from ...solver.fitting.targets import Anchors, Closed, Crown, NearSurface, RimOnCurve, TiltBounds
+from ..live.follow import problem_of
 from ..operators.design import draw_approximate, draw_fit
-from ..work.following import problem_of
-from ..work.results import result_of
-from .results_panel import numbers, paragraph, per_length
-from .tab import TALL, Tab, length_text, plan_to_solve, properties_column
+from ..properties.links import plan_to_solve, result_of
+from ..properties.reports import last_design
+from ..properties.units import length_text, per_length
+from .results_panel import numbers, paragraph
+from .tab import TALL, Tab, properties_column
 
 _LENGTHS = {target.label for target in (RimOnCurve, Crown, Anchors, NearSurface, Closed)}
-
-
-def last_design(context: bpy.types.Context) -> dict | None:
-    """The report of the last fit of the active plan or result; None where there was none."""
-    plan = plan_to_solve(context)
-    return _parsed(plan.cmc.design_report) if plan is not None and plan.cmc.design_report else None
-
-
-@lru_cache(maxsize=4)
-def _parsed(text: str) -> dict | None:
-    """A report as it was written; None if somebody else wrote into the property."""
-    try:
-        found = json.loads(text)
-        found["sheets"][found["sheet"]]["area"], found["message"], found["met"], found["distances"].items()
-    except (ValueError, KeyError, TypeError, AttributeError):
-        return None
-    return found
 
 
 class CMC_PT_design(Tab, bpy.types.Panel):

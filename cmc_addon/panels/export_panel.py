@@ -3,9 +3,10 @@
 import bpy
 
 from ...solver.errors import CmcError
-from ..stored.export_settings import draw_export
-from ..work.exporting import wanted_objects
-from .tab import TALL, Tab, hint, plan_to_solve, properties_column, running_row
+from ..properties.export_settings import draw_export
+from ..properties.links import plan_to_solve
+from ..tasks.export import wanted_objects
+from .tab import TALL, Tab, hint, properties_column, running_row
 
 
 class CMC_PT_export(Tab, bpy.types.Panel):

@@ -6,7 +6,7 @@ import textwrap
 
 import bpy
 
-from ..work.live import problem_of
+from ..live.live import problem_of
 from .tab import BESIDE_SOLVE
 
 _WIDTH = 38

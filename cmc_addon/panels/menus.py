@@ -6,9 +6,9 @@ The pie has no key of its own: in Preferences > Keymap add `wm.call_menu_pie` wi
 
 import bpy
 
-from ..drawing.seeing_colours import icon_of
-from ..plans.group_presets import PRESETS
-from .tab import plan_to_solve
+from ..drawing.palette import icon_of
+from ..properties.group_presets import PRESETS
+from ..properties.links import plan_to_solve
 
 
 class CMC_MT_group_presets(bpy.types.Menu):

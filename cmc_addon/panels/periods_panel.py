@@ -5,12 +5,14 @@ import bpy
 from ...solver.errors import CmcError
 from ..operators import add_bubble
 from ..operators.add_plan import first_in_add_menu, in_add_menu
-from ..stored.periods_settings import draw_close, draw_tile
-from ..work.periods import tile_counts
+from ..properties.links import plan_to_solve
+from ..properties.periods_settings import draw_close, draw_tile
+from ..properties.reports import last_report
+from ..tasks.close_periods import tile_counts
 from .periods_text import closing_rows, gap_rows
-from .results_panel import ResultPanel, last_report, numbers, paragraph
+from .results_panel import ResultPanel, numbers, paragraph
 from .symmetry_panel import completed_rows, has_holes, last_completion
-from .tab import TALL, hint, plan_to_solve, properties_column
+from .tab import TALL, hint, properties_column
 
 
 class CMC_PT_periods(ResultPanel, bpy.types.Panel):

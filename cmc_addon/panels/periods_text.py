@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from .tab import length_text
+from ..properties.units import length_text
 
 
 def gap_sentence(report: Mapping) -> str:

@@ -2,31 +2,17 @@
 
 import json
 import textwrap
-from functools import lru_cache
 
 import bpy
 
+from ...solver.fitting.targets import RimOnCurve
+from ..properties.links import result_of
+from ..properties.reports import last_report
+from ..properties.units import length_text, per_length
 from .periods_text import gap_sentence
-from .tab import Tab, length_text, plan_to_solve
+from .tab import BESIDE_SOLVE, Tab
 
 _LETTER = 7.0  # pixels, of the interface font at scale 1
-
-
-def last_report(context: bpy.types.Context) -> dict | None:
-    """The report of the active plan or result; None where nothing was solved."""
-    plan = plan_to_solve(context)
-    return _parsed(plan.cmc.report) if plan is not None and plan.cmc.report else None
-
-
-@lru_cache(maxsize=4)
-def _parsed(text: str) -> dict | None:
-    """A report as it was written; None if somebody else wrote into the property."""
-    try:
-        found = json.loads(text)
-        found["sheets"][found["sheet"]]["area"], found["message"], found["converged"]
-    except (ValueError, KeyError, TypeError):
-        return None
-    return found
 
 
 def paragraph(layout: bpy.types.UILayout, context: bpy.types.Context, text: str, icon: str) -> None:
@@ -86,12 +72,6 @@ def size_rows(report: dict, shown: dict) -> list[tuple[str, str]]:
         ("Radius 1/H", length_text(1 / H)),
         ("H", f"{H:.4g} {per_length()}"),
     ]
-
-
-def per_length() -> str:
-    """What H is counted in: one over a Blender unit, which in a metric scene of scale 1 is a metre."""
-    units = bpy.context.scene.unit_settings
-    return "1/m" if units.system == "METRIC" and units.scale_length == 1.0 else "per unit"
 
 
 class CMC_PT_checks(ResultPanel, bpy.types.Panel):
@@ -156,15 +136,56 @@ def map_rows(report: dict) -> list[tuple[str, str]]:
     return rows
 
 
+def draw_nearness(layout: bpy.types.UILayout, context: bpy.types.Context, plan: bpy.types.Object) -> None:
+    """After a solve: how far its rim is from the drawn outline, and the button that puts it there."""
+    rows = outline_rows(last_report(context))
+    if rows:
+        numbers(layout, rows + fitted_rows(plan))
+        layout.operator("cmc.fit_outline", icon="SNAP_ON")
+
+
+def outline_rows(report: dict | None) -> list[tuple[str, str]]:
+    """Mean and largest distance between the rim and the outline, in the scene's unit and as a part of the span."""
+    shown = None if report is None else report["sheets"][report["sheet"]]
+    if shown is None or not shown.get("outline"):
+        return []
+    return [
+        (name, distance_text(shown["outline"][key], shown["span"]))
+        for name, key in (("Off Outline", "mean"), ("At Most", "max"))
+    ]
+
+
+def fitted_rows(plan: bpy.types.Object) -> list[tuple[str, str]]:
+    """The largest distance of the shell that was fitted, if there is one."""
+    if result_of(plan, "FIT") is None:
+        return []
+    try:
+        told = json.loads(plan.cmc.design_report)
+        off, span = told["distances"][RimOnCurve.label], told["sheets"][told["sheet"]]["span"]
+    except (ValueError, KeyError, TypeError):  # of another design, or somebody else wrote into the property
+        return []
+    return [("Fitted", distance_text(off, span))]
+
+
+def distance_text(length: float, span: float) -> str:
+    """Two digits of the part, but no powers of ten: "7.5 m (150 % of span)"."""
+    part = 100 * length / (span or 1.0)
+    digits = ".2g" if part < 99.5 else ".0f"
+    return f"{length_text(length, digits=2)} ({part:{digits}} % of span)"
+
+
 CLASSES = (CMC_PT_results, CMC_PT_checks, CMC_PT_solver)
 
 
 def register() -> None:
     for cls in CLASSES:
         bpy.utils.register_class(cls)
+    BESIDE_SOLVE.append(draw_nearness)
 
 
 def unregister() -> None:
+    if draw_nearness in BESIDE_SOLVE:
+        BESIDE_SOLVE.remove(draw_nearness)
     for cls in reversed(CLASSES):
         if cls.is_registered:
             bpy.utils.unregister_class(cls)

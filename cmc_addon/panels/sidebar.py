@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import bpy
 
-from .tab import CATEGORY, Tab
+from ..properties import preferences
+from ..properties.preferences import CATEGORY
+from .tab import Tab
 
 
 def put_into(category: str) -> None:
@@ -34,3 +36,14 @@ def _depth(cls: type) -> int:
     """How many panels it is inside of: those around it come first."""
     parent = getattr(cls, "bl_parent_id", "")
     return 1 + _depth(getattr(bpy.types, parent)) if parent else 0
+
+
+def register() -> None:
+    put_into(preferences.get("category"))
+    preferences.CATEGORY_CHANGED.append(put_into)
+
+
+def unregister() -> None:
+    if put_into in preferences.CATEGORY_CHANGED:
+        preferences.CATEGORY_CHANGED.remove(put_into)
+    put_into(CATEGORY)

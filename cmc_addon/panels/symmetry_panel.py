@@ -6,13 +6,16 @@ from types import SimpleNamespace
 
 import bpy
 
+from ...solver.catalogue.module_presets import PRESETS
 from ...solver.errors import CmcError
 from ..bridges.mesh_cache import mirror_corners
-from ..plans.presets import PRESETS
-from ..stored.symmetry_settings import COMPLETE_SETTINGS, draw_complete
-from ..work.symmetry import counts
-from .results_panel import last_report, numbers, paragraph
-from .tab import TALL, Tab, hint, length_text, plan_to_solve, properties_column
+from ..properties.links import plan_to_solve
+from ..properties.reports import last_report
+from ..properties.symmetry_settings import COMPLETE_SETTINGS, draw_complete
+from ..properties.units import length_text
+from ..tasks.complete import counts
+from .results_panel import numbers, paragraph
+from .tab import TALL, Tab, hint, properties_column
 
 PLANAR_KINDS = ("MIRROR", "PLANE")
 

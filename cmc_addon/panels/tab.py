@@ -11,16 +11,17 @@ from collections.abc import Callable
 
 import bpy
 
+from ...solver.meshing.wires import default_corner_radius, default_edge_length
 from ..bridges.edge_bridge import has_faces
 from ..bridges.outline_bridge import local_size
 from ..bridges.start_bridge import has_lengths, has_start
 from ..operators.go_to import target
 from ..operators.plan import outline_of, plan_of
 from ..operators.solve import draw_advanced, draw_shell
-from ..plans.outline import default_corner_radius, default_edge_length
-from ..stored.settings import SIZE_PROPERTY
-
-CATEGORY = "CMC"
+from ..properties.links import plan_to_solve
+from ..properties.preferences import CATEGORY
+from ..properties.settings import SIZE_PROPERTY
+from ..properties.units import length_text
 
 TALL = 1.3  # the buttons that do the work
 
@@ -34,17 +35,6 @@ class Tab:
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
     bl_category = CATEGORY
-
-
-def plan_to_solve(context: bpy.types.Context) -> bpy.types.Object | None:
-    """The plan which Solve would take: the active mesh, or the plan that the active result comes from."""
-    ob = context.object
-    if ob is None:
-        return None
-    if ob.cmc.role != "NONE":
-        source = ob.cmc.source
-        return source if source is not None and source.users_scene else None
-    return ob if ob.type == "MESH" else None
 
 
 def hint(layout: bpy.types.UILayout, *lines: str) -> None:
@@ -133,16 +123,6 @@ def automatic(column: bpy.types.UILayout, length: float) -> None:
     split = row.split(factor=0.4)
     split.label()
     split.label(text=f"Automatic: {length_text(length)}")
-
-
-def length_text(value: float, power: int = 1, digits: int = 4) -> str:
-    """A length or area in the scene's units."""
-    units = bpy.context.scene.unit_settings
-    if units.system == "NONE":
-        return f"{value:.{digits}g}"
-    kind = {1: "LENGTH", 2: "AREA"}[power]
-    value *= units.scale_length**power
-    return bpy.utils.units.to_string(units.system, kind, value, precision=digits, split_unit=False)
 
 
 # --- the shell -----------------------------------------------------------------------------

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from ..domain.sites import SiteGraph
 from ..errors import ConditionError, plural
+from .boundary_data import Conditions
 from .frames import blend, of_boundary
 from .mirrors import Mirrors, MirrorSides, on_side, parallel
-from .prescribed import Conditions
 from .sphere import dot, normalize
 
 Array = NDArray[np.float64]

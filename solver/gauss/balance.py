@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ConditionError, Status
-from .minimise import Minimum, Progress, Step, descend, longest
+from .newton import Minimum, Progress, Step, descend, longest
 from .problem import EnergyProblem, Point
 from .saddles import climb
 from .sphere import dot, exp, inner

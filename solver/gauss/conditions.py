@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..domain.domain import Domain
 from ..errors import ConditionError
 from ..linalg import as_numbers, sum_rows
+from .boundary_data import Conditions
 from .frames import (
     EdgeFrames,
     Frames,
@@ -37,7 +38,6 @@ from .frames import (
     unit_rows,
     vertex_frames,
 )
-from .prescribed import Conditions
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]

@@ -6,7 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from .minimise import Minimum, Progress, Step, conjugate_gradients, descend, line_search
+from .newton import Minimum, Progress, Step, conjugate_gradients, descend, line_search
 from .problem import EnergyProblem, Point
 
 Array = NDArray[np.float64]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..domain.sites import LinkSubset, SiteGraph
 from ..linalg import sum_rows
-from .minimise import Minimum, Progress, Step, descend
+from .newton import Minimum, Progress, Step, descend
 from .problem import EnergyProblem, Point
 from .sphere import dot, normalize
 

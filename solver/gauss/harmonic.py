@@ -18,13 +18,13 @@ from ..linalg import Factor, Nearby, as_numbers, check_number
 from . import sphere
 from .admissible import Admissible, resolved
 from .balance import imbalance
+from .boundary_data import Conditions
 from .dirichlet import Dirichlet
 from .energies import energy_on
-from .great_circles import side_normals
-from .initial import harmonic_start, leaning, wound_start
+from .initial_map import harmonic_start, leaning, wound_start
 from .methods import BALANCED, METHODS, Method
-from .minimise import Iterate, Progress
-from .prescribed import Conditions
+from .mirror_start import side_normals
+from .newton import Iterate, Progress
 from .problem import EnergyProblem, equal_laplacian
 
 Array = NDArray[np.float64]

@@ -19,7 +19,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
-from .minimise import Minimum, Progress, Step, descend
+from .newton import Minimum, Progress, Step, descend
 from .problem import EnergyProblem, Point
 from .sphere import dot, normalize
 

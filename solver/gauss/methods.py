@@ -10,7 +10,7 @@ from .balance import balanced
 from .flow import flow
 from .gauss_seidel import gauss_seidel
 from .lagrange import lagrange
-from .minimise import Minimum, newton
+from .newton import Minimum, newton
 from .saddles import climb
 
 

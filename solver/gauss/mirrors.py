@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from ..domain.domain import Domain
 from ..errors import ConditionError, plural
 from ..linalg import sum_rows
+from .boundary_data import Conditions
 from .frames import of_boundary
-from .prescribed import Conditions
 from .sphere import dot, normalize
 
 Array = NDArray[np.float64]

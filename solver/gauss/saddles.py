@@ -15,10 +15,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .minimise import Minimum, Progress, Step, descend, longest
+from .newton import Minimum, Progress, Step, descend, longest
+from .null_directions import Fields, drifts, free_rotations
 from .problem import EnergyProblem, Point
 from .sphere import exp
-from .symmetries import Fields, drifts, free_rotations
 from .tangent import TangentSystem
 
 Array = NDArray[np.float64]

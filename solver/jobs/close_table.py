@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ..design.holes import MOTIONS
+from ..closing.holes import MOTIONS
 from ..errors import CmcError
-from ..plans.closing import MOVING, WAYS, Closure
+from ..shells.close import MOVING, WAYS, Closure
 from .tables import Table, suggestion
 
 KEYS = ("by", "weight", "move", "holes", "max_steps")

@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import CmcError
-from ..files import FORMATS
-from ..plans.completing import Extent
-from ..plans.plan import Group
-from ..plans.sides import check_sides
-from ..surface.symmetry import MOST_COPIES
+from ..io.mesh_files import FORMATS
+from ..shells.complete import Extent
+from ..shells.plan import Group
+from ..shells.plan_sides import check_sides
+from ..symmetry.complete import MOST_COPIES
 from .tables import Table, suggestion
 
 KEYS = ("sides", "copies", "box", "around", "repeat", "mesh", "instances")

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..design.wishes import KNOBS
 from ..domain.domain import Domain
 from ..errors import ConditionError
-from ..plans.fit_curves import check_count, read_curves
-from ..plans.fitting import Anchors, Wish
-from ..plans.plan import SHEETS
+from ..fitting.goals import KNOBS
+from ..shells.fit import Anchors, Wish
+from ..shells.plan import SHEETS
+from ..shells.rim_curves import check_count, read_curves
 from .tables import Table
 
 Array = NDArray[np.float64]

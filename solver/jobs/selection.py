@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..domain.domain import Domain
-from ..obj import MeshData
+from ..io.obj import MeshData
 from .tables import Table, suggestion
 
 Pairs = NDArray[np.integer]

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import CmcError, JobError
-from ..plans.metric import side_lengths, start_map
-from ..plans.plan import Plan
+from ..shells.plan import Plan
+from ..shells.plan_metric import side_lengths, start_map
 from .tables import Table
 
 Array = NDArray[np.float64]

@@ -1,5 +1,6 @@
 """What was obtained: curvature, distortion, intersections, and the report."""
 
+from .arrays import vertex_means
 from .curvature import (
     PrincipalCurvatures,
     face_frames,
@@ -15,15 +16,7 @@ from .distortion import conformal_distortion, distortion_energy, distortion_of_l
 from .extent import boundary_sides, face_normals, leans, overhanging_faces
 from .intersections import self_intersections
 from .report import Report, report
-from .sheet import (
-    CurvatureReport,
-    DistortionReport,
-    IntersectionReport,
-    OutlineReport,
-    OverhangReport,
-    SheetReport,
-)
-from .vertex_means import vertex_means
+from .sheet import CurvatureReport, DistortionReport, IntersectionReport, OutlineReport, OverhangReport, SheetReport
 
 __all__ = [
     "CurvatureReport",

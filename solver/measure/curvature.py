@@ -19,16 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import MeshError
-from .arrays import (
-    Array,
-    Indices,
-    dot,
-    double_areas,
-    edge_vectors,
-    points_in_space,
-    triangles_of,
-)
-from .vertex_means import vertex_means
+from .arrays import Array, Indices, dot, double_areas, edge_vectors, points_in_space, triangles_of, vertex_means
 
 
 class PrincipalCurvatures(NamedTuple):

@@ -14,9 +14,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .arrays import Array, Indices, face_areas_in_space, points_in_space, triangles_of
+from .arrays import Array, Indices, face_areas_in_space, points_in_space, triangles_of, vertex_means
 from .curvature import face_frames, shape_operator
-from .vertex_means import vertex_means
 
 # Vertices where k1 - k2 is at most this part of the surface's own curvature (root mean square) are umbilics.
 UMBILIC = 0.05

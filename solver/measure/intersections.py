@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import Interrupted
+from .aabb_tree import Pairs, overlapping_boxes
 from .arrays import Array, Indices, points_in_space, triangles_of
-from .boxes import Pairs, overlapping_boxes
-from .graph import is_graph
+from .height_field import is_graph
 
 # Overlap along an axis, as a fraction of the two triangles' extent, below which they only touch.
 _TOUCHING = 1e-9

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .words import number
+from .summary import number
 
 Array = NDArray[np.float64]
 

@@ -16,10 +16,10 @@ from ..errors import CmcError, MeshError, Status, listed
 from .arrays import Array
 from .planes import PlaneReport
 from .sheet import SheetReport, measure_sheet
-from .words import count, measure_lines, number, size_line
+from .summary import count, measure_lines, number, size_line
 
 if TYPE_CHECKING:
-    from ..surface.cmc import CmcSurface
+    from ..surface.cmc_surface import CmcSurface
 
 SHEETS = ("f+", "f-")
 # Largest deviation of placed points from a similarity image of the sheet, as a fraction of its size; single

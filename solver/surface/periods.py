@@ -17,7 +17,7 @@ from ..domain.domain import Domain
 from ..domain.sites import SiteGraph
 from ..domain.topology import Homology
 from ..gauss.dirichlet import Dirichlet
-from .cmc import CmcSurface
+from .cmc_surface import CmcSurface
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]

@@ -15,14 +15,14 @@ from ..domain.sites import SiteGraph
 from ..domain.topology import CutSurface
 from ..errors import ConditionError, chosen
 from ..gauss.admissible import resolved
+from ..gauss.boundary_data import Conditions
 from ..gauss.harmonic import HarmonicMap, HarmonicSolver
-from ..gauss.minimise import Progress
-from ..gauss.prescribed import Conditions
-from ..gauss.saddle_maps import index_of
-from .cmc import CmcSurface
+from ..gauss.modes import index_of
+from ..gauss.newton import Progress
+from .averaging import AVERAGINGS, Averaging
+from .cmc_surface import CmcSurface
 from .conjugate import Conjugate, Conjugation
-from .offsets import AVERAGINGS, Averaging
-from .planes import VertexPlanes
+from .plane_projection import VertexPlanes
 
 Array = NDArray[np.float64]
 

@@ -50,10 +50,10 @@ def state_of(live, plan):
 
 def solved_anew(addon, plan) -> np.ndarray:
     """Points that a solve gives for the plan as it is, with nothing kept from before."""
-    forming, session = addon.cmc_addon.work.forming, addon.cmc_addon.work.session
+    forming, plan_cache = addon.cmc_addon.tasks.solve, addon.cmc_addon.background.plan_cache
     bpy.context.view_layer.update()
     order = forming.take_order(bpy.context, plan, forming.settings_of(plan.cmc))
-    session.forget()
+    plan_cache.forget()
     return order.work(lambda *_: True).formed.placed[forming.ROLES[plan.cmc.sheet]]
 
 

@@ -43,7 +43,7 @@ def test_the_bubble_is_an_asset_that_is_solved(name):
 
 @pytest.mark.parametrize("name", BUBBLES)
 def test_the_job_does_the_same(name, tmp_path):
-    from cmc_formfinding.solver.job import load_job, run_job
+    from cmc_formfinding.solver.jobs.job import load_job, run_job
 
     folder, made = tmp_path / "assets" / "bubbles", tmp_path / "build" / "jobs"
     folder.mkdir(parents=True)

@@ -36,7 +36,7 @@ def test_the_module_is_an_asset_that_completes_itself(name):
 
 @pytest.mark.parametrize("name", MODULES)
 def test_the_job_does_the_same(name, tmp_path):
-    from cmc_formfinding.solver.job import load_job, run_job
+    from cmc_formfinding.solver.jobs.job import load_job, run_job
 
     folder, made = tmp_path / "assets" / "modules", tmp_path / "build" / "jobs"
     folder.mkdir(parents=True)

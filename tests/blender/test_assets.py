@@ -92,7 +92,7 @@ def test_the_shell_stands(file):
 
 @pytest.mark.parametrize("file", BLENDS, ids=lambda file: file.stem)
 def test_the_obj_is_the_same_plan(file):
-    from cmc_formfinding.solver.files import read_mesh
+    from cmc_formfinding.solver.io.mesh_files import read_mesh
 
     plan = opened(file)
     drawn = read_mesh(file.with_suffix(".obj"))

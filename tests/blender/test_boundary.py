@@ -79,7 +79,7 @@ def on_side(ob: bpy.types.Object, axis: int, where: float) -> list[int]:
 
 def ungrouped(ob: bpy.types.Object) -> tuple[int, int]:
     from cmc_formfinding.cmc_addon.bridges import edge_bridge
-    from cmc_formfinding.cmc_addon.stored import group_list
+    from cmc_formfinding.cmc_addon.properties import group_list
 
     return edge_bridge.count_boundary(ob.data, group_list.uids(ob.data))
 
@@ -107,7 +107,7 @@ def test_names_are_numbered_and_uids_grow(grid) -> None:
     ("Rim", ["Rim", "Rim.001", "Rim.003"], "Rim.002"),
 ])
 def test_free_name(name, taken, free) -> None:
-    from cmc_formfinding.cmc_addon.stored.group_list import free_name
+    from cmc_formfinding.cmc_addon.properties.group_list import free_name
 
     assert free_name(name, set(taken)) == free
 

@@ -137,10 +137,10 @@ def test_same_topology(bridge):
 
 # --- cut surfaces --------------------------------------------------------------------------
 
-def cut_along(ob, bridge, results, session, doubled, faces_beyond):
+def cut_along(ob, bridge, results, plan_cache, doubled, faces_beyond):
     """The plan's mesh with vertices doubled for the triangles of some polygons."""
     plan = bridge.read_plan(ob)
-    prepared = session.prepare(plan)
+    prepared = plan_cache.prepare(plan)
     rows = prepared.triangles.copy()
     new = {v: len(plan.positions) + k for k, v in enumerate(doubled)}
     for t in np.flatnonzero(np.isin(prepared.owners, faces_beyond)):
@@ -182,10 +182,10 @@ def test_cut_keeps_all_layers(addon, bridge, results, mirror):
     if mirror:
         ob.scale.x = -1.0
         bpy.context.view_layer.update()
-    session = addon.cmc_addon.work.session
+    plan_cache = addon.cmc_addon.background.plan_cache
     # the seam at angle 0: vertices 0, 24, 48, …; the faces before it (the last of every ring) go to new ones
     seam = np.arange(0, 144, 24)
-    plan, cut = cut_along(ob, bridge, results, session, seam, np.arange(23, 120, 24))
+    plan, cut = cut_along(ob, bridge, results, plan_cache, seam, np.arange(23, 120, 24))
     fresh = results.fresh_mesh(ob, None, plan, cut)
     old = ob.data
     assert len(fresh.vertices) == 150
@@ -218,7 +218,7 @@ def test_cut_through_a_polygon_makes_triangles(addon, bridge, results):
     """Where the cut follows the diagonal of a quad, the quad falls into triangles with its corners' data."""
     ob = dressed_ring()
     plan = bridge.read_plan(ob)
-    prepared = addon.cmc_addon.work.session.prepare(plan)
+    prepared = addon.cmc_addon.background.plan_cache.prepare(plan)
     rows = prepared.triangles.copy()
     torn = 30
     mine = np.flatnonzero(prepared.owners == torn)
@@ -244,7 +244,7 @@ def test_cut_through_a_polygon_makes_triangles(addon, bridge, results):
 def test_no_cut_where_nothing_is_doubled(addon, bridge, results):
     ob = quad_disc()
     plan = bridge.read_plan(ob)
-    prepared = addon.cmc_addon.work.session.prepare(plan)
+    prepared = addon.cmc_addon.background.plan_cache.prepare(plan)
     rows, source = prepared.triangles, np.arange(len(plan.positions))
     assert results.find_cut(plan, rows, prepared.owners, rows, source) is None
 
@@ -257,16 +257,16 @@ def test_messages_count_as_blender_does(addon, bridge):
 
     ob = quad_disc()
     plan = bridge.read_plan(ob)
-    prepared = addon.cmc_addon.work.session.prepare(plan)
+    prepared = addon.cmc_addon.background.plan_cache.prepare(plan)
     quads = np.flatnonzero(prepared.owners >= 30)[:30]
     error = MeshError(f"{plural('face', quads).capitalize()} have no area.", faces=quads)
-    told = addon.cmc_addon.work.messages.in_plan_numbers(error, plan, prepared.triangles, prepared.owners)
+    told = addon.cmc_addon.bridges.numbering.in_plan_numbers(error, plan, prepared.triangles, prepared.owners)
     assert told.faces == tuple(range(30, 45))
     assert str(told) == "Faces 30, 31, 32, 33, 34, 35, 36, 37 and 7 more have no area."
 
     text = "Faces 24, 25 are wrong; see edge 0 (vertices 0, 1) and face 3."
     error = MeshError(text, faces=(24, 25), edges=(0,))
-    told = addon.cmc_addon.work.messages.in_plan_numbers(error, plan, prepared.triangles, prepared.owners)
+    told = addon.cmc_addon.bridges.numbering.in_plan_numbers(error, plan, prepared.triangles, prepared.owners)
     edge = next(e.index for e in ob.data.edges if set(e.vertices) == {0, 1})
     assert str(told) == f"Face 24 is wrong; see edge {edge} (vertices 0, 1) and face 3."
     assert told.edges == (edge,)

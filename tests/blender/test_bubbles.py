@@ -166,9 +166,11 @@ def test_what_cannot_be_added_is_said(addon):
 
 
 def test_bubbles_are_in_the_menu(addon):
+    from types import SimpleNamespace
+
     from cmc_formfinding.cmc_addon.operators.add_bubble import BUBBLES, in_add_menu
 
-    from .test_panels import Layout, SimpleNamespace
+    from .test_panels import Layout
 
     layout = Layout()
     in_add_menu(SimpleNamespace(layout=layout), bpy.context)

@@ -42,7 +42,7 @@ def registries(addon) -> dict:
     from cmc_formfinding.solver.domain.sites import SITES
     from cmc_formfinding.solver.gauss.energies import ENERGIES
     from cmc_formfinding.solver.gauss.methods import METHODS
-    from cmc_formfinding.solver.surface.cmc import COMBINATORICS
+    from cmc_formfinding.solver.surface.cmc_surface import COMBINATORICS
 
     return {"sites": SITES, "energy": ENERGIES, "method": METHODS, "combinatorics": COMBINATORICS}
 
@@ -151,7 +151,7 @@ def test_without_libigl(addon, monkeypatch):
     """The same shell, by our own flips, and no word about it: the plan is small."""
     plan = poor_plan()
     with_libigl = solve(plan, delaunay=True)
-    addon.cmc_addon.work.session.forget()
+    addon.cmc_addon.background.plan_cache.forget()
     monkeypatch.setitem(sys.modules, "igl", None)  # what makes an import fail
     assert_allclose(solve(plan, delaunay=True), with_libigl, rtol=0, atol=1e-5)
     assert "libigl" not in plan.cmc.report
@@ -161,15 +161,15 @@ def test_without_libigl(addon, monkeypatch):
 
 def test_solvers_of_different_choices_are_kept_apart(addon, plan, monkeypatch):
     """Each is made once and found again; the plan's triangles and domain serve all."""
-    session = addon.cmc_addon.work.session
-    made, real = [], session.CmcSolver
+    plan_cache = addon.cmc_addon.background.plan_cache
+    made, real = [], plan_cache.CmcSolver
 
     def make(domain, **kind):
         made.append((domain, tuple(kind.values())))
         return real(domain, **kind)
 
-    monkeypatch.setattr(session, "CmcSolver", make)
-    session.forget()
+    monkeypatch.setattr(plan_cache, "CmcSolver", make)
+    plan_cache.forget()
     first = solve(plan)
     faces = solve(plan, sites="FACES", energy="DUAL_COTAN")
     mobius = solve(plan, energy="MOBIUS")

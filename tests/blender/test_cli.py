@@ -12,8 +12,8 @@ import bpy
 import numpy as np
 import pytest
 from cmc_formfinding.cmc_addon.headless import cli
-from cmc_formfinding.cmc_addon.work.results import results_of
-from cmc_formfinding.solver.files import read_mesh
+from cmc_formfinding.cmc_addon.properties.links import results_of
+from cmc_formfinding.solver.io.mesh_files import read_mesh
 from numpy.testing import assert_allclose
 
 from .conftest import ROOT
@@ -184,7 +184,7 @@ def test_a_job_file(tmp_path):
 
 def test_the_same_job_gives_the_same_shell_without_blender(tmp_path):
     """Single precision in Blender, double without."""
-    from cmc_formfinding.solver.job import load_job, run_job
+    from cmc_formfinding.solver.jobs.job import load_job, run_job
 
     shutil.copytree(JOBS, tmp_path / "assets" / "jobs")
     formed = run_job(load_job(tmp_path / "assets" / "jobs" / "canopy.toml"))

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 
 @pytest.fixture
 def maps(addon):
-    from cmc_formfinding.cmc_addon.drawing import colour_maps
+    from cmc_formfinding.cmc_addon.properties import colour_maps
 
     return colour_maps
 

@@ -47,7 +47,7 @@ def shown(result) -> tuple:
 
 
 def maps():
-    from cmc_formfinding.cmc_addon.drawing import colour_maps
+    from cmc_formfinding.cmc_addon.properties import colour_maps
 
     return colour_maps
 
@@ -128,8 +128,8 @@ def test_colours_are_those_of_the_numbers(by):
     plan = hall()
     result = solve(plan)
     plan.cmc.colour_by = by
-    name = module("stored.colour_settings").QUANTITIES[by].attribute
-    found = module("work.colours").stored_range(result)
+    name = module("properties.colour_settings").QUANTITIES[by].attribute
+    found = module("results.colours").stored_range(result)
     told = numbers(result, name)
     known = told >= 0.0 if by == "DEVIATION" else np.isfinite(told)
     expected = maps().linear(found.colours(told))
@@ -142,7 +142,7 @@ def test_the_target_is_in_the_middle():
     plan = hall()
     result = solve(plan)
     plan.cmc.colour_by = "MEAN_CURVATURE"
-    found = module("work.colours").stored_range(result)
+    found = module("results.colours").stored_range(result)
     assert found.centre == pytest.approx(result["cmc_mean_curvature"], rel=1e-5)
     assert found.high - found.centre == pytest.approx(found.centre - found.low, rel=1e-4)
     middle = np.abs(numbers(result, "cmc_mean_curvature") - found.centre).argmin()
@@ -156,8 +156,8 @@ def test_a_target_that_is_newer_than_the_report():
     result = solve(plan)
     assert bpy.ops.cmc.fit_outline() == {"FINISHED"}
     of_fit = tuple(plan.cmc.fit.cmc.colour_range)
-    module("work.colours").repaint(plan, target=0.3)
-    assert module("work.colours").stored_range(result).centre == pytest.approx(0.3)
+    module("results.colours").repaint(plan, target=0.3)
+    assert module("results.colours").stored_range(result).centre == pytest.approx(0.3)
     assert tuple(plan.cmc.fit.cmc.colour_range) == of_fit
 
 
@@ -180,7 +180,7 @@ def test_none_leaves_nothing_behind():
 def test_changing_what_is_shown_solves_nothing(monkeypatch):
     plan = hall()
     result = solve(plan)
-    pipeline = module("work.forming").pipeline
+    pipeline = module("tasks.solve").form
     monkeypatch.setattr(pipeline, "form", lambda *_, **__: pytest.fail("it was solved again"))
     seen = set()
     for by in ("MEAN_CURVATURE", "GAUSS_CURVATURE", "DISTORTION", "DEVIATION"):
@@ -193,15 +193,15 @@ def test_the_next_solve_colours_again():
     plan = hall()
     plan.cmc.colour_by = "GAUSS_CURVATURE"
     result = solve(plan)
-    before, wide = colours(result), module("work.colours").stored_range(result)
+    before, wide = colours(result), module("results.colours").stored_range(result)
     plan.data.cmc.groups[0].tilt = 0.2
     solve(plan, size="RISE", rise=2.0)
     assert shown(result) == ("CMC", True)
     assert not np.allclose(colours(result), before, atol=0.02)
-    assert module("work.colours").stored_range(result) != wide
+    assert module("results.colours").stored_range(result) != wide
     assert_allclose(
         colours(result)[:, :3],
-        maps().linear(module("work.colours").stored_range(result).colours(numbers(result, "cmc_gauss_curvature"))),
+        maps().linear(module("results.colours").stored_range(result).colours(numbers(result, "cmc_gauss_curvature"))),
         atol=2e-3,
     )
 
@@ -225,7 +225,7 @@ def test_a_range_of_ones_own():
     plan = hall()
     result = solve(plan)
     plan.cmc.colour_by = "GAUSS_CURVATURE"
-    fitted = module("work.colours").stored_range(result)
+    fitted = module("results.colours").stored_range(result)
     before = colours(result)
     plan.cmc.colour_fit = False
     assert (plan.cmc.colour_min, plan.cmc.colour_max) == pytest.approx((fitted.low, fitted.high))
@@ -233,10 +233,10 @@ def test_a_range_of_ones_own():
     plan.cmc.colour_max = 10.0 * fitted.high
     assert not np.allclose(colours(result), before, atol=0.05)
     solve(plan, size="RISE", rise=2.0)
-    assert module("work.colours").stored_range(result).high == pytest.approx(10.0 * fitted.high)
+    assert module("results.colours").stored_range(result).high == pytest.approx(10.0 * fitted.high)
     plan.cmc.colour_by = "DISTORTION"
     assert plan.cmc.colour_fit
-    assert module("work.colours").stored_range(result).low == 1.0
+    assert module("results.colours").stored_range(result).low == 1.0
 
 
 def test_what_is_not_known_is_grey():
@@ -245,10 +245,10 @@ def test_what_is_not_known_is_grey():
     result = solve(plan)
     result.data.attributes.remove(result.data.attributes["cmc_distortion"])
     plan.cmc.colour_by = "DISTORTION"
-    assert module("work.colours").stored_range(result) is None
+    assert module("results.colours").stored_range(result) is None
     assert_allclose(colours(result)[:, :3], maps().linear(maps().NOT_KNOWN[0]))
     solve(plan)
-    assert module("work.colours").stored_range(result).low == 1.0
+    assert module("results.colours").stored_range(result).low == 1.0
 
 
 def test_fitted_and_nearest_shells():

@@ -88,7 +88,7 @@ def test_the_legend_of_instances_is_that_of_the_shell():
 # --- strokes -------------------------------------------------------------------------------
 
 def lines(result, which="BOTH", spacing=0.0):
-    return module("drawing.strokes_overlay").lines_of(result.data, which, spacing)
+    return module("drawing.curvature_lines_overlay").lines_of(result.data, which, spacing)
 
 
 def test_strokes_run_across_and_along_a_hall():
@@ -161,21 +161,21 @@ def test_other_meshes_have_strokes_too(combinatorics):
 def test_strokes_stay_where_they_are_while_a_shell_changes_its_shape():
     plan = hall()
     result = solve(plan)
-    before = module("drawing.strokes_overlay")._places
+    before = module("drawing.curvature_lines_overlay")._places
     lines(result)
     kept = before[result.data.session_uid][1]
     solve(plan, size="RISE", rise=2.0)
     lines(result)
-    assert module("drawing.strokes_overlay")._places[result.data.session_uid][1] is kept
+    assert module("drawing.curvature_lines_overlay")._places[result.data.session_uid][1] is kept
 
 
 def test_strokes_are_drawn_a_little_nearer_and_at_the_same_place():
     from mathutils import Matrix, Vector
 
     projection = Matrix(((1.2, 0, 0, 0), (0, 1.6, 0, 0), (0, 0, -1.002, -0.2), (0, 0, -1, 0)))
-    moved = module("drawing.strokes_overlay").nearer(projection, 20.0)
+    moved = module("drawing.curvature_lines_overlay").nearer(projection, 20.0)
     parallel = Matrix(((0.2, 0, 0, 0), (0, 0.3, 0, 0), (0, 0, -0.01, 0), (0, 0, 0, 1)))
-    for old, new in ((projection, moved), (parallel, module("drawing.strokes_overlay").nearer(parallel, 20.0))):
+    for old, new in ((projection, moved), (parallel, module("drawing.curvature_lines_overlay").nearer(parallel, 20.0))):
         for z in (-1.0, -30.0):
             here, there = (matrix @ Vector((0.7, -0.4, z, 1.0)) for matrix in (old, new))
             assert tuple(there.xy / there.w) == pytest.approx(tuple(here.xy / here.w), abs=1e-6)
@@ -190,7 +190,7 @@ def test_the_gauss_image_is_made_without_a_solve(monkeypatch):
     plan.cmc.colour_by = "GAUSS_CURVATURE"
     shell = solve(plan)
     with monkeypatch.context() as patched:
-        patched.setattr(module("work.forming").pipeline, "form", lambda *_, **__: pytest.fail("it was solved again"))
+        patched.setattr(module("tasks.solve").form, "form", lambda *_, **__: pytest.fail("it was solved again"))
         assert bpy.ops.cmc.gauss_image() == {"FINISHED"}
     image = plan.cmc.gauss
     assert plan.cmc.want_gauss and image.name == "Hall Gauss image"

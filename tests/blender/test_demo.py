@@ -19,14 +19,13 @@ ROOT = Path(__file__).parents[2]
 @pytest.fixture
 def demo(monkeypatch, tmp_path):
     """The module of the demo, writing somewhere else and with a camera that takes no time."""
-    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
-    import demo as module
+    from scripts.gallery import demo as module
 
     monkeypatch.setattr(module.blender_session, "ROOT", tmp_path)
     monkeypatch.setattr(module, "OUTPUT", tmp_path / "build" / "demo")
     monkeypatch.setattr(module, "EDGE_LENGTH", 0.8)
-    render = module.studio.render
-    monkeypatch.setattr(module.studio, "render", lambda path, *_, **__: render(path, 64, 40, 1))
+    render = module.scene.render
+    monkeypatch.setattr(module.scene, "render", lambda path, *_, **__: render(path, 64, 40, 1))
     return module
 
 
@@ -67,7 +66,8 @@ def text() -> str:
     return (ROOT / "docs" / "blender.md").read_text(encoding="utf-8")
 
 
-def test_scripts_in_the_documentation_run():
+def test_scripts_in_the_documentation_run(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)  # "//hall.glb" of a file that was never saved
     (example,) = re.findall(r"^```py\n(.*?)^```", text(), flags=re.DOTALL | re.MULTILINE)
     corners = [(0, 0, 0), (18, 0, 0), (18, 12, 0), (0, 12, 0)]
     around = np.linspace(0, 2 * np.pi, 24, endpoint=False)

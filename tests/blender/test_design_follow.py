@@ -17,7 +17,7 @@ from .scenes import activate, positions
 
 @pytest.fixture
 def following(addon):
-    return addon.cmc_addon.work.following
+    return addon.cmc_addon.live.follow
 
 
 @pytest.fixture
@@ -72,7 +72,7 @@ def test_other_settings_count_too(following, plan):
 @pytest.fixture
 def delivered(addon, monkeypatch):
     """Every order that is delivered, and what its fit gave."""
-    order, found = addon.cmc_addon.work.fit_order.FitOrder, []
+    order, found = addon.cmc_addon.tasks.fit_outline.FitOrder, []
     real = order.deliver
     monkeypatch.setattr(order, "deliver", lambda self, *args: found.append((self, args[2].fit)) or real(self, *args))
     return found
@@ -142,7 +142,7 @@ def test_undo_while_it_runs(following, plan, addon):
     bpy.ops.ed.undo_push(message="Rise")
     following.tick()
     bpy.ops.ed.undo()
-    assert addon.cmc_addon.work.session.Running.stop is None
+    assert addon.cmc_addon.background.worker.Running.stop is None
     plan = bpy.data.objects[name]
     assert height(plan) == pytest.approx(1.6, rel=5e-3)
     plan.cmc.fit_rise = 0.8
@@ -158,7 +158,7 @@ def test_deleted_while_it_runs(following, plan, what, addon):
     before = sorted(ob.name for ob in bpy.data.objects)
     run(following)
     assert sorted(ob.name for ob in bpy.data.objects) == before
-    assert addon.cmc_addon.work.session.Running.stop is None
+    assert addon.cmc_addon.background.worker.Running.stop is None
 
 
 def test_it_gives_way_to_a_solve(following, plan):
@@ -184,8 +184,8 @@ def test_a_new_file_forgets(following, plan, addon):
     plan.cmc.fit_rise = 0.8
     following.tick()
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    assert addon.cmc_addon.work.fit_order.Latest.fit is None
-    assert following.tick() is None and addon.cmc_addon.work.session.Running.stop is None
+    assert addon.cmc_addon.tasks.fit_outline.Latest.fit is None
+    assert following.tick() is None and addon.cmc_addon.background.worker.Running.stop is None
 
 
 def test_a_tick_is_short(following, plan):

@@ -91,8 +91,8 @@ def test_more_splines_than_loops(plan):
 
 def test_a_gap_that_is_left_is_said(addon, plan, monkeypatch):
     """And the layers go over the cut."""
-    monkeypatch.setattr(addon.cmc_addon.work.fit_order, "_FIRST_SLICE", 1)
-    monkeypatch.setattr(addon.cmc_addon.work.fit_order, "LIMIT", 1)
+    monkeypatch.setattr(addon.cmc_addon.tasks.fit_outline, "_FIRST_SLICE", 1)
+    monkeypatch.setattr(addon.cmc_addon.tasks.fit_outline, "LIMIT", 1)
     layer = plan.data.uv_layers.new(name="Drawing")
     layer.uv.foreach_set("vector", np.random.default_rng(1).random(2 * len(plan.data.loops)).astype(np.float32))
     fitted(plan, fit_rise=1.0)

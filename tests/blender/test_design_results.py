@@ -13,17 +13,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from .designs import (
-    CANCELLED,
-    FINISHED,
-    approximated,
-    cap,
-    fitted,
-    hand_for,
-    raised_loop,
-    small_disc,
-    wavy,
-)
+from .designs import CANCELLED, FINISHED, approximated, cap, fitted, hand_for, raised_loop, small_disc, wavy
 from .scenes import activate, positions, snapshot, values
 
 # --- results are results ---
@@ -103,7 +93,7 @@ def test_settings_are_the_objects_unless_given():
 
 
 def test_every_setting_is_an_operator_property(addon):
-    settings = addon.cmc_addon.stored.design_settings
+    settings = addon.cmc_addon.properties.design_settings
     for operator, names in (
         (bpy.ops.cmc.approximate_surface, settings.APPROXIMATE_SETTINGS),
         (bpy.ops.cmc.fit_outline, (*settings.FIT_SETTINGS, *settings.POINTERS)),
@@ -129,18 +119,19 @@ def test_undo_and_redo(design):
 
 
 def test_cancelled_changes_nothing(addon, monkeypatch, design):
-    session = addon.cmc_addon.work.session
+    session = addon.cmc_addon.background.worker
     design.call(design.plan)
     for vertex in design.plan.data.vertices:
         vertex.co.x *= 1.2
     activate(design.plan)
-    real = session.prepare
+    plan_cache = addon.cmc_addon.background.plan_cache
+    real = plan_cache.prepare
 
     def prepare(*args):
         session.cancel()
         return real(*args)
 
-    monkeypatch.setattr(session, "prepare", prepare)
+    monkeypatch.setattr(plan_cache, "prepare", prepare)
     before = snapshot()
     assert design.operator() == CANCELLED
     assert snapshot() == before
@@ -169,7 +160,7 @@ def test_shapes_are_shown_while_it_runs(addon, hand, monkeypatch):
     plan = small_disc()
     plan.scale = (1.6, 1.0, 1.0)
     preview = addon.cmc_addon.drawing.preview
-    monkeypatch.setattr(addon.cmc_addon.work.fit_order, "_FIRST_SLICE", 3)
+    monkeypatch.setattr(addon.cmc_addon.tasks.fit_outline, "_FIRST_SLICE", 3)
     shown, progress = [], []
     real = preview.show
     monkeypatch.setattr(preview, "show", lambda *shape: (shown.append(shape), real(*shape)))
@@ -187,7 +178,7 @@ def test_shapes_are_shown_while_it_runs(addon, hand, monkeypatch):
 
 
 def test_escape_leaves_the_scene_as_it_was(addon, hand, monkeypatch):
-    monkeypatch.setattr(addon.cmc_addon.work.fit_order, "_FIRST_SLICE", 3)
+    monkeypatch.setattr(addon.cmc_addon.tasks.fit_outline, "_FIRST_SLICE", 3)
     plan = small_disc()
     plan.scale = (1.6, 1.0, 1.0)
     bpy.context.view_layer.update()
@@ -198,8 +189,8 @@ def test_escape_leaves_the_scene_as_it_was(addon, hand, monkeypatch):
     assert hand.tick("ESC", "PRESS") == CANCELLED
     assert snapshot() == before
     assert addon.cmc_addon.drawing.preview.Preview.shape is None
-    assert addon.cmc_addon.work.session.Running.stop is None
-    thread: threading.Thread = addon.cmc_addon.work.session.Running.thread
+    assert addon.cmc_addon.background.worker.Running.stop is None
+    thread: threading.Thread = addon.cmc_addon.background.worker.Running.thread
     thread.join(10.0)
     assert not thread.is_alive(), "a fit ends at its next step"
 

@@ -142,7 +142,7 @@ def selected(ob) -> tuple[set[int], set[int], set[int]]:
 
 @pytest.fixture
 def show(addon):
-    return addon.cmc_addon.bridges.offender_bridge.show
+    return addon.cmc_addon.bridges.highlight_bridge.show
 
 
 def error(**elements):
@@ -195,7 +195,7 @@ def test_a_click_that_fails_ends_there(addon):
         bl_label, properties = "Solve", None
 
         def order_settings(self, plan):
-            return addon.cmc_addon.work.forming.settings_of(plan.cmc)
+            return addon.cmc_addon.tasks.solve.settings_of(plan.cmc)
 
         def report(self, kind, text):
             reports.append(text)

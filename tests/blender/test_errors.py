@@ -202,7 +202,7 @@ def test_a_plan_of_another_file(tmp_path):
     fails("'Disc' is linked from another file")
 
 
-@pytest.mark.parametrize("failing", ["work.session", "operators"])
+@pytest.mark.parametrize("failing", ["background.worker", "operators"])
 def test_a_registration_that_fails_is_taken_back(addon, monkeypatch, failing):
     """The error goes on to Blender, and nothing of the add-on is left, so that it can be enabled again."""
     cmc_addon = addon.cmc_addon

@@ -28,7 +28,7 @@ def points(ob) -> np.ndarray:
 
 
 def read(path):
-    from cmc_formfinding.solver.files import read_mesh
+    from cmc_formfinding.solver.io.mesh_files import read_mesh
 
     return read_mesh(path)
 
@@ -66,7 +66,7 @@ def test_an_obj_has_uvs_and_materials(plan, tmp_path):
 
 def test_normals_are_those_of_the_surface(plan, addon):
     from cmc_formfinding.cmc_addon.bridges.export_bridge import joined
-    from cmc_formfinding.cmc_addon.work.exporting import take_export
+    from cmc_formfinding.cmc_addon.tasks.export import take_export
 
     shell = plan.cmc.f_plus
     shell.rotation_euler = (0.3, -0.2, 1.0)
@@ -95,7 +95,7 @@ def test_modifiers_are_written_as_seen(plan, tmp_path):
 
 
 def test_what_is_exported_by_itself(plan, tmp_path):
-    from cmc_formfinding.cmc_addon.work.exporting import wanted_objects
+    from cmc_formfinding.cmc_addon.tasks.export import wanted_objects
 
     def automatic():
         return wanted_objects(bpy.context, plan, "AUTO")
@@ -163,7 +163,7 @@ def test_what_goes_wrong_is_said_and_leaves_nothing(plan, tmp_path):
 
 
 def test_cancelled_nothing_is_written(plan, tmp_path):
-    from cmc_formfinding.cmc_addon.work.exporting import take_export
+    from cmc_formfinding.cmc_addon.tasks.export import take_export
 
     order = take_export(bpy.context, plan, tmp_path / "hall.obj", "SHELL", True, True)
     assert order.work(lambda *_: False) == [] and os.listdir(tmp_path) == []

@@ -19,7 +19,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 DRIVER = Path(__file__).with_name("installed.py")
-BUILD = ROOT / "scripts" / "build_extension.py"
+BUILD = ROOT / "scripts" / "build" / "build_extension.py"
 MANIFEST = tomllib.loads((ROOT / "blender_manifest.toml").read_text(encoding="utf-8"))
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 BLENDERS = ("4.5", "5.0", "5.2")

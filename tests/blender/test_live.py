@@ -16,7 +16,7 @@ from .scenes import add_group, boundary_edges, positions, quad_ring
 
 @pytest.fixture
 def live(addon):
-    return addon.cmc_addon.work.live
+    return addon.cmc_addon.live.live
 
 
 @pytest.fixture
@@ -99,7 +99,7 @@ def test_a_long_drag(addon, live, plan, mode):
         move(plan, 25, (0.05, 0.02, 0.0))
         move(plan, 110, (0.08, 0.0, 0.05))
         catch_up(live)
-        assert state_of(live, plan).grade == addon.cmc_addon.work.live_work.QUICK
+        assert state_of(live, plan).grade == addon.cmc_addon.live.update.QUICK
         assert off_by(addon, plan) < 1e-3
     settle(live)
     assert off_by(addon, plan) < EXACT
@@ -139,7 +139,7 @@ def test_a_ring_that_is_cut_open(addon, live):
 
 def test_the_newest_wins(addon, live, plan, monkeypatch):
     """Twenty changes in a hurry: a few answers, each newer than the one before, the last one to the last change."""
-    work, told = addon.cmc_addon.work.live_work, []
+    work, told = addon.cmc_addon.live.update, []
     for cls in (work.GoingOn, work.Anew):
         def deliver(self, *args, real=cls.deliver):
             told.append(self.reading.order.groups[0].parameters["tilt"])
@@ -178,7 +178,7 @@ def test_large_plans_get_a_coarse_answer_first(addon, live, plan, monkeypatch):
     catch_up(live)
     assert off_by(addon, plan) < 0.05
     settle(live)
-    work = addon.cmc_addon.work.live_work
+    work = addon.cmc_addon.live.update
     assert grades == [work.COARSE, work.QUICK, work.FINAL]
     assert off_by(addon, plan) < EXACT
 

@@ -20,7 +20,7 @@ from .scenes import activate, add_group, boundary_edges, link, positions
 
 @pytest.fixture
 def live(addon):
-    return addon.cmc_addon.work.live
+    return addon.cmc_addon.live.live
 
 
 @pytest.fixture
@@ -116,7 +116,7 @@ def test_the_plan_is_deleted_while_it_is_dragged(addon, live, plan, how):
         bpy.ops.object.delete()
     settle(live)
     assert not live.Live.states and live.Live.errand is None
-    assert addon.cmc_addon.work.session.Running.stop is None
+    assert addon.cmc_addon.background.worker.Running.stop is None
 
 
 def test_the_result_is_deleted_while_it_is_dragged(addon, live, plan):
@@ -221,7 +221,7 @@ def test_a_plan_of_another_file(live, plan, tmp_path):
 
 def test_two_of_them_follow_different_things(addon, live, plan):
     """Live beside Follow, on one plan."""
-    following = addon.cmc_addon.work.following
+    following = addon.cmc_addon.live.follow
     activate(plan)
     assert bpy.ops.cmc.fit_outline(fit_rise=0.4) == {"FINISHED"}
     plan.cmc.follow = True
@@ -288,7 +288,7 @@ def test_many_edits(addon, live, plan):
     assert off_by(addon, plan) < EXACT
     gc.collect()
     assert len(bpy.data.meshes) == 2 and len(bpy.data.objects) == 2
-    assert state_of(live, plan).grade == addon.cmc_addon.work.live_work.FINAL
+    assert state_of(live, plan).grade == addon.cmc_addon.live.update.FINAL
 
 
 def many_edits(live, name: str, count: int, seed: int) -> None:

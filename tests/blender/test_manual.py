@@ -15,7 +15,7 @@ from .test_tooltips import groups, operators, own_properties
 
 @pytest.fixture
 def manual(addon):
-    return addon.cmc_addon.work.manual
+    return addon.cmc_addon.operators.manual
 
 
 def lookup(name: str) -> str | None:

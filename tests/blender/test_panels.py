@@ -220,7 +220,7 @@ def test_linked_from_a_library(plan, tmp_path) -> None:
 # --- what is shown -------------------------------------------------------------------------
 
 def test_only_the_parameters_of_the_kind_are_drawn(plan) -> None:
-    from cmc_formfinding.cmc_addon.stored.properties import KINDS
+    from cmc_formfinding.solver.gauss.conditions import KINDS
 
     bpy.ops.cmc.group_add(name="rim")
     every = {parameter.name for kind in KINDS.values() for parameter in kind.parameters}
@@ -239,7 +239,7 @@ def test_only_the_size_that_counts_is_drawn(plan) -> None:
 
 
 def test_every_setting_of_a_solve_can_be_reached(plan) -> None:
-    from cmc_formfinding.cmc_addon.stored.settings import SETTINGS
+    from cmc_formfinding.cmc_addon.properties.settings import SETTINGS
 
     bpy.ops.cmc.group_add(name="rim")
     plan.cmc.shell = "DEGREE"
@@ -251,7 +251,7 @@ def test_every_setting_of_a_solve_can_be_reached(plan) -> None:
 
 
 def test_every_setting_of_the_view_can_be_reached(plan) -> None:
-    from cmc_formfinding.cmc_addon.stored.seeing_settings import SEEING_SETTINGS
+    from cmc_formfinding.cmc_addon.properties.overlay_settings import SEEING_SETTINGS
 
     layout = Layout()
     cls = panel_class("CMC_PT_show")
@@ -266,7 +266,7 @@ def test_every_setting_of_the_view_can_be_reached(plan) -> None:
 
 
 def test_every_setting_of_a_design_can_be_reached(plan) -> None:
-    from cmc_formfinding.cmc_addon.stored.design_settings import (
+    from cmc_formfinding.cmc_addon.properties.design_settings import (
         APPROXIMATE_SETTINGS,
         FIT_SETTINGS,
         KNOB_PROPERTY,
@@ -389,7 +389,7 @@ def test_while_running() -> None:
 
 
 def test_groups_have_colours_of_their_own() -> None:
-    from cmc_formfinding.cmc_addon.drawing.seeing_colours import colour_of, icon_of
+    from cmc_formfinding.cmc_addon.drawing.palette import colour_of, icon_of
 
     assert {icon_of(uid) for uid in range(1, 16)} <= ICONS and len({icon_of(uid) for uid in range(1, 16)}) == 15
     assert len({colour_of(uid) for uid in range(1, 16)}) > 10

@@ -76,13 +76,13 @@ def test_solve_says_that_there_is_a_gap_and_what_to_press(plan, addon):
 
 
 def test_the_arrow_leads_from_one_end_of_the_gap_to_the_other(plan, addon):
-    start, along = addon.cmc_addon.drawing.seeing_result.gaps(report(plan), np.zeros(3))
+    start, along = addon.cmc_addon.drawing.result_layers.gaps(report(plan), np.zeros(3))
     assert start.shape == along.shape == (1, 3)
     shell = positions(plan.cmc.f_plus)
     for end in (start, start + along):
         assert np.linalg.norm(shell - end, axis=1).min() < 1e-4
     assert bpy.ops.cmc.close_periods() == FINISHED
-    assert len(addon.cmc_addon.drawing.seeing_result.gaps(report(plan), np.zeros(3))[0]) == 0
+    assert len(addon.cmc_addon.drawing.result_layers.gaps(report(plan), np.zeros(3))[0]) == 0
 
 
 def test_a_shell_that_is_cut_open_has_the_layers_of_the_plan():

@@ -91,7 +91,7 @@ def test_instances_lie_where_the_mesh_does(plan):
 
 
 def test_counts_before_it_runs(plan, addon):
-    counts = addon.cmc_addon.work.periods.tile_counts
+    counts = addon.cmc_addon.tasks.close_periods.tile_counts
     assert counts(plan, 1, (5, 9, 9)) == (5, 5 * len(plan.data.polygons)), "there is one hole"
     assert counts(plan, 2, (5, 3, 9))[0] == 15 and counts(plan, 5, (2, 2, 2))[0] == 8
     with pytest.raises(Exception, match="There would be 1000000 copies"):

@@ -19,7 +19,7 @@ def rim(addon):
 
     def look(plan):
         bpy.context.view_layer.update()
-        return addon.cmc_addon.drawing.seeing._seen(bpy.context, plan).rim
+        return addon.cmc_addon.drawing.overlay._seen(bpy.context, plan).rim
 
     return look
 
@@ -88,16 +88,17 @@ def matrix_of(transform):
 
 def whole(addon, plan):
     """Points, normals and points on mirrors, from the conditions of the whole plan."""
-    from cmc_formfinding.cmc_addon.work import forming, session
+    from cmc_formfinding.cmc_addon.background import plan_cache
+    from cmc_formfinding.cmc_addon.tasks import solve
     from cmc_formfinding.solver.domain.sites import SiteGraph
     from cmc_formfinding.solver.gauss.admissible import resolved
-    from cmc_formfinding.solver.plans.plan import plan_conditions
+    from cmc_formfinding.solver.shells.plan import plan_conditions
 
     bpy.context.view_layer.update()
-    order = forming.take_order(bpy.context, plan, forming.settings_of(plan.cmc))
-    prepared = session.prepare(order.mesh)
+    order = solve.take_order(bpy.context, plan, solve.settings_of(plan.cmc))
+    prepared = plan_cache.prepare(order.mesh)
     domain = prepared.solver.domain
-    settings = forming.solver_settings(order.settings)
+    settings = solve.solver_settings(order.settings)
     conditions = plan_conditions(order.plan(prepared), settings, domain)
     held = resolved(conditions, SiteGraph.of(domain, "vertices"))
     points = order.mesh.positions - np.array(plan.matrix_world.translation)
@@ -235,7 +236,7 @@ def test_bad_plans_are_drawn_as_far_as_they_can_be(addon, what):
 
 def frame(addon):
     bpy.context.view_layer.update()
-    return addon.cmc_addon.drawing.seeing.frame(bpy.context)
+    return addon.cmc_addon.drawing.overlay.frame(bpy.context)
 
 
 def layers(parts, kind=None):
@@ -244,7 +245,7 @@ def layers(parts, kind=None):
 
 def only(name):
     """Switch all off but one."""
-    from cmc_formfinding.cmc_addon.stored.seeing_settings import SHOWN
+    from cmc_formfinding.cmc_addon.properties.overlay_settings import SHOWN
 
     for other in SHOWN:
         setattr(bpy.context.scene.cmc, other, other == name)
@@ -264,7 +265,7 @@ def test_arrows_stand_on_the_rim_and_point_outwards(addon):
     tips = np.linalg.norm(heads.points, axis=1).max()
     bpy.context.scene.cmc.arrow_scale = 2.0
     assert_allclose(np.linalg.norm(layers(frame(addon), "TRIS")[0].points, axis=1).max() - 4, 2 * (tips - 4), rtol=1e-5)
-    assert_allclose(shafts.colour[:3], addon.cmc_addon.drawing.seeing_colours.colour_of(1))
+    assert_allclose(shafts.colour[:3], addon.cmc_addon.drawing.palette.colour_of(1))
     assert plan == bpy.context.object
 
 
@@ -352,7 +353,7 @@ def test_a_mirror_has_strokes_in_its_plane_and_its_plane_stands_on_its_edges(add
 
 
 def colour(addon, uid):
-    return addon.cmc_addon.drawing.seeing_colours.colour_of(uid)
+    return addon.cmc_addon.drawing.palette.colour_of(uid)
 
 
 def test_after_a_solve_the_plane_is_where_the_shell_has_it(addon):
@@ -442,7 +443,7 @@ def test_nothing_is_drawn_of_what_is_hidden_or_no_plan(addon):
     bpy.context.scene.cmc.show_all = True
     other = bpy.data.scenes.new("other")
     with bpy.context.temp_override(scene=other, view_layer=other.view_layers[0]):
-        assert not addon.cmc_addon.drawing.seeing.frame(bpy.context)
+        assert not addon.cmc_addon.drawing.overlay.frame(bpy.context)
     quad_disc("just a mesh")
     assert not frame(addon)
     activate(None)
@@ -465,8 +466,8 @@ def test_a_result_that_is_active_shows_its_plan(addon):
 def looked(addon, monkeypatch):
     """How often a plan was worked out."""
     calls = []
-    original = addon.cmc_addon.drawing.seeing.see_rim
-    monkeypatch.setattr(addon.cmc_addon.drawing.seeing, "see_rim", lambda *a: calls.append(1) or original(*a))
+    original = addon.cmc_addon.drawing.overlay.see_rim
+    monkeypatch.setattr(addon.cmc_addon.drawing.overlay, "see_rim", lambda *a: calls.append(1) or original(*a))
     return calls
 
 
@@ -550,7 +551,7 @@ def test_modifiers_that_move_are_followed(addon, rim):
 
 
 def test_what_is_slow_waits_for_a_pause(addon, monkeypatch):
-    cache = addon.cmc_addon.drawing.seeing_cache
+    cache = addon.cmc_addon.drawing.overlay_cache
     clock = [100.0]
     monkeypatch.setattr(cache.time, "perf_counter", lambda: clock[0])
     entry = cache._Entry("value", "key", done=100.0, cost=0.001)
@@ -564,7 +565,7 @@ def test_what_is_slow_waits_for_a_pause(addon, monkeypatch):
 
 
 def test_handlers_come_and_go(addon):
-    module = addon.cmc_addon.drawing.seeing_cache
+    module = addon.cmc_addon.drawing.overlay_cache
     names = [name for name, _ in module._HANDLERS]
     before = [len(getattr(bpy.app.handlers, name)) for name in names]
     for _ in range(3):
@@ -572,4 +573,4 @@ def test_handlers_come_and_go(addon):
         assert [len(getattr(bpy.app.handlers, name)) for name in names] < before
         addon.cmc_addon.register()
     assert [len(getattr(bpy.app.handlers, name)) for name in names] == before
-    assert addon.cmc_addon.drawing.seeing_draw.Drawing.handle is None, "nothing is drawn in the background"
+    assert addon.cmc_addon.drawing.overlay_draw.Drawing.handle is None, "nothing is drawn in the background"

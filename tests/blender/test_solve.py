@@ -11,17 +11,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from .scenes import (
-    activate,
-    add_group,
-    boundary_edges,
-    mesh_object,
-    positions,
-    quad_disc,
-    quad_ring,
-    snapshot,
-    values,
-)
+from .scenes import activate, add_group, boundary_edges, mesh_object, positions, quad_disc, quad_ring, snapshot, values
 
 FINISHED = {"FINISHED"}
 
@@ -282,9 +272,9 @@ def test_settings_are_the_objects_unless_given():
 
 def test_every_setting_is_an_operator_property(addon):
     names = {p.identifier for p in bpy.ops.cmc.solve.get_rna_type().properties}
-    assert set(addon.cmc_addon.stored.settings.SETTINGS) <= names
+    assert set(addon.cmc_addon.properties.settings.SETTINGS) <= names
     names = {p.identifier for p in bpy.ops.cmc.solve_selection.get_rna_type().properties}
-    assert {*addon.cmc_addon.stored.settings.SETTINGS, "kind", "tilt", "normal", "m"} <= names
+    assert {*addon.cmc_addon.properties.settings.SETTINGS, "kind", "tilt", "normal", "m"} <= names
 
 
 @pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
@@ -336,10 +326,10 @@ def test_nothing_running_to_cancel():
 
 def test_a_second_solve_factors_nothing(addon, monkeypatch):
     """A plan that has not moved keeps its solver, whatever its conditions; a moved vertex makes a new one."""
-    session = addon.cmc_addon.work.session
-    made, real = [], session.CmcSolver
-    monkeypatch.setattr(session, "CmcSolver", lambda domain, **kind: made.append(kind) or real(domain, **kind))
-    session.forget()
+    plan_cache = addon.cmc_addon.background.plan_cache
+    made, real = [], plan_cache.CmcSolver
+    monkeypatch.setattr(plan_cache, "CmcSolver", lambda domain, **kind: made.append(kind) or real(domain, **kind))
+    plan_cache.forget()
     plan = quad_disc()
     solved(plan)
     add_group(plan, "Rim", boundary_edges(plan.data)[:5], "BINORMAL", tilt=0.3)
@@ -351,17 +341,17 @@ def test_a_second_solve_factors_nothing(addon, monkeypatch):
 
 
 def test_cancelled_changes_nothing(addon, monkeypatch):
-    forming, session = addon.cmc_addon.work.forming, addon.cmc_addon.work.session
+    forming, session = addon.cmc_addon.tasks.solve, addon.cmc_addon.background.worker
     plan = quad_disc()
     solved(plan)
     add_group(plan, "Rim", boundary_edges(plan.data)[:5], "BINORMAL", tilt=0.3)
-    real = forming.pipeline.form
+    real = forming.form.form
 
     def form(*args, **keywords):
         session.cancel()
         return real(*args, **keywords)
 
-    monkeypatch.setattr(forming.pipeline, "form", form)
+    monkeypatch.setattr(forming.form, "form", form)
     before = snapshot()
     assert bpy.ops.cmc.solve() == {"CANCELLED"}
     assert snapshot() == before
@@ -370,12 +360,12 @@ def test_cancelled_changes_nothing(addon, monkeypatch):
 
 def test_only_our_own_errors_are_caught(addon, monkeypatch):
     """A mistake of ours is shown as one, with its traceback, and leaves nothing behind."""
-    forming = addon.cmc_addon.work.forming
+    forming = addon.cmc_addon.tasks.solve
 
     def form(*args, **keywords):
         raise ZeroDivisionError("a mistake")
 
-    monkeypatch.setattr(forming.pipeline, "form", form)
+    monkeypatch.setattr(forming.form, "form", form)
     quad_disc()
     before = snapshot()
     with pytest.raises(RuntimeError, match=r"Traceback(.|\n)*ZeroDivisionError"):
@@ -393,7 +383,7 @@ class Hand:
         for name in ("modal", "_advance", "_cleanup", "_fail", "_say_cancelled", "take", "tell"):
             setattr(self, name, getattr(solve.Solving, name).__get__(self))
         self.context, self.reports = context, []
-        self.order_settings = lambda plan: addon.cmc_addon.work.forming.settings_of(plan.cmc)
+        self.order_settings = lambda plan: addon.cmc_addon.tasks.solve.settings_of(plan.cmc)
         self.selection = lambda: None
         self.bl_label, self._about = "Solve", 0
         self._work, self._timer = solve.Solving.steps(self, context, 0.0), None
@@ -434,14 +424,14 @@ def test_escape_cancels(addon, hand):
     assert hand.tick("MOUSEMOVE") == {"PASS_THROUGH"}
     assert hand.tick("ESC", "PRESS") == {"CANCELLED"}
     assert snapshot() == before
-    assert addon.cmc_addon.work.session.Running.stop is None
-    addon.cmc_addon.work.session.Running.thread.join(10.0)
-    assert not addon.cmc_addon.work.session.Running.thread.is_alive()
+    assert addon.cmc_addon.background.worker.Running.stop is None
+    addon.cmc_addon.background.worker.Running.thread.join(10.0)
+    assert not addon.cmc_addon.background.worker.Running.thread.is_alive()
 
 
 def test_cancelled_while_it_measures(addon):
     """Work that has no more steps is not waited for; the next solve starts when it is through."""
-    session = addon.cmc_addon.work.session
+    session = addon.cmc_addon.background.worker
     order, gate, begun = [], threading.Event(), threading.Event()
 
     def slow(progress):

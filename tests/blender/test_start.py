@@ -18,7 +18,7 @@ from .test_panels import draw
 def wente_torus():
     """Domain and map of a small Wente torus, from the add-on's own solver."""
     from cmc_formfinding.solver import complete, whole
-    from cmc_formfinding.solver.design.bubbles import wente
+    from cmc_formfinding.solver.catalogue.wente import wente
 
     quarter = wente(2 * np.pi / 3, 8)
     return whole(complete(quarter.surface, quarter.sides))

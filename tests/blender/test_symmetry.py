@@ -161,7 +161,7 @@ def test_a_number_a_box_or_units():
 
 def test_the_panel_knows_the_counts_before_it_runs():
     from cmc_formfinding.cmc_addon.panels.symmetry_panel import wanted_of
-    from cmc_formfinding.cmc_addon.work.symmetry import counts
+    from cmc_formfinding.cmc_addon.tasks.complete import counts
 
     plan = module("HONEYCOMB")
     assert counts(plan, wanted_of(plan)) is None
@@ -187,7 +187,7 @@ def test_the_panel_knows_the_counts_before_it_runs():
 def test_a_finite_group_has_no_more_copies_than_it_has():
     """A corner of three mirrors: eight, however many are asked for."""
     from cmc_formfinding.cmc_addon.panels.symmetry_panel import wanted_of
-    from cmc_formfinding.cmc_addon.work.symmetry import counts
+    from cmc_formfinding.cmc_addon.tasks.complete import counts
 
     plan = solved("UNDULOID")
     plan.data.cmc.groups["End"].across = "OFF"
@@ -233,9 +233,9 @@ def test_solve_shows_the_shell_again_and_hides_what_was_completed():
 
 def test_the_shell_that_is_shown_is_not_solved_again(monkeypatch):
     plan = solved("UNDULOID")
-    from cmc_formfinding.solver import pipeline
+    from cmc_formfinding.solver.shells import form
 
-    monkeypatch.setattr(pipeline, "form", lambda *a, **k: pytest.fail("solved again"))
+    monkeypatch.setattr(form, "form", lambda *a, **k: pytest.fail("solved again"))
     assert bpy.ops.cmc.complete() == FINISHED
     activate(plan.cmc.completed)
     assert bpy.ops.cmc.complete() == FINISHED, "with the result active, too"

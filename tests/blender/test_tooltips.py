@@ -9,10 +9,9 @@ UNITS = {"LENGTH": {"DISTANCE", "TRANSLATION"}, "ROTATION": {"ANGLE"}}
 
 
 def groups() -> dict:
-    from cmc_formfinding.cmc_addon import preferences
-    from cmc_formfinding.cmc_addon.stored import properties
+    from cmc_formfinding.cmc_addon.properties import preferences, stored
 
-    found = {cls.__name__: cls.bl_rna for cls in properties.CLASSES}
+    found = {cls.__name__: cls.bl_rna for cls in stored.CLASSES}
     found["CmcPreferences"] = preferences.CmcPreferences.bl_rna
     return found
 

@@ -29,7 +29,7 @@ trap 'rm -rf "$SCRATCH"' EXIT
 PYTHON=$(cat "$ROOT/.python")
 (
   flock 9
-  "$CHECKOUT/.venv/bin/python" "$CHECKOUT/scripts/build_extension.py" --python "$PYTHON" --output "$SCRATCH" >/dev/null
+  "$CHECKOUT/.venv/bin/python" "$CHECKOUT/scripts/build/build_extension.py" --python "$PYTHON" --output "$SCRATCH" >/dev/null
 ) 9>"$CHECKOUT/build/gui/.lock"
 
 # The checkout cannot be written to, apart from build/gui.

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from solver import CmcSurface, Conditions, Domain, Side, close_periods, conditions, shapes
-from solver.design import Closing, tube
-from solver.domain import modules
+from solver.catalogue import modules
+from solver.closing.close import Closing
+from solver.closing.moduli import tube
 from tests.solver.pieces import unduloid_normals
 
 COURTYARDS = {

@@ -8,8 +8,8 @@ import numpy as np
 from scipy.special import ellipe, ellipj, ellipk
 
 from solver import CmcSurface, Domain, Side, conditions, solve_cmc
-from solver.domain import modules
-from solver.domain.mesher import mesh_plan
+from solver.catalogue import modules
+from solver.meshing.mesher import mesh_plan
 from tests.solver import exact
 
 

@@ -11,21 +11,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solver import job
 from solver.domain.sites import SITES
 from solver.errors import Status
 from solver.gauss.conditions import KINDS
 from solver.gauss.energies import ENERGIES
 from solver.gauss.methods import METHODS
+from solver.jobs import job
 from solver.jobs.close_table import KEYS as CLOSE_KEYS
 from solver.jobs.complete_table import KEYS as COMPLETE_KEYS
 from solver.jobs.fit_table import ANCHOR_KEYS
 from solver.jobs.fit_table import KEYS as FIT_KEYS
 from solver.jobs.outputs import SHEET_KEYS
 from solver.jobs.selection import WAYS
-from solver.plans import plan
-from solver.surface.cmc import COMBINATORICS
-from solver.surface.offsets import AVERAGINGS
+from solver.shells import plan
+from solver.surface.averaging import AVERAGINGS
+from solver.surface.cmc_surface import COMBINATORICS
 from solver.surface.placement import GROUNDS, SIZES
 
 ROOT = Path(__file__).parents[2]

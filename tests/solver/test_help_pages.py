@@ -12,7 +12,7 @@ ROOT = Path(__file__).parents[2]
 
 
 def load():
-    spec = importlib.util.spec_from_file_location("help_pages", ROOT / "scripts" / "help_pages.py")
+    spec = importlib.util.spec_from_file_location("help_pages", ROOT / "scripts" / "build" / "help_pages.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from solver import HarmonicSolver, conditions
-from solver.design import wente_height, wente_start
-from solver.gauss.saddle_maps import problem_of
+from solver.catalogue.wente import wente_start
+from solver.catalogue.wente_heights import wente_height
+from solver.gauss.modes import problem_of
 from solver.gauss.sphere import normalize
 from tests.solver import exact
 from tests.solver.pieces import edges_where

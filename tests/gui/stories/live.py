@@ -10,7 +10,7 @@ import numpy as np
 
 
 def live():
-    return next(module for name, module in sys.modules.items() if name.endswith("cmc_addon.work.live"))
+    return next(module for name, module in sys.modules.items() if name.endswith("cmc_addon.live.live"))
 
 
 def at_rest() -> bool:

@@ -14,12 +14,12 @@ FROM_OUTSIDE, FROM_INSIDE = (0.86, 0.31, 0.13, 0.37), (0.36, 0.17, 0.39, 0.83)
 
 def drawing():
     """The drawing of the installed extension."""
-    return _module("drawing.seeing_draw").Drawing
+    return _module("drawing.overlay_draw").Drawing
 
 
 def seen(hands):
     """All that is drawn now."""
-    parts = _module("drawing.seeing").frame(bpy.context, hands.area.spaces.active)
+    parts = _module("drawing.overlay").frame(bpy.context, hands.area.spaces.active)
     return [layer for part in parts for layer in part.layers]
 
 

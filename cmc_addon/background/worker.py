@@ -1,0 +1,131 @@
+"""How work runs beside Blender.
+
+It runs in a thread that never touches Blender's data; `steps` is the one way to run it, for a script that waits and for
+a window that goes on drawing.
+"""
+
+from __future__ import annotations
+
+import math
+import queue
+import threading
+from collections.abc import Callable, Generator
+from dataclasses import dataclass
+from typing import TypeVar
+
+import bpy
+
+from ...solver.errors import CmcError
+from ...solver.linalg import Patience
+from .plan_cache import forget
+
+T = TypeVar("T")
+Progress = Callable[[int, float], bool]
+
+# Unknowns whose factorisation by cholespy would hold up a window for about a tenth of a second.
+_PATIENT = 20_000
+
+
+def register() -> None:
+    """Beside a window large matrices are factored in a way that lets it go on drawing."""
+    Patience.largest = math.inf if bpy.app.background else _PATIENT
+
+
+def unregister() -> None:
+    """Stop what runs, drop what is kept."""
+    cancel()
+    forget()
+    Patience.largest = math.inf
+
+
+@dataclass(frozen=True)
+class Update:
+    """How far a solve is: `part` goes from 0 to 1 as the residual falls to the tolerance."""
+
+    iteration: int
+    residual: float
+    part: float
+
+
+class Running:
+    """The solve that runs now, if any: `cmc.cancel` stops it, and so does the next one where it gives way. `thread` is
+    the last one that was started; it may still be at work after it was cancelled."""
+
+    stop: threading.Event | None = None
+    gives_way: bool = False
+    thread: threading.Thread | None = None
+
+
+def cancel() -> bool:
+    """Stop waiting for the running solve, which ends after its present step; False where none runs."""
+    if Running.stop is None:
+        return False
+    Running.stop.set()
+    return True
+
+
+def steps(
+    work: Callable[[Progress], T], tolerance: float, wait: float, gives_way: bool = False
+) -> Generator[Update | None, None, T | None]:
+    """Run `work(progress)` in a thread; yield each update, or None after `wait` seconds without one.
+
+    Returns what the work returns, or None as soon as it is cancelled; raises what it raises, and `CmcError`
+    while another solve runs which does not give way. Closing the generator cancels. A cancelled thread is not waited
+    for: it may be measuring, which has no steps to stop after. The next one starts when it is through.
+    """
+    if Running.stop is not None:
+        if not Running.gives_way:
+            raise CmcError("A solve is running; wait for it, or cancel it (Esc) first.")
+        Running.stop.set()
+    stop = threading.Event()
+    news: queue.SimpleQueue = queue.SimpleQueue()
+    arguments = (work, stop, news, Running.thread)
+    Running.stop, Running.gives_way = stop, gives_way
+    Running.thread = threading.Thread(target=_run, args=arguments, name="cmc-solve", daemon=True)
+    Running.thread.start()
+    first = 0.0
+    try:
+        while not stop.is_set():
+            try:
+                kind, value = news.get(timeout=wait)
+            except queue.Empty:
+                yield None
+                continue
+            if kind == "done":
+                return value
+            if kind == "error":
+                raise value
+            iteration, residual = value
+            first = first or residual
+            yield Update(iteration, residual, _part(first, residual, tolerance))
+        return None
+    finally:
+        if Running.stop is stop:
+            Running.stop = None
+        stop.set()
+
+
+def _run(
+    work: Callable[[Progress], object],
+    stop: threading.Event,
+    news: queue.SimpleQueue,
+    before: threading.Thread | None,
+) -> None:
+    def progress(iteration: int, residual: float) -> bool:
+        if iteration >= 0:
+            news.put(("update", (iteration, residual)))
+        return not stop.is_set()
+
+    try:
+        if before is not None:
+            before.join()  # what is kept between solves is for one at a time
+        if not stop.is_set():
+            news.put(("done", work(progress)))
+    except BaseException as error:  # handed over whole: `steps` raises it in the thread that asked
+        news.put(("error", error))
+
+
+def _part(first: float, residual: float, tolerance: float) -> float:
+    if not (first > tolerance and residual > 0 and math.isfinite(residual)):
+        return 0.0
+    return min(max(math.log(first / residual) / math.log(first / tolerance), 0.0), 1.0)

@@ -1,0 +1,169 @@
+"""Short strokes along the lines of curvature of the results of the active plan, in the viewport.
+
+They are worked out once a change of a mesh. Where the strokes are stays the same while a shell changes its shape only:
+they turn, and do not jump.
+"""
+
+from __future__ import annotations
+
+import bpy
+import gpu
+import numpy as np
+from bpy.app.handlers import persistent
+from gpu_extras.batch import batch_for_shader
+from mathutils import Matrix
+
+from ..bridges.colour_bridge import points_and_lines
+from ..properties.colour_settings import watchers
+from ..properties.links import families, plan_to_solve
+from .curvature_lines import spread, strokes, usual_spacing
+
+# Along the larger and the smaller principal curvature; under both a dark edge, to be seen on any colour.
+_COLOURS = ((1.0, 0.62, 0.12, 1.0), (0.45, 0.85, 1.0, 1.0))
+_EDGE = (0.05, 0.05, 0.05, 0.6)
+_WIDTH, _EDGE_WIDTH = 1.6, 3.6
+# Strokes are drawn nearer by this part of their distance, so that their own surface does not hide them.
+_NEARER = 2e-3
+
+_handle = None
+# Mesh -> what its strokes are made of; the strokes as the graphics card has them; which vertices have one.
+_batches: dict[int, tuple[tuple, list]] = {}
+_places: dict[int, tuple[tuple, np.ndarray]] = {}
+
+
+def lines_of(mesh: bpy.types.Mesh, which: str, spacing: float) -> tuple[np.ndarray, np.ndarray] | None:
+    """Ends (k, 2, 3) of the strokes of both kinds on a result, in its own coordinates; None where it has no directions.
+
+    spacing: 0 chooses one.
+    """
+    found = points_and_lines(mesh)
+    if found is None:
+        return None
+    points, normals, lines = found
+    key = (len(points), spacing)
+    known = _places.get(mesh.session_uid)
+    if known is None or known[0] != key:
+        known = key, spread(points, spacing or usual_spacing(points))
+        _places[mesh.session_uid] = known
+    at = known[1]
+    return strokes(points[at], normals[at], lines[at], which, spacing or usual_spacing(points))
+
+
+def shown_results(context: bpy.types.Context, plan: bpy.types.Object) -> list[bpy.types.Object]:
+    """The results of a plan that can be seen and have directions; of instances all."""
+    found = [member for family in families(plan) for member in (family.shell, *family.others)]
+    copies = [] if plan.cmc.copies is None else list(plan.cmc.copies.objects)
+    every = {ob.name: ob for ob in (*found, *copies)}.values()
+    return [ob for ob in every if ob.type == "MESH" and ob.visible_get(view_layer=context.view_layer)]
+
+
+def _draw() -> None:
+    context = bpy.context
+    if not context.space_data.overlay.show_overlays:
+        return
+    plan = plan_to_solve(context)
+    if plan is None or plan.cmc.strokes == "NONE":
+        return
+    shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
+    shader.bind()
+    shader.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
+    gpu.state.depth_test_set("LESS_EQUAL")
+    gpu.state.blend_set("ALPHA")
+    projection, distance = gpu.matrix.get_projection_matrix(), context.region_data.view_distance
+    shown, scale = shown_results(context, plan), context.preferences.system.ui_scale
+    for part, width, colours in ((_NEARER, _EDGE_WIDTH, (_EDGE, _EDGE)), (1.5 * _NEARER, _WIDTH, _COLOURS)):
+        shader.uniform_float("lineWidth", scale * width)
+        with gpu.matrix.push_pop_projection():
+            gpu.matrix.load_projection_matrix(nearer(projection, distance, part))
+            for ob in shown:
+                _draw_on(shader, ob, plan.cmc, colours)
+    gpu.state.blend_set("NONE")
+    gpu.state.depth_test_set("NONE")
+
+
+def nearer(projection: Matrix, distance: float, part: float = _NEARER) -> Matrix:
+    """A projection for things nearer to the eye by a part of their distance, at the same place of the picture.
+
+    distance: of the view, which counts where the projection is parallel.
+    """
+    perspective = projection[3][3] == 0.0
+    moved = Matrix.Scale(1.0 - part, 4) if perspective else Matrix.Translation((0.0, 0.0, part * distance))
+    if perspective:
+        moved[3][3] = 1.0
+    return projection @ moved
+
+
+def _draw_on(shader, ob: bpy.types.Object, settings, colours: tuple) -> None:
+    with gpu.matrix.push_pop():
+        gpu.matrix.multiply_matrix(ob.matrix_world)
+        for batch, colour in zip(_batches_of(shader, ob.data, settings), colours, strict=True):
+            if batch is not None:
+                shader.uniform_float("color", colour)
+                batch.draw(shader)
+
+
+def _batches_of(shader, mesh: bpy.types.Mesh, settings) -> list:
+    key = (settings.strokes, settings.stroke_spacing, len(mesh.vertices))
+    known = _batches.get(mesh.session_uid)
+    if known is None or known[0] != key:
+        known = key, _made(shader, lines_of(mesh, settings.strokes, settings.stroke_spacing))
+        _batches[mesh.session_uid] = known
+    return known[1]
+
+
+def _made(shader, lines) -> list:
+    if lines is None:
+        return [None, None]
+    flat = [ends.reshape(-1, 3).astype(np.float32) for ends in lines]
+    return [batch_for_shader(shader, "LINES", {"pos": points}) if len(points) else None for points in flat]
+
+
+# --- when they are worked out again --------------------------------------------------------
+
+@persistent
+def _on_change(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+    if _batches and any(update.is_updated_geometry for update in depsgraph.updates):
+        _batches.clear()
+
+
+@persistent
+def _on_other_data(*_: object) -> None:
+    _batches.clear()
+    _places.clear()
+
+
+def _on_setting(_plan: bpy.types.Object, context: bpy.types.Context, _name: str) -> None:
+    for window in context.window_manager.windows if context.window_manager else ():
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+
+
+_HANDLERS = (
+    ("depsgraph_update_post", _on_change),
+    ("undo_post", _on_other_data),
+    ("redo_post", _on_other_data),
+    ("load_post", _on_other_data),
+)
+
+
+def register() -> None:
+    global _handle
+    for name, told in _HANDLERS:
+        getattr(bpy.app.handlers, name).append(told)
+    watchers.append(_on_setting)
+    if not bpy.app.background:
+        _handle = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
+
+
+def unregister() -> None:
+    global _handle
+    if _handle is not None:
+        bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
+        _handle = None
+    if _on_setting in watchers:
+        watchers.remove(_on_setting)
+    for name, told in _HANDLERS:
+        if told in getattr(bpy.app.handlers, name):
+            getattr(bpy.app.handlers, name).remove(told)
+    _on_other_data()

@@ -1,0 +1,198 @@
+"""What is to be seen in a viewport now: the active plan's rim, and what its results have to show.
+
+Everything comes as parts, layers with the matrix that places them in the world. They are kept from redraw to redraw,
+see `seeing_cache`; nothing here draws.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import count
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+from numpy.typing import NDArray
+
+from ...solver.errors import CmcError
+from ..bridges.overlay_bridge import cut_of, points_of, seen_plan
+from ..properties import group_list, preferences
+from ..properties.links import plan_to_solve, results_of
+from ..properties.overlay_settings import SHOWN
+from ..properties.reports import last_report
+from ..properties.settings import SIDES
+from ..properties.stored import ROLES, parameter_values
+from .overlay_cache import kept, version
+from .overlay_layers import Layer, Look, arrow_length, cut_layer, rim_layers
+from .palette import colour_of, other_colour
+from .result_layers import gap_layers, measured, plane_layers, shell_of
+from .rim import Drawn, Rim, see_rim
+from .rim_strip import GroupState
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """Layers, and where they are: a matrix from their coordinates to the world."""
+
+    matrix: Matrix
+    layers: list[Layer]
+
+
+def frame(context: bpy.types.Context, view: bpy.types.SpaceView3D | None = None) -> list[Part]:
+    """All that is to be drawn in a 3D view; nothing where the user wants nothing, or no plan is active."""
+    settings, plan = context.scene.cmc, plan_to_solve(context)
+    if not settings.show_all or plan is None or not is_plan(plan):
+        return []
+    if view is not None and not view.overlay.show_overlays:
+        return []
+    look, report = look_of(context, plan), last_report(context)
+    shell = None if report is None else shell_of(plan, report)
+    planes = _planes(plan, report, shell if _is_visible(shell, context, view) else None, look)
+    seen = _seen(context, plan) if _is_visible(plan, context, view) else None
+    parts = []
+    if seen is not None:
+        parts += _plan_parts(plan, seen, look, frozenset(uid for uid, _, _ in planes))
+    for result in results_of(plan, [role for role in ROLES if role != "GAUSS"]).values():
+        if _is_visible(result, context, view):
+            parts += _result_parts(result, look, planes if result == shell else [], seen)
+    if report is not None and "show_periods" in look.shown:
+        parts += _gap_parts(plan, report, shell, context, view, look)
+    if "show_cut" in look.shown and seen is not None and shell is not None:
+        parts += _plan_cut(plan, seen, shell, look)
+    return parts
+
+
+def is_plan(ob: bpy.types.Object) -> bool:
+    """Whether somebody has begun to use a mesh as a plan; on other meshes nothing is drawn."""
+    return ob.type == "MESH" and bool(ob.data.cmc.groups or ob.cmc.meshed or ob.cmc.report or ob.cmc.design_report)
+
+
+def _is_visible(ob: bpy.types.Object | None, context, view) -> bool:
+    """In this scene and view: hidden neither there nor by its collections, nor outside of what is viewed locally."""
+    if ob is None or not ob.visible_get(view_layer=context.view_layer):
+        return False
+    return view is None or ob.visible_in_viewport_get(view)
+
+
+def look_of(context: bpy.types.Context, plan: bpy.types.Object) -> Look:
+    """How the plan is to be drawn, as plain values."""
+    settings, group = context.scene.cmc, group_list.active(plan.data)
+    return Look(
+        shown=frozenset(name for name in SHOWN if getattr(settings, name)),
+        scale=settings.arrow_scale,
+        count=settings.arrow_count,
+        colours=tuple((group.uid, colour_of(group.uid)) for group in plan.data.cmc.groups),
+        active=0 if group is None else group.uid,
+        width=preferences.get("line_width"),
+        editing=plan.data.is_editmode,
+        ungrouped=other_colour("colour_ungrouped"),
+        periods=other_colour("colour_periods"),
+        cut=other_colour("colour_cut"),
+    )
+
+
+def group_states(mesh: bpy.types.Mesh) -> tuple[GroupState, ...]:
+    """The groups of a mesh as plain values."""
+    return tuple(
+        GroupState(group.uid, group.name, group.kind.lower(), tuple(parameter_values(group.kind, group).items()))
+        for group in mesh.cmc.groups
+    )
+
+
+# --- the plan -------------------------------------------------------------------------------
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """A plan as it is drawn, its coordinates turned and scaled as in the world but measured from its origin.
+
+    number: of its own, in place of a comparison.
+    """
+
+    drawn: Drawn
+    rim: Rim
+    number: int = field(default_factory=count().__next__)
+
+
+def _seen(context: bpy.types.Context, plan: bpy.types.Object) -> Seen | None:
+    """The plan and its rim; None where it cannot be read."""
+    settings, groups = plan.cmc, group_states(plan.data)
+    matrix = plan.matrix_world.to_3x3().to_4x4()
+    uids, modified = tuple(group.uid for group in groups), settings.apply_modifiers
+    shape = (version(plan, plan.data), plan.mode, modified, tuple(map(tuple, matrix)), uids)
+    prescribed = groups, settings.blend, SIDES[settings.side]
+
+    def draw() -> Drawn | None:
+        depsgraph = context.view_layer.depsgraph or context.evaluated_depsgraph_get()
+        try:
+            return Drawn.of(seen_plan(plan, depsgraph, np.array(matrix, dtype=np.float64), modified), uids)
+        except CmcError:
+            return None
+
+    with np.errstate(all="ignore"):  # of faces without area no more is known than that
+        drawn = kept(("drawn", plan.session_uid), shape, draw)
+        key = id(drawn), prescribed
+        seen = kept(("seen", plan.session_uid), key, lambda: drawn and Seen(drawn, see_rim(drawn, *prescribed)))
+    return seen
+
+
+def _plan_parts(plan: bpy.types.Object, seen: Seen, look: Look, walls: frozenset[int]) -> list[Part]:
+    key = seen.number, look, walls
+    layers = kept(("rim", plan.session_uid), key, lambda: rim_layers(seen.rim, look, walls))
+    return [Part(Matrix.Translation(plan.matrix_world.translation), layers)]
+
+
+# --- its results ----------------------------------------------------------------------------
+
+def _planes(plan, report: dict | None, shell: bpy.types.Object | None, look: Look) -> list[tuple[int, Array, float]]:
+    """The planes that are known from the last solve, while its shell can be seen."""
+    if report is None or shell is None or "show_mirrors" not in look.shown or shell.data.is_editmode:
+        return []
+    return measured(report, group_states(plan.data), plan.cmc.rotate)
+
+
+def _result_parts(
+    result: bpy.types.Object, look: Look, planes: list[tuple[int, Array, float]], seen: Seen | None
+) -> Iterator[Part]:
+    """Planes and cut of a result, in its own coordinates; and the cut on the plan, if that is seen."""
+    mesh = result.data
+    state, origin = version(result, mesh), np.array(result.cmc.placed_at, dtype=np.float64)
+    if planes:
+        length = 0.0 if seen is None else arrow_length(seen.rim, look)
+        key = (state, look, length, tuple((uid, *normal, offset) for uid, normal, offset in planes), tuple(origin))
+        yield Part(result.matrix_world, kept(
+            ("planes", result.session_uid), key,
+            lambda: list(plane_layers(planes, points_of(mesh), origin, length, look)),
+        ))
+    ends, _ = _cut(result)
+    if "show_cut" in look.shown and len(ends):
+        layers = kept(("cut layer", result.session_uid), (state, look), lambda: [cut_layer(ends, look.cut)])
+        yield Part(result.matrix_world, layers)
+
+
+def _cut(result: bpy.types.Object) -> tuple[Array, NDArray[np.integer]]:
+    """Where a result is cut open, see `cut_of`."""
+    mesh = result.data
+    return kept(("cut", result.session_uid), (version(result, mesh), mesh.is_editmode), lambda: cut_of(mesh))
+
+
+def _plan_cut(plan: bpy.types.Object, seen: Seen, shell: bpy.types.Object, look: Look) -> Iterator[Part]:
+    """The same on the plan, whether the shell is to be seen or not."""
+    _, pairs = _cut(shell)
+    if len(pairs) and pairs.max() < len(seen.drawn.positions):
+        key = version(shell, shell.data), look, seen.number
+        ends = seen.drawn.positions[pairs]
+        layers = kept(("plan cut", plan.session_uid), key, lambda: [cut_layer(ends, look.cut)])
+        yield Part(Matrix.Translation(plan.matrix_world.translation), layers)
+
+
+def _gap_parts(plan, report: dict, shell, context, view, look: Look) -> list[Part]:
+    """The gaps around the holes, on the shell, or in its place where there is none."""
+    if shell is not None and not _is_visible(shell, context, view):
+        return []
+    origin = np.zeros(3) if shell is None else np.array(shell.cmc.placed_at, dtype=np.float64)
+    matrix = Matrix() if shell is None else shell.matrix_world
+    key = (plan.cmc.report, look, tuple(origin))
+    return [Part(matrix, kept(("gaps", plan.session_uid), key, lambda: list(gap_layers(report, origin, look))))]

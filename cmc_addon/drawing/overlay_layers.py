@@ -1,0 +1,191 @@
+"""What is drawn over the viewport, as layers of lines and triangles; arrays only, so that it can be tested."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import overlay_geometry as shapes
+from .palette import Colour
+from .rim import NOBODY, Rim, Walk
+from .rim_strip import GroupState
+
+Array = NDArray[np.float64]
+
+# As parts of the plan's diagonal: an arrow, the shortest period of dashes, the least side of a plane.
+_ARROW, _DASH, _WALL = 0.075, 0.016, 0.3
+# At most so many dashes around the boundary.
+_DASHES = 300
+# What lies farther from a plane than this part of the plan's diagonal is in none.
+_FLAT = 0.01
+# The active group's lines, in widths of the others'; in pixels: shafts of arrows, strokes, outlines, cuts and gaps.
+_ACTIVE, _SHAFT, _STROKE, _OUTLINE, _BOLD = 1.7, 2.0, 2.0, 1.5, 3.0
+_FILL, _PLATE = 0.12, 0.3
+# Lines of groups while the mesh is edited: how much broader, and alpha.
+_BROAD, _PALE = 2.4, 0.35
+_CORNER: Colour = (0.92, 0.92, 0.92)
+
+PLANAR = {"mirror", "plane"}
+"""Kinds of groups along which the shell lies in planes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Layer:
+    """Points (n, 3), pairs that are lines or triples that are triangles, with a colour (red, green, blue, alpha).
+
+    width: of lines, in pixels of a window at scale 1. hides: whether what lies behind something is left out, as of
+    planes; else it is drawn faintly. edged: whether lines have a dark edge, to be read on any ground.
+    """
+
+    kind: str
+    points: NDArray[np.float32]
+    colour: tuple[float, float, float, float]
+    width: float = 1.0
+    hides: bool = False
+    edged: bool = True
+
+
+@dataclass(frozen=True)
+class Look:
+    """How it is to be drawn: `shown` names of switches, colours of groups by uid, the active group's uid, the width
+    of lines of groups in pixels, and whether the mesh is being edited: then what is selected is to be seen below."""
+
+    shown: frozenset[str]
+    scale: float
+    count: int
+    colours: tuple[tuple[int, Colour], ...]
+    active: int
+    width: float
+    editing: bool
+    ungrouped: Colour
+    periods: Colour
+    cut: Colour
+
+    def colour(self, uid: int) -> Colour:
+        return dict(self.colours).get(uid, self.ungrouped)
+
+
+def lines(points: Array, colour: Colour, width: float, alpha: float = 1.0, hides: bool = False) -> Layer:
+    return Layer("LINES", _flat(points), (*colour, alpha), width, hides)
+
+
+def triangles(points: Array, colour: Colour, alpha: float = 1.0, hides: bool = False) -> Layer:
+    return Layer("TRIS", _flat(points), (*colour, alpha), hides=hides)
+
+
+def _flat(points: Array) -> NDArray[np.float32]:
+    """Lines and triangles as one row of points, without those that are not finite."""
+    known = np.isfinite(points).all(axis=(1, 2))
+    return np.ascontiguousarray(points[known].reshape(-1, 3), dtype=np.float32)
+
+
+def rim_layers(rim: Rim, look: Look, walls: frozenset[int] = frozenset()) -> list[Layer]:
+    """The layers of a plan's rim. walls: uids of the groups whose planes are drawn on the shell instead."""
+    makers = (
+        ("show_mirrors", lambda: _walls(rim, look, walls)),
+        ("show_tangents", lambda: _tangents(rim, look)),
+        ("show_ungrouped", lambda: _ungrouped(rim, look)),
+        ("show_groups", lambda: _groups(rim, look)),
+        ("show_normals", lambda: _normals(rim, look)),
+    )
+    found = [layer for name, make in makers if name in look.shown for layer in make()]
+    return [layer for layer in found if len(layer.points)]
+
+
+def arrow_length(rim: Rim, look: Look) -> float:
+    return _ARROW * rim.size * look.scale
+
+
+def _groups(rim: Rim, look: Look) -> Iterator[Layer]:
+    for uid, ends in rim.lines.items():
+        if uid != NOBODY:
+            yield _edges(ends, look.colour(uid), look.width * (_ACTIVE if uid == look.active else 1.0), look)
+
+
+def _edges(ends: Array, colour: Colour, width: float, look: Look) -> Layer:
+    """Edges of the mesh in the colour of their group; broad and pale where Blender draws the same edges as selected."""
+    if not look.editing:
+        return lines(ends, colour, width)
+    return replace(lines(ends, colour, _BROAD * width, _PALE), edged=False)
+
+
+def _ungrouped(rim: Rim, look: Look) -> Iterator[Layer]:
+    period = max(_DASH * rim.size, rim.length / _DASHES)
+    found = [shapes.dashes(walk.points, period) for walk in rim.walks if walk.uid == NOBODY]
+    whole = [] if rim.walks else [rim.lines.get(NOBODY, shapes.NO_LINES)]
+    yield _edges(np.concatenate([shapes.NO_LINES, *found, *whole]), look.ungrouped, look.width, look)
+
+
+def _normals(rim: Rim, look: Look) -> Iterator[Layer]:
+    length = arrow_length(rim, look)
+    for walk, group, (points, normals, tangents) in _along(rim, look):
+        colour = look.colour(walk.uid)
+        if group is not None and group.kind == "mirror":
+            flat = np.cross(_plane(group), tangents)
+            yield lines(shapes.ticks(points, flat, 0.8 * length), colour, _STROKE)
+        else:
+            yield from arrows(points, length * normals, colour, _SHAFT)
+    yield from arrows(rim.corners, length * rim.corner_normals, _CORNER, _SHAFT)
+
+
+def _tangents(rim: Rim, look: Look) -> Iterator[Layer]:
+    length, spacing = arrow_length(rim, look), _spacing(rim, look)
+    for walk, group, (points, normals, tangents) in _along(rim, look):
+        if group is not None and group.kind == "mirror":
+            continue
+        fills, edges = shapes.plates(points, normals, tangents, min(0.8 * spacing, 2.0 * length), length)
+        yield triangles(fills, look.colour(walk.uid), _PLATE, hides=True)
+        yield lines(edges, look.colour(walk.uid), _OUTLINE, 0.8, hides=True)
+
+
+def _along(rim: Rim, look: Look) -> Iterator[tuple[Walk, GroupState | None, tuple[Array, Array, Array]]]:
+    """The walks with their groups and where signs are on them, all of them together as many as are wanted."""
+    spacing = _spacing(rim, look)
+    for walk in rim.walks:
+        yield walk, rim.group(walk.uid), shapes.spread(walk, spacing)
+
+
+def _spacing(rim: Rim, look: Look) -> float:
+    return rim.length / look.count
+
+
+def _walls(rim: Rim, look: Look, left_out: frozenset[int]) -> Iterator[Layer]:
+    """Planes where the plan's own edges lie in them; the shell is not yet there to say more."""
+    for walk in rim.walks:
+        group = rim.group(walk.uid)
+        if group is None or group.kind not in PLANAR or walk.uid in left_out:
+            continue
+        normal = _plane(group)
+        if normal.any() and np.ptp(walk.points @ normal) <= _FLAT * rim.size:
+            corners = shapes.wall(walk.points, normal, rim.up, _WALL * rim.size)
+            yield from wall_layers(corners, normal, arrow_length(rim, look), look.colour(walk.uid))
+
+
+def _plane(group: GroupState) -> Array:
+    """Unit normal (3,) of a group's plane; zero where it has none."""
+    normal = np.array(dict(group.parameters).get("normal", (0.0, 0.0, 1.0)), dtype=np.float64)
+    length = np.linalg.norm(normal)
+    return normal / length if length > 0.0 else np.zeros(3)
+
+
+def wall_layers(corners: Array, normal: Array, length: float, colour: Colour) -> Iterator[Layer]:
+    """A plane with its outline, and its normal as an arrow from the middle."""
+    yield triangles(shapes.filled(corners[None]), colour, _FILL, hides=True)
+    yield lines(shapes.outlined(corners[None]), colour, _OUTLINE, 0.8, hides=True)
+    yield from arrows(corners.mean(axis=0)[None], length * normal[None], colour, _OUTLINE)
+
+
+def arrows(points: Array, vectors: Array, colour: Colour, width: float = _BOLD) -> Iterator[Layer]:
+    """Arrows from points (n, 3) along vectors (n, 3)."""
+    shafts, heads = shapes.arrows(points, vectors)
+    if len(shafts):
+        yield lines(shafts, colour, width)
+        yield triangles(heads, colour)
+
+
+def cut_layer(ends: Array, colour: Colour) -> Layer:
+    """The line along which a surface is cut open, from ends (n, 2, 3) of edges."""
+    return lines(ends, colour, _BOLD)

@@ -1,0 +1,34 @@
+"""Colours of the boundary groups and of all else that is drawn over the viewport.
+
+Groups have the colours of the theme's bone colour sets, whose icons stand beside them in the list. The others can be
+chosen in the preferences of the extension.
+"""
+
+from __future__ import annotations
+
+import bpy
+
+from ..properties import preferences
+
+Colour = tuple[float, float, float]
+
+# Numbers of colour sets, those first that are unlike each other and unlike Blender's orange of selection.
+_SETS = (4, 3, 9, 6, 1, 7, 5, 8, 12, 14, 13, 11, 10, 15, 2)
+
+
+def icon_of(uid: int) -> str:
+    """Icon of the colour that the group with this uid has."""
+    return f"COLORSET_{_number(uid):02d}_VEC"
+
+
+def colour_of(uid: int) -> Colour:
+    return tuple(bpy.context.preferences.themes[0].bone_color_sets[_number(uid) - 1].select)
+
+
+def other_colour(name: str) -> Colour:
+    """The colour that the preferences have under this name."""
+    return tuple(preferences.get(name))
+
+
+def _number(uid: int) -> int:
+    return _SETS[(uid - 1) % len(_SETS)]

@@ -1,0 +1,75 @@
+"""What is drawn on the results of a plan: the gaps around its holes, measured planes, the line of the cut.
+
+A report speaks of the world at the time of the solve; with `placed_at`, where the results were put, it speaks of their
+own coordinates, and what is drawn goes with them wherever they are moved.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..properties.links import result_of
+from ..properties.stored import ROLES
+from . import overlay_geometry as shapes
+from .overlay_layers import PLANAR, Layer, Look, arrows, wall_layers
+from .rim_strip import GroupState
+
+Array = NDArray[np.float64]
+
+# Planes whose normals differ by more, in radians, are not the same: the group was changed after the solve.
+_SAME = 1e-3
+_UP = np.array([0.0, 0.0, 1.0])
+
+
+def shell_of(plan: bpy.types.Object, report: dict) -> bpy.types.Object | None:
+    """The result that a report speaks of, if it is there."""
+    role = next((role for role, sheet in ROLES.items() if sheet == report.get("sheet")), None)
+    return None if role is None else result_of(plan, role)
+
+
+def gaps(report: dict, origin: Array) -> tuple[Array, Array]:
+    """Where the gaps of a report begin and what leads over them, (n, 3) each; none where the shell closes.
+
+    origin: (3,) where the shell was put, from which the places are measured.
+    """
+    holes = [hole for hole in report.get("holes") or () if hole["length"] > 0.0]
+    if not report.get("is_open") or not holes:
+        return np.zeros((0, 3)), np.zeros((0, 3))
+    return np.array([hole["at"] for hole in holes]) - origin, np.array([hole["period"] for hole in holes])
+
+
+def gap_layers(report: dict, origin: Array, look: Look) -> Iterator[Layer]:
+    """Arrows over the gaps."""
+    yield from arrows(*gaps(report, origin), look.periods)
+
+
+def measured(report: dict, groups: tuple[GroupState, ...], rotated: bool) -> list[tuple[int, Array, float]]:
+    """Uid of the group, unit normal (3,) and offset of each plane of a report whose group is still the same.
+
+    rotated: the shell may have been turned to match its plan, and the normals with it.
+    """
+    found = []
+    for plane in report.get("planes") or ():
+        names = (plane["name"], plane["name"].rpartition(" ")[0])
+        group = next((group for group in groups if group.name in names and group.kind == plane["kind"]), None)
+        if group is None or group.kind not in PLANAR:
+            continue
+        normal = np.array(plane["normal"], dtype=np.float64)
+        wanted = np.array(dict(group.parameters).get("normal", normal), dtype=np.float64)
+        if rotated or np.linalg.norm(np.cross(normal, wanted)) <= _SAME * np.linalg.norm(wanted):
+            found.append((group.uid, normal, float(plane["offset"])))
+    return found
+
+
+def plane_layers(
+    planes: list[tuple[int, Array, float]], points: Array, origin: Array, length: float, look: Look
+) -> Iterator[Layer]:
+    """Measured planes, as large as a shell whose points (n, 3) are measured from `origin` (3,)."""
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    for uid, normal, offset in planes:
+        corners = shapes.wall(points, normal, _UP, 0.1 * size, offset - float(normal @ origin))
+        yield from wall_layers(corners, normal, length, look.colour(uid))

@@ -1,0 +1,220 @@
+"""What the conditions of a plan prescribe along its rim, from arrays alone: what there is to see before a solve.
+
+It is the solver's own `plan_conditions` and `resolved` that say what holds, blended angles included. They are asked
+about the faces along the rim only (`seeing_strip`), so that it costs as much as the rim is long.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...solver.domain.sites import SiteGraph
+from ...solver.errors import CmcError
+from ...solver.gauss.admissible import Admissible, resolved
+from ...solver.gauss.boundary_data import Conditions
+from ...solver.shells.plan import Settings, plan_conditions
+from ..bridges.mesh_bridge import PlanMesh
+from .rim_strip import GroupState, Strip
+
+Array = NDArray[np.float64]
+Int = NDArray[np.integer]
+
+NOBODY = 0
+"""Uid of the edges that are in no group."""
+
+
+@dataclass(frozen=True, eq=False)
+class Walk:
+    """A part of a boundary loop in one group, with the plan on its left.
+
+    points (m + 1, 3) of its vertices, the first again at the end of a whole loop; normals (m + 1, 3) at them and
+    middles (m, 3) at its edges, nan where nothing is prescribed.
+    """
+
+    uid: int
+    points: Array
+    normals: Array
+    middles: Array
+    closed: bool
+
+    @property
+    def length(self) -> float:
+        return float(np.linalg.norm(np.diff(self.points, axis=0), axis=1).sum())
+
+
+@dataclass(frozen=True, eq=False)
+class Rim:
+    """The rim of a plan. lines: uid → ends (n, 2, 3) of its boundary edges; there even where nothing else is known.
+
+    corners, corner_normals (k, 3): vertices between two mirrors, and which way the shell faces there. up (3,): the area
+    vector of the plan. size: the diagonal of the bounding box of its boundary.
+    """
+
+    groups: tuple[GroupState, ...]
+    lines: dict[int, Array]
+    size: float
+    walks: tuple[Walk, ...] = ()
+    corners: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    corner_normals: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    up: Array = field(default_factory=lambda: np.zeros(3))
+
+    @property
+    def length(self) -> float:
+        return sum(walk.length for walk in self.walks)
+
+    def group(self, uid: int) -> GroupState | None:
+        return next((group for group in self.groups if group.uid == uid), None)
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """A plan as it is drawn, whatever its groups prescribe: what stays when only that changes.
+
+    positions (V, 3); lines and size as in `Rim`; strip: the faces along the rim, None where they are no surface.
+    """
+
+    positions: Array
+    lines: dict[int, Array]
+    size: float
+    flipped: tuple[int, ...] = ()
+    strip: Strip | None = None
+
+    @classmethod
+    def of(cls, mesh: PlanMesh, uids: Sequence[int]) -> Drawn:
+        """Of a mesh whose groups have these uids. Never raises for what is drawn: what cannot be known is left out."""
+        owner = np.where(np.isin(mesh.groups, np.array(uids, dtype=np.int64)), mesh.groups, NOBODY)
+        rim = _rim_edges(mesh)
+        lines = {int(uid): mesh.positions[mesh.edges[rim[owner[rim] == uid]]] for uid in np.unique(owner[rim])}
+        bare = cls(mesh.positions, lines, _diagonal(mesh.positions[mesh.edges[rim].ravel()]), mesh.flipped_corners)
+        if len(mesh.starts) < 2 or not len(rim):
+            return bare
+        try:
+            return replace(bare, strip=Strip.of(mesh, rim, owner[rim]))
+        except CmcError:
+            return bare
+
+
+def see_rim(drawn: Drawn, groups: Sequence[GroupState], blend: float = 0.0, side: int = 1) -> Rim:
+    """What groups prescribe along the rim of a plan as it is drawn; never raises for what they do.
+
+    Where the conditions contradict each other, groups that make no sense are left out, and after that single vertices.
+    """
+    bare, strip = Rim(tuple(groups), drawn.lines, drawn.size), drawn.strip
+    if strip is None:
+        return bare
+    held = _held(strip, groups, blend, side, drawn.flipped)
+    at = held.corners[held.corners < strip.rim_count]
+    return replace(
+        bare,
+        walks=tuple(_walks(strip, held)),
+        corners=strip.points[at],
+        corner_normals=held.normals[at],
+        up=strip.up,
+    )
+
+
+def _rim_edges(mesh: PlanMesh) -> Int:
+    """Boundary edges; in a mesh without faces, an outline still to be meshed, all of them."""
+    return np.flatnonzero(mesh.boundary) if len(mesh.starts) > 1 else np.arange(len(mesh.edges))
+
+
+def _diagonal(points: Array) -> float:
+    finite = points[np.isfinite(points).all(axis=1)]
+    return float(np.linalg.norm(np.ptp(finite, axis=0))) if len(finite) else 0.0
+
+
+# --- what holds there -----------------------------------------------------------------------
+
+@dataclass(frozen=True, eq=False)
+class _Held:
+    """Normals (n, 3) at vertices and (E, 3) in the middle of edges, nan where free; corners between two mirrors."""
+
+    normals: Array
+    middles: Array
+    corners: Int
+
+
+def _held(strip: Strip, groups: Sequence[GroupState], blend: float, side: int, flipped: Sequence[int]) -> _Held:
+    normals, middles = (np.full((n, 3), np.nan) for n in (len(strip.points), len(strip.domain.edges)))
+    conditions, left_out = _conditions(strip, groups, blend)
+    admissible = None if conditions is None else _admissible(strip, conditions, side)
+    if conditions is None or admissible is None:
+        return _Held(normals, middles, np.zeros(0, dtype=np.int64))
+    normals[admissible.fixed] = admissible.data
+    corners = admissible.corners
+    normals[corners[np.isin(strip.vertices[corners], flipped)]] *= -1.0
+    middles[conditions.edges] = conditions.edge_normals
+    bad = np.isin(strip.uids, left_out)
+    middles[bad] = np.nan
+    normals[np.setdiff1d(strip.domain.edges[bad], strip.domain.edges[(strip.uids >= 0) & ~bad])] = np.nan
+    return _Held(normals, middles, corners)
+
+
+def _walks(strip: Strip, held: _Held) -> list[Walk]:
+    """The boundary loops of a plan, divided where the group changes."""
+    found = []
+    for loop, edges in zip(strip.domain.boundary_loops, strip.domain.boundary_loop_edges, strict=True):
+        uids = strip.uids[edges]
+        if (uids < 0).any():
+            continue
+        starts = np.flatnonzero(uids != np.roll(uids, 1))
+        first = int(starts[0]) if len(starts) else 0
+        loop, edges, uids = (np.roll(array, -first) for array in (loop, edges, uids))
+        ends = [*(starts[1:] - first).tolist(), len(edges)]
+        for start, end in zip([0, *ends], ends, strict=False):
+            at = np.append(loop, loop[0])[start : end + 1]
+            closed = len(starts) == 0
+            middles = held.middles[edges[start:end]]
+            found.append(Walk(int(uids[start]), strip.points[at], held.normals[at], middles, closed))
+    return found
+
+
+def _conditions(strip: Strip, groups: Sequence[GroupState], blend: float) -> tuple[Conditions | None, list[int]]:
+    """The conditions of the groups, and the uids of those that had to be left out."""
+    settings = Settings(blend=blend)
+    try:
+        return _with_up(plan_conditions(strip.as_plan(groups), settings, strip.domain), strip), []
+    except CmcError:
+        pass
+    sound = [group for group in groups if _is_sound(strip, group)]
+    left_out = [group.uid for group in groups if group not in sound]
+    try:
+        return _with_up(plan_conditions(strip.as_plan(sound), settings, strip.domain), strip), left_out
+    except CmcError:
+        return None, left_out
+
+
+def _with_up(conditions: Conditions, strip: Strip) -> Conditions:
+    """With the side that the whole plan looks to, which the strip may not know."""
+    return replace(conditions, up=strip.up) if conditions.up.any() else conditions
+
+
+def _is_sound(strip: Strip, group: GroupState) -> bool:
+    """Whether a group makes sense with all the others left out; one that is free prescribes nothing, and does."""
+    if group.kind == "free" or not (strip.uids == group.uid).any():
+        return True
+    try:
+        plan_conditions(strip.as_plan([group]), Settings(), strip.domain)
+    except CmcError:
+        return False
+    return True
+
+
+def _admissible(strip: Strip, conditions: Conditions, side: int) -> Admissible | None:
+    """What the conditions come to at the vertices; those at which they contradict each other are left free."""
+    graph = SiteGraph.of(strip.domain, "vertices")
+    for _ in range(2):
+        try:
+            return resolved(conditions, graph, side)
+        except CmcError as error:
+            bad = np.isin(conditions.vertices, error.vertices)
+            conditions = replace(
+                conditions,
+                vertices=conditions.vertices[~bad],
+                vertex_normals=conditions.vertex_normals[~bad],
+            )
+    return None

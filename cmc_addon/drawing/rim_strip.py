@@ -1,0 +1,113 @@
+"""The faces along the rim of a plan, as a domain: enough for all that boundary conditions speak of.
+
+The directions of the boundary edges, the faces behind them and the angles around their vertices are those of the whole
+plan, at the cost of what touches the rim.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...solver.domain import connectivity
+from ...solver.domain.domain import Domain
+from ...solver.io.polygons import triangulate_polygons
+from ...solver.shells.plan import Group, Plan
+from ...solver.shells.plan_metric import side_lengths
+from ..bridges.mesh_bridge import PlanMesh
+
+Array = NDArray[np.float64]
+Int = NDArray[np.integer]
+
+
+@dataclass(frozen=True)
+class GroupState:
+    """A boundary group as plain values that compare; parameters as (name, value), kind as the solver calls it."""
+
+    uid: int
+    name: str
+    kind: str
+    parameters: tuple[tuple[str, object], ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Strip:
+    """The faces that touch the rim, as a domain whose first `rim_count` vertices are those of the rim, in their order.
+
+    vertices (n,): where each is in the plan. uids: (E,) of its edges' groups, -1 on edges that are not on the rim.
+    """
+
+    domain: Domain
+    points: Array
+    vertices: Int
+    rim_count: int
+    uids: Int
+
+    @classmethod
+    def of(cls, mesh: PlanMesh, rim: Int, owner: Int) -> Strip:
+        """Raises `CmcError` where the faces are no surface."""
+        on_rim = np.zeros(len(mesh.positions), dtype=bool)
+        on_rim[mesh.edges[rim]] = True
+        triangles = _triangles_at(mesh, on_rim)
+        inside = np.setdiff1d(triangles, np.flatnonzero(on_rim))
+        vertices = np.concatenate([np.flatnonzero(on_rim), inside])
+        place = np.full(len(mesh.positions), -1, dtype=np.int32)
+        place[vertices] = np.arange(len(vertices))
+        faces, points = place[triangles], mesh.positions[vertices]
+        domain = _as_domain(faces, points, _own_lengths(mesh, triangles, place))
+        count = len(vertices) - len(inside)
+        return cls(domain, points, vertices, count, _uids(domain, place[mesh.edges[rim]], owner, count))
+
+    @property
+    def up(self) -> Array:
+        """½ ∮ x × dx, which is the area vector of the whole plan."""
+        tail, head = self.points[self.domain.edges[self.uids >= 0]].swapaxes(0, 1)
+        return 0.5 * np.cross(tail, head).sum(axis=0)
+
+    def as_plan(self, groups: Sequence[GroupState]) -> Plan:
+        """The edges where the strip ends inside the plan are free."""
+        edges = self.domain.edges
+        inner = self.domain.boundary_edges[self.uids[self.domain.boundary_edges] < 0]
+        found = [Group(g.name, edges[self.uids == g.uid], g.kind, dict(g.parameters)) for g in groups]
+        return Plan(self.points, self.domain.faces, groups=[*found, Group("", edges[inner], "free")])
+
+
+def _triangles_at(mesh: PlanMesh, on_rim: NDArray[np.bool_]) -> Int:
+    """Triangles, in the plan's numbers, of the polygons that have a vertex on the rim."""
+    touching = np.logical_or.reduceat(on_rim[mesh.corners], mesh.starts[:-1])
+    step = -1 if mesh.mirrored else 1
+    bounds = zip(mesh.starts[:-1][touching].tolist(), mesh.starts[1:][touching].tolist(), strict=True)
+    return triangulate_polygons(mesh.positions, [mesh.corners[a:b][::step] for a, b in bounds])[0]
+
+
+def _own_lengths(mesh: PlanMesh, triangles: Int, place: Int) -> Array | None:
+    """Side lengths (T, 3) of a plan that has its own."""
+    if mesh.lengths is None:
+        return None
+    near = (place[mesh.edges] >= 0).all(axis=1)
+    return side_lengths(triangles, mesh.edges[near], mesh.lengths[near])
+
+
+def _as_domain(faces: Int, points: Array, sides: Array | None) -> Domain:
+    """No check for a surface in one piece: where the strip ends it may touch itself."""
+    face_edges = connectivity.edges_by_vertex_pairs(faces, len(points))
+    edges = connectivity.pair_half_edges(faces, face_edges)
+    if sides is None:
+        lengths = np.linalg.norm(points[edges.edges[:, 1]] - points[edges.edges[:, 0]], axis=1)
+    else:
+        lengths = np.bincount(face_edges.ravel(), sides.ravel()) / np.bincount(face_edges.ravel())
+    return Domain(faces, edges.face_edges, lengths)
+
+
+def _uids(domain: Domain, pairs: Int, owner: Int, rim_count: int) -> Int:
+    """Groups (E,) of the edges of a strip from those of the rim, pairs (n, 2); -1 elsewhere."""
+    count = len(domain.edges)
+    uids = np.full(count, -1, dtype=np.int64)
+    rim = domain.boundary_edges[(domain.edges[domain.boundary_edges] < rim_count).all(axis=1)]
+    keys, known = (np.sort(p, axis=1).astype(np.int64) @ [rim_count, 1] for p in (pairs, domain.edges[rim]))
+    order = np.argsort(keys)
+    uids[rim] = owner[order[np.searchsorted(keys[order], known).clip(max=len(keys) - 1)]]
+    return uids

@@ -1,0 +1,1 @@
+"""Live: the shell follows while its plan or its settings change."""

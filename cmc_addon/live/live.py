@@ -1,0 +1,299 @@
+"""Live: the shell follows while its plan, its groups and its settings are changed.
+
+A change marks its plan; a tick of the timer reads what is marked and answers the newest of it, in a thread (`live_work`
+says how). One answer is under way at a time and plans take turns. An answer that is out of date by the time it comes is
+shown all the same, for else nothing would move during a long drag, but never after a newer one; a plan that has come to
+rest is solved once more as by Solve, and only what that gives is measured. That last answer gives way to any change.
+
+Nothing here makes a step of undo: a drag is one, as Blender makes it. What undo, redo or a file brings back need not
+fit together, so all of it is answered anew.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import bpy
+from bpy.app.handlers import persistent
+
+from ...solver.errors import CmcError
+from ..background.timer import TICK, Errand, listen, may_start, rest, unlisten, wake
+from ..drawing.viewport import redraw
+from ..properties.changes import watchers
+from ..properties.links import results_of
+from ..properties.live_settings import limit
+from ..results.objects import check_writable
+from .update import COARSE, FINAL, QUICK, WHOLE, Anew, GoingOn, Memory, Reading, read
+
+# Seconds after the last change, and after the answer to it, from which on a plan is at rest.
+_REST = 0.3
+# Seconds between two looks while Blender renders, when no data may be touched.
+_RENDERING = 0.5
+
+
+@dataclass(eq=False)
+class State:
+    """What is known of a live plan.
+
+    reading: the plan when it was last looked at, since when it is like that; is_dirty: it may have changed again.
+    shown: key of what the results show, None where that is not known, and how good they are. failed: key of what
+    cannot be solved, and the problem. served: when it was last answered. memory: what the next answer goes on from.
+    """
+
+    is_dirty: bool = True
+    reading: Reading | None = None
+    since: float = 0.0
+    shown: tuple | None = None
+    grade: int = 0
+    failed: tuple | None = None
+    problem: str = ""
+    served: float = 0.0
+    memory: Memory | None = None
+
+    @property
+    def is_behind(self) -> bool:
+        """Whether the results show something older."""
+        return self.reading is not None and self.reading.key not in (self.shown, self.failed)
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether there is nothing to do until the next change."""
+        return self.reading is None or self.reading.key == self.failed or (not self.is_behind and self.grade == FINAL)
+
+    def next_grade(self, now: float) -> int:
+        """How good the next answer is to be; 0 for none now."""
+        if self.is_settled:
+            return 0
+        if self.is_behind:
+            if self.memory is None or not self.memory.serves(self.reading):
+                return WHOLE
+            return COARSE if len(self.reading.order.mesh.positions) > limit() else QUICK
+        if now - max(self.since, self.served) < _REST:  # large ones take longer than that
+            return 0
+        return QUICK if self.grade == COARSE else FINAL
+
+
+class Live:
+    """States by the number that survives undo; the answer under way, whose it is, and whether it can wait; whether what
+    Blender announces comes of reading."""
+
+    states: dict[int, State] = {}
+    errand: Errand | None = None
+    uid: int | None = None
+    can_wait: bool = False
+    is_deaf: bool = False
+
+
+def problem_of(plan: bpy.types.Object) -> str:
+    """Why the shell of this plan does not follow; empty where it does."""
+    state = Live.states.get(plan.session_uid)
+    return "" if state is None else state.problem
+
+
+# --- what has changed ----------------------------------------------------------------------
+
+def changed(what: bpy.types.ID) -> None:
+    """An object or a mesh has changed: look at the live plans among it from the next tick on."""
+    if isinstance(what, bpy.types.Object):
+        if is_live(what):
+            Live.states.setdefault(what.session_uid, State()).is_dirty = True
+        elif what.session_uid not in Live.states:
+            return
+    elif not _mark_users(what):
+        return
+    wake(tick)
+
+
+def is_live(ob: bpy.types.Object) -> bool:
+    return ob.type == "MESH" and ob.cmc.live and ob.cmc.role == "NONE"
+
+
+def _mark_users(mesh: bpy.types.ID) -> bool:
+    """Whether there are live plans of a mesh, or one of which it is a result that could not be written."""
+    found = False
+    for uid, plan in _plans().items():
+        state = Live.states[uid]
+        if plan.data == mesh or (state.failed and any(ob.data == mesh for ob in results_of(plan).values())):
+            state.is_dirty, state.failed, found = True, None, True
+    return found
+
+
+def _plans() -> dict[int, bpy.types.Object]:
+    """The plans of all states that are still there."""
+    return {ob.session_uid: ob for ob in bpy.data.objects if ob.session_uid in Live.states and ob.users_scene}
+
+
+@persistent
+def _on_change(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+    for update in () if Live.is_deaf else depsgraph.updates:
+        what = update.id.original
+        if isinstance(what, bpy.types.Object):
+            if what.session_uid in Live.states or is_live(what):
+                changed(what)
+        elif isinstance(what, bpy.types.Mesh) and Live.states:
+            changed(what)
+
+
+@persistent
+def _on_frame(*_: object) -> None:
+    """Another frame of an animation: whatever may be animated."""
+    for state in Live.states.values():
+        state.is_dirty = True
+    if Live.states:
+        wake(tick)
+
+
+@persistent
+def _on_other_data(*_: object) -> None:
+    """Undo, redo, another file: find the live plans; of none of them is known what its results show."""
+    _drop()
+    Live.states = {ob.session_uid: State() for ob in bpy.data.objects if is_live(ob)}
+    if Live.states:
+        wake(tick)
+
+
+# --- answering -----------------------------------------------------------------------------
+
+def tick() -> float | None:
+    """Look after the answers; returns seconds until the next time, or None when all plans are at rest."""
+    if bpy.app.is_job_running("RENDER"):
+        return _RENDERING
+    context, plans = bpy.context, _plans()
+    for uid in [uid for uid in Live.states if uid not in plans]:
+        _forget(uid)
+    while Live.errand is not None and _look(context, plans):
+        pass
+    _read(context, plans)
+    if Live.errand is not None and Live.can_wait and any(state.is_behind for state in Live.states.values()):
+        _drop()
+    if Live.errand is None and may_start():
+        _start(context, plans)
+    for uid, plan in plans.items():
+        if not plan.cmc.live and Live.states[uid].is_settled and not Live.states[uid].is_dirty:
+            _forget(uid)
+    is_quiet = all(state.is_settled and not state.is_dirty for state in Live.states.values())
+    return None if is_quiet and Live.errand is None else TICK
+
+
+def _read(context: bpy.types.Context, plans: dict[int, bpy.types.Object]) -> None:
+    """Look at the plans that may have changed; not while a change is answered, which nothing overtakes."""
+    marked = [uid for uid, state in Live.states.items() if state.is_dirty]
+    if Live.errand is not None and not Live.can_wait:
+        return
+    if marked:
+        context.view_layer.update()
+    for uid in marked:
+        state, plan = Live.states[uid], plans[uid]
+        state.is_dirty = False
+        try:
+            check_writable(plan)
+            reading = read(context, plan)
+        except CmcError as error:
+            state.reading, state.problem = None, str(error)
+            redraw(context)
+            continue
+        if state.reading is None or state.reading.key != reading.key:
+            state.since = time.monotonic()
+        state.reading = reading
+        if reading.key != state.failed and state.problem:
+            state.problem = ""
+            redraw(context)
+    if marked:
+        _not_hearing(context)
+
+
+def _not_hearing(context: bpy.types.Context) -> None:
+    """Let Blender announce now that plans in edit mode, or with modifiers, were touched by reading them."""
+    Live.is_deaf = True
+    try:
+        context.view_layer.update()
+    finally:
+        Live.is_deaf = False
+
+
+def _start(context: bpy.types.Context, plans: dict[int, bpy.types.Object]) -> None:
+    """Begin the answer that is wanted most: to a change before one at rest, the plan first that waits longest."""
+    now = time.monotonic()
+    wanted = [(uid, state, grade) for uid, state in Live.states.items() if (grade := state.next_grade(now))]
+    if not wanted:
+        return
+    uid, state, grade = min(wanted, key=lambda one: (not one[1].is_behind, one[1].served))
+    anew = grade in (WHOLE, FINAL)
+    Live.uid, Live.can_wait = uid, not state.is_behind
+    Live.errand = Errand(Anew(state.reading, grade) if anew else GoingOn(state.reading, state.memory, grade))
+    _look(context, plans)
+
+
+def _look(context: bpy.types.Context, plans: dict[int, bpy.types.Object]) -> bool:
+    """Whether an answer has come; it is written."""
+    state, order = Live.states[Live.uid], Live.errand.order
+    try:
+        has_ended, outcome = Live.errand.look()
+        if not has_ended:
+            return False
+        plan, Live.errand = plans[Live.uid], None
+        state.served = time.monotonic()
+        if outcome is not None:  # else it has given way
+            check_writable(plan)
+            _write(context, plan, state, order, outcome)
+    except CmcError as error:
+        _fail(context, state, order, str(error))
+    except BaseException:
+        _fail(context, state, order, "Something unexpected went wrong; the console says what.")
+        raise
+    return True
+
+
+def _write(context: bpy.types.Context, plan: bpy.types.Object, state: State, order: Anew | GoingOn, outcome) -> None:
+    reading = order.reading
+    state.memory = order.deliver(context, plan, outcome)
+    if state.memory is None:  # it does not fit the results any more: all is made anew
+        state.shown, state.is_dirty = None, True
+        return
+    is_all = order.grade == WHOLE and not reading.order.settings.intersections
+    state.shown, state.grade = reading.key, FINAL if is_all else order.grade
+    state.failed, state.problem = None, ""
+    redraw(context)
+
+
+def _fail(context: bpy.types.Context, state: State, order: Anew | GoingOn, problem: str) -> None:
+    Live.errand = None
+    state.failed, state.problem = order.reading.key, problem
+    redraw(context)
+
+
+def _drop() -> None:
+    """Want the answer no more that is under way."""
+    if Live.errand is not None:
+        Live.errand.drop()
+        Live.errand = None
+
+
+def _forget(uid: int) -> None:
+    if Live.uid == uid:
+        _drop()
+    del Live.states[uid]
+
+
+_HANDLERS = {
+    "depsgraph_update_post": _on_change,
+    "frame_change_post": _on_frame,
+    "undo_post": _on_other_data,
+    "redo_post": _on_other_data,
+    "load_post": _on_other_data,
+}
+
+
+def register() -> None:
+    watchers.append(changed)
+    listen(_HANDLERS)
+
+
+def unregister() -> None:
+    _drop()
+    Live.states = {}
+    rest(tick)
+    if changed in watchers:
+        watchers.remove(changed)
+    unlisten(_HANDLERS)

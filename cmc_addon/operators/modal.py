@@ -1,0 +1,149 @@
+"""How everything that may take longer than a moment runs: one generator, to its end or a little at a time.
+
+A script, the redo panel and Blender without a window run it to its end; a click runs it a little further twenty times
+a second, so that the window goes on drawing, the status bar tells how far it is, and Esc is heard. What is done
+within a moment is done at once. Where something is wrong with the mesh itself, a click ends in edit mode with the
+offenders selected (see `offender_bridge`).
+"""
+
+from collections.abc import Generator
+from time import monotonic
+
+import bpy
+
+from ...solver.errors import CmcError
+from ..background import worker
+from ..bridges import highlight_bridge
+from ..drawing.viewport import redraw
+from ..properties.links import by_uid
+
+TICK = 0.05
+_MOMENT = 0.15  # seconds in which nobody misses a progress bar
+
+
+class Working:
+    """An operator whose work is the generator `steps`; to be mixed into `bpy.types.Operator`."""
+
+    bl_options = {"REGISTER", "UNDO"}
+    _work: Generator | None = None
+    _timer = None
+    _about = 0
+
+    # --- what they do differently
+
+    def steps(self, context: bpy.types.Context, wait: float) -> Generator:
+        """Do the work and write what came of it; yields updates of `session.steps`, or None after `wait` seconds
+        without one. Returns what the operator returns, raises `CmcError` with nothing changed."""
+        raise NotImplementedError
+
+    def tell(self, update: worker.Update) -> tuple[float, str]:
+        """How far the work is, from 0 to 1, and in words."""
+        return update.part, f"Step {update.iteration}"
+
+    def about(self, context: bpy.types.Context) -> bpy.types.Object | None:
+        """The object whose vertices, edges and faces an error numbers."""
+        return context.object
+
+    def _say_cancelled(self) -> set[str]:
+        self.report({"INFO"}, f"{self.bl_label} was cancelled; nothing was changed.")
+        return {"CANCELLED"}
+
+    # --- the one way
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        work = self.steps(context, wait=TICK)
+        try:
+            while True:
+                next(work)
+        except StopIteration as end:
+            return end.value
+        except CmcError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        if bpy.app.background:  # there timers never fire
+            return self.execute(context)
+        about = self.about(context)
+        self._about = about.session_uid if about is not None else 0
+        self._work = self.steps(context, wait=0.01)
+        try:
+            until = monotonic() + _MOMENT
+            while monotonic() < until:
+                next(self._work)
+        except StopIteration as end:
+            self._cleanup(context)
+            return end.value
+        except CmcError as error:
+            return self._fail(context, error)
+        self._start(context)
+        return {"RUNNING_MODAL"}
+
+    def _start(self, context: bpy.types.Context) -> None:
+        window_manager = context.window_manager
+        run = window_manager.cmc
+        run.running, run.progress, run.message = True, 0.0, self.bl_label
+        self._timer = window_manager.event_timer_add(TICK, window=context.window)
+        window_manager.modal_handler_add(self)
+        _status(context, f"{self.bl_label}   |   Esc: cancel")
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        if event.type == "ESC" and event.value == "PRESS":
+            self._cleanup(context)
+            return self._say_cancelled()
+        if event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        try:
+            return self._advance(context)
+        except CmcError as error:
+            return self._fail(context, error)
+        except BaseException:
+            self._cleanup(context)
+            raise
+
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Blender ends the operator: a file is opened, the window is closed."""
+        self._cleanup(context)
+
+    def _advance(self, context: bpy.types.Context) -> set[str]:
+        """Take in what the thread has sent since the last tick."""
+        try:
+            for _ in range(1000):  # a thread that tells more than that a tick is not to keep the window waiting
+                update = next(self._work)
+                if update is None:
+                    break
+                run = context.window_manager.cmc
+                run.progress, run.message = self.tell(update)
+                _status(context, f"{self.bl_label}: {run.message}   |   Esc: cancel")
+        except StopIteration as end:
+            self._cleanup(context)
+            return end.value
+        redraw(context)
+        return {"RUNNING_MODAL"}
+
+    def _fail(self, context: bpy.types.Context, error: CmcError) -> set[str]:
+        self._cleanup(context)
+        self.report({"ERROR"}, str(error))
+        highlight_bridge.show(context, by_uid(self._about), error)
+        return {"CANCELLED"}
+
+    def _cleanup(self, context: bpy.types.Context) -> None:
+        if self._work is not None:
+            self._work.close()
+            self._work = None
+        if self._timer is not None:
+            context.window_manager.event_timer_remove(self._timer)
+            self._timer = None
+            _status(context, None)
+        context.window_manager.cmc.running = False
+        context.window_manager.cmc.message = ""
+        redraw(context)
+
+
+def _status(context: bpy.types.Context, text: str | None) -> None:
+    """What the status bar says below all editors; None gives it back to Blender."""
+    if context.workspace is not None and not bpy.app.background:
+        context.workspace.status_text_set(text)
+
+
+CLASSES = ()

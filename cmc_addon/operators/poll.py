@@ -1,0 +1,36 @@
+"""Why a button cannot be pressed now, in a sentence: what operators say when they are disabled."""
+
+from __future__ import annotations
+
+import bpy
+
+from ...solver.errors import CmcError
+from ..bridges.edge_bridge import has_faces
+from ..properties.links import plan_of
+from ..results.objects import check_writable
+
+RUNNING = "A solve is running; wait for it, or cancel it (Esc) first"
+LEAVE_EDIT_MODE = "Leave edit mode first"
+
+
+def why_not_solve(context: bpy.types.Context) -> str:
+    """Why the active object's plan cannot be solved; "" where it can, as far as can be told without reading it."""
+    if context.window_manager.cmc.running:
+        return RUNNING
+    try:
+        plan = plan_of(context.view_layer.objects.active)
+        check_writable(plan)
+    except CmcError as error:
+        return str(error).removesuffix(".")
+    if plan.type != "MESH":
+        return f"'{plan.name}' is not a mesh; select a plan, or make one with Mesh Plan"
+    if not has_faces(plan.data):
+        return f"'{plan.name}' has no faces; fill its outline (F), or use Mesh Plan"
+    return ""
+
+
+def allow(operator: type, reason: str) -> bool:
+    """For a `poll`: whether there is no reason against it; a reason becomes what the disabled button says."""
+    if reason:
+        operator.poll_message_set(reason)
+    return not reason

@@ -1,0 +1,53 @@
+"""Show: what the viewport draws of a plan, in the sidebar and among Blender's own overlays."""
+
+import bpy
+
+from ..properties.links import plan_to_solve
+from ..properties.overlay_settings import draw_seeing
+from .tab import Tab
+
+
+class CMC_PT_show(Tab, bpy.types.Panel):
+    bl_idname = "CMC_PT_show"
+    bl_label = "Show"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 5
+
+    @classmethod
+    def poll(cls, context):
+        return plan_to_solve(context) is not None
+
+    def draw_header(self, context):
+        self.layout.prop(context.scene.cmc, "show_all", text="")
+
+    def draw(self, context):
+        draw_seeing(self.layout, context.scene.cmc)
+
+
+class CMC_PT_overlay(bpy.types.Panel):
+    bl_idname = "CMC_PT_overlay"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "HEADER"
+    bl_parent_id = "VIEW3D_PT_overlay"
+    bl_label = "CMC Plans"
+
+    def draw(self, context):
+        settings = context.scene.cmc
+        layout = self.layout
+        layout.active = context.space_data.overlay.show_overlays
+        layout.prop(settings, "show_all", text="Plans and Shells")
+        draw_seeing(layout, settings, columns=True)
+
+
+CLASSES = (CMC_PT_show, CMC_PT_overlay)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    for cls in reversed(CLASSES):
+        if cls.is_registered:
+            bpy.utils.unregister_class(cls)

@@ -1,1 +1,0 @@
-"""Plans and modules to start from, as arrays."""

@@ -1,0 +1,47 @@
+"""Boundary conditions by the names that architects have for them: a wall, 45°, a flat rim, mirrors, the floor."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class GroupPreset:
+    """kind: of `CmcGroup`. values: of its parameters. axis: of a mirror whose normal points out of the plan along it,
+    whichever way that is."""
+
+    label: str
+    description: str
+    icon: str
+    kind: str
+    values: dict[str, object] = field(default_factory=dict)
+    axis: tuple[float, float, float] | None = None
+
+
+PRESETS = {
+    "WALL": GroupPreset(
+        "Vertical Wall", "The shell leaves this part of the rim vertically, leaning neither way", "ALIGN_TOP",
+        "BINORMAL", {"tilt": 0.0}),
+    "HALF": GroupPreset(
+        "45°", "The shell leaves this part of the rim at 45°, leaning in", "IPO_LINEAR", "BINORMAL",
+        {"tilt": math.radians(45.0)}),
+    "FLAT": GroupPreset(
+        "Flat Rim", "The shell lies flat along this part of the rim", "IPO_CONSTANT", "BINORMAL",
+        {"tilt": math.radians(90.0)}),
+    "MIRROR_X": GroupPreset(
+        "Mirror X", "The shell meets a wall square to the X axis at right angles, and goes on behind it as its own "
+        "reflection", "MOD_MIRROR", "MIRROR", axis=(1.0, 0.0, 0.0)),
+    "MIRROR_Y": GroupPreset(
+        "Mirror Y", "The shell meets a wall square to the Y axis at right angles, and goes on behind it as its own "
+        "reflection", "MOD_MIRROR", "MIRROR", axis=(0.0, 1.0, 0.0)),
+    "FLOOR": GroupPreset(
+        "Mirror Floor", "The shell meets the level floor at right angles, and goes on below it as its own reflection",
+        "MOD_MIRROR", "MIRROR", {"normal": (0.0, 0.0, -1.0)}),
+}
+"""Identifier → preset, in the order of the menus."""
+
+
+def preset_items() -> list[tuple[str, str, str, str, int]]:
+    """For an EnumProperty."""
+    return [(name, p.label, p.description, p.icon, k) for k, (name, p) in enumerate(PRESETS.items())]

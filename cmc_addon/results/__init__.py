@@ -1,0 +1,1 @@
+"""The objects a shell consists of, their colours and their measures."""

@@ -1,0 +1,87 @@
+"""The Gauss image beside the shell: its normals as points of a sphere, made from the shell that is there.
+
+Solve makes it, too, where it is wanted, around the middle of the plan, and keeps it up to date wherever it is.
+"""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...solver.errors import CmcError
+from ...solver.surface.placement import rim_weights
+from ..bridges.colour_bridge import surface_of
+from ..bridges.mesh_bridge import read_plan
+from ..properties.links import result_of
+from . import colours
+from .objects import Writer, write_report
+
+# Distance of the image from the shell, in radii.
+_APART = 0.35
+
+
+def is_shown(plan: bpy.types.Object) -> bool:
+    image = result_of(plan, "GAUSS")
+    return image is not None and not image.hide_viewport
+
+
+def hide(plan: bpy.types.Object) -> None:
+    """Hide the image; solves keep it up to date."""
+    image = result_of(plan, "GAUSS")
+    plan.cmc.want_gauss = False
+    if image is not None:
+        image.cmc.parked = image.hide_viewport = image.hide_render = True
+
+
+def show(context: bpy.types.Context, plan: bpy.types.Object) -> bpy.types.Object:
+    """Show the image beside the shell, made now if there is none. One that the user has moved stays where it is.
+
+    Raises `CmcError` where there is no shell or it cannot be read.
+    """
+    shell = result_of(plan, plan.cmc.sheet)
+    if shell is None:
+        raise CmcError(f"'{plan.name}' has no shell yet; solve it first.")
+    image = result_of(plan, "GAUSS") or _make(context, plan, shell)
+    plan.cmc.want_gauss = True
+    image.cmc.parked = image.hide_viewport = image.hide_render = False
+    context.view_layer.update()
+    if np.allclose(image.location, image.cmc.placed_at, atol=1e-6):
+        image.location.x += _beside(shell, image)
+    colours.repaint(plan)
+    return image
+
+
+def _make(context: bpy.types.Context, plan: bpy.types.Object, shell: bpy.types.Object) -> bpy.types.Object:
+    if shell.data.is_editmode:
+        raise CmcError(f"The result '{shell.name}' is in edit mode; leave it (Tab) first.")
+    if not shell.get("cmc_mean_curvature"):
+        raise CmcError(f"'{shell.name}' has no report; solve again.")
+    radius = 0.5 / float(shell["cmc_mean_curvature"])
+    towards = surface_of(shell.data)[2] * (1.0 if plan.cmc.sheet == "F_PLUS" else -1.0)
+    writer = Writer(context, plan, None, None, None)
+    image = writer.write_alike("GAUSS", shell, _middle(plan) + radius * towards, towards)
+    write_report(image, {"plan": plan.name})
+    if "cmc_report" in shell:
+        image["cmc_report"] = shell["cmc_report"]
+    return image
+
+
+def _middle(plan: bpy.types.Object) -> NDArray[np.float64]:
+    """Where Solve has the centre of the image: the mean of the plan's rim, of a closed plan that of its vertices."""
+    mesh = read_plan(plan)
+    if not mesh.boundary.any():
+        return mesh.positions.mean(axis=0)
+    rim, weights = rim_weights(mesh.positions, mesh.edges[mesh.boundary])
+    return np.average(mesh.positions[rim], axis=0, weights=weights)
+
+
+def _beside(shell: bpy.types.Object, image: bpy.types.Object) -> float:
+    """How far to move the image along X for it to stand clear of the shell."""
+    right, left = (_bounds(ob, side) for ob, side in ((shell, max), (image, min)))
+    return right - left + _APART * 0.5 * max(image.dimensions)
+
+
+def _bounds(ob: bpy.types.Object, side) -> float:
+    corners = np.array(ob.bound_box) @ np.array(ob.matrix_world)[:3, :3].T + np.array(ob.matrix_world.translation)
+    return float(side(corners[:, 0]))

@@ -1,0 +1,259 @@
+"""Result objects: what they are called, where they lie, and what the next solve does with them.
+
+**Names.** The first solve of a plan called "Hall" makes the collection "CMC Hall" under the scene, and in
+it "Hall f+", "Hall f-", "Hall g", "Hall Gauss image", as far as they are wanted. Names are given once:
+links, not names, tie plan and results together, so both may be renamed, and neither is ever renamed by a
+solve.
+
+**Update in place.** The next solve writes positions, `cmc_normal`, what is measured (see `measures`) and the report
+into the same objects, and refreshes the layers that come from the plan (UVs, colours, attributes, vertex
+groups). The user's stay: materials and which face has which, smooth or flat, modifiers, constraints,
+collections, other layers, custom properties. If the plan's polygons have changed, the mesh is replaced and
+the object stays, with its materials; layers that the user added to the mesh are then lost.
+
+**Other faces.** Where the dual or the corner mesh is asked for, the same object gets that mesh, with the plan's
+layers interpolated to its vertices (see `polygon_bridge`); and back.
+
+**Place.** A result starts with its origin at the plan's, unrotated and unscaled. What the user then does to
+its transform stays: the solve moves it only by as much as the plan has been moved since (a parented result
+not even that).
+
+**Wanted no longer.** A result that exists but is not asked for now is brought up to date all the same and
+hidden, and shown again when it is asked for. A sheet that has become a single point is deleted.
+
+**Of a design.** Approximate Surface makes "Hall nearest CMC" and Fit to Outline "Hall fit": results of their own
+role, which Solve neither changes nor hides, and to which all the rest of this applies.
+
+**Completed.** Complete by Symmetry makes "Hall completed", or instances in a collection "Hall copies", and hides the
+shell, which is one of the copies. The next solve shows the shell again and hides what was made of the older one.
+
+**Deleted.** A result counts as deleted when it is in no scene; the next solve makes a new one. The same
+holds for the collection. A result whose plan is deleted stays as it is and can no longer be solved.
+
+**Duplicated.** A link counts only if it goes both ways: the plan names the result and the result names the
+plan. A duplicated plan therefore gets results and a collection of its own and leaves the original's alone;
+plan and results duplicated together are a pair of their own, because Blender redirects the links. A
+duplicated result is a copy that no solve changes; Solve with it active solves the plan it came from.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...solver.errors import CmcError
+from ...solver.shells.polygon_sheets import PolygonSheet
+from ..bridges.colour_bridge import put_measures
+from ..bridges.mesh_bridge import NORMAL_ATTRIBUTE, PlanMesh, readable_mesh, set_attribute, set_positions
+from ..bridges.polygon_bridge import polygon_mesh, row_weights
+from ..bridges.result_bridge import Cut, fresh_mesh, put_mesh, put_weights, vertex_weights
+from ..properties.links import _is_own, copies_of, result_of, results_of
+from ..properties.stored import COMPLETED_ROLES, DESIGN_ROLES, ROLES
+
+_SUFFIX = {"F_PLUS": "f+", "F_MINUS": "f-", "G": "g", "GAUSS": "Gauss image", "NEAREST": "nearest CMC", "FIT": "fit"}
+_SUFFIX["COMPLETED"] = "completed"
+
+
+# --- links ---------------------------------------------------------------------------------
+
+def check_writable(plan: bpy.types.Object) -> None:
+    """Raise `CmcError` where a result could not be written, before anything is changed."""
+    if not plan.is_editable:
+        raise CmcError(
+            f"'{plan.name}' is linked from another file; make it local (Object > Library Override, or "
+            "Object > Relations > Make Local) to solve it here."
+        )
+    for result in results_of(plan, (*ROLES, *DESIGN_ROLES, *COMPLETED_ROLES)).values():
+        if result.data.is_editmode:
+            raise CmcError(f"The result '{result.name}' is in edit mode; leave it (Tab) and solve again.")
+
+
+# --- writing -------------------------------------------------------------------------------
+
+class Writer:
+    """Writes what was formed on a plan into result objects (see the module's text for what stays).
+
+    formed: pipeline.Formed; mesh, triangles, owners: the plan's arrays that it was formed on.
+    """
+
+    def __init__(
+        self,
+        context: bpy.types.Context,
+        plan: bpy.types.Object,
+        depsgraph: bpy.types.Depsgraph | None,
+        mesh: PlanMesh,
+        cut: Cut | None,
+    ) -> None:
+        self.scene = context.scene
+        self.plan, self.depsgraph, self.mesh, self.cut = plan, depsgraph, mesh, cut
+        self.origin = np.array(plan.matrix_world.translation, dtype=np.float64)
+        self.group_names = [group.name for group in plan.vertex_groups]
+        self.weights = self._weights()
+
+    def _weights(self) -> list[dict[int, float]]:
+        """The plan's vertex weights."""
+        if not self.group_names:
+            return []
+        with readable_mesh(self.plan, self.depsgraph) as mesh:
+            return vertex_weights(mesh, len(self.group_names))
+
+    def _cut_weights(self) -> list[dict[int, float]]:
+        """The plan's vertex weights on the rows of a surface that may be cut open."""
+        weights = self.weights
+        if self.cut is None:
+            return weights
+        rows = enumerate(self.cut.vertices.tolist())
+        rows_of: dict[int, list[int]] = {}
+        for row, vertex in rows:
+            rows_of.setdefault(vertex, []).append(row)
+        return [{row: w for vertex, w in group.items() for row in rows_of[vertex]} for group in weights]
+
+    def write(
+        self, role: str, points: NDArray, normals: NDArray, measures: Mapping[str, NDArray] | None = None
+    ) -> None:
+        """Make or update the result in this role with the plan's polygons; points (n, 3) in world coordinates.
+
+        measures: attribute -> values, of a sheet that is measured; those that are missing are removed.
+        """
+        fresh = fresh_mesh(self.plan, self.depsgraph, self.mesh, self.cut)
+        put_points(self._put(role, fresh, self._cut_weights()), self.origin, points, normals, measures)
+
+    def write_polygons(
+        self,
+        role: str,
+        sheet: PolygonSheet,
+        triangles: NDArray,
+        owners: NDArray,
+        measures: Mapping[str, NDArray] | None = None,
+    ) -> None:
+        """The same with the polygons of a dual or corner mesh, formed on the plan's triangles (see `polygon_mesh`)."""
+        fresh = polygon_mesh(self.plan, self.depsgraph, self.mesh, triangles, owners, sheet)
+        result = self._put(role, fresh, row_weights(sheet, self.weights, len(self.mesh.positions)))
+        put_points(result, self.origin, sheet.points, sheet.normals, measures)
+
+    def write_alike(self, role: str, like: bpy.types.Object, points: NDArray, normals: NDArray) -> bpy.types.Object:
+        """Make the result in this role with the mesh of another result, and points of its own."""
+        weights = vertex_weights(like.data, len(self.group_names))
+        result = self._put(role, like.data.copy(), weights)
+        put_points(result, self.origin, points, normals, {})
+        return result
+
+    def _put(self, role: str, fresh: bpy.types.Mesh, weights: list[dict[int, float]]) -> bpy.types.Object:
+        """The result in this role, made or brought up to date, but for its points."""
+        result = result_of(self.plan, role)
+        if result is None:
+            result = self._new(role, fresh)
+        else:
+            put_mesh(result, fresh)
+            move_along(result, self.origin)
+        if result.data.shape_keys is not None:
+            result.shape_key_clear()
+        put_weights(result, self.group_names, weights)
+        return result
+
+    def _new(self, role: str, mesh: bpy.types.Mesh) -> bpy.types.Object:
+        _forget(self.plan, role)
+        name = f"{self.plan.name} {_SUFFIX[role]}"
+        mesh.name = name
+        result = bpy.data.objects.new(name, mesh)
+        result.cmc.role, result.cmc.source = role, self.plan
+        result.location = result.cmc.placed_at = self.origin
+        self._collection().objects.link(result)
+        for own, slot in zip(result.material_slots, self.plan.material_slots, strict=False):
+            if slot.link == "OBJECT":
+                own.link = "OBJECT"
+                own.material = slot.material
+        setattr(self.plan.cmc, role.lower(), result)
+        return result
+
+    def _collection(self) -> bpy.types.Collection:
+        """The plan's own collection, made if it has none in this scene."""
+        collection = self.plan.cmc.collection
+        if (
+            collection is not None
+            and collection.cmc_plan == self.plan
+            and collection in self.scene.collection.children_recursive
+        ):
+            return collection
+        collection = bpy.data.collections.new(f"CMC {self.plan.name}")
+        collection.cmc_plan = self.plan
+        self.scene.collection.children.link(collection)
+        self.plan.cmc.collection = collection
+        return collection
+
+
+def move_along(result: bpy.types.Object, origin: NDArray) -> None:
+    """Move a result by as much as its plan, whose origin (3,) is given, was moved since it was written."""
+    moved = origin - np.array(result.cmc.placed_at, dtype=np.float64)
+    if not moved.any():
+        return
+    if result.parent is None:
+        result.location = np.array(result.location, dtype=np.float64) + moved
+    result.cmc.placed_at = origin
+
+
+def put_points(
+    result: bpy.types.Object,
+    origin: NDArray,
+    points: NDArray,
+    normals: NDArray,
+    measures: Mapping[str, NDArray] | None,
+) -> None:
+    """Write points (n, 3) in the world, normals (n, 3) and measures into a result; origin (3,): that of the plan."""
+    if measures is not None:
+        put_measures(result.data, measures)
+    set_attribute(result.data, NORMAL_ATTRIBUTE, "FLOAT_VECTOR", "POINT", normals)
+    set_positions(result.data, points - origin)
+
+
+def _forget(plan: bpy.types.Object, role: str) -> None:
+    """Clear a link that does not count; the plan's own result, deleted by the user, is kept alive only by
+    such links and goes with its mesh."""
+    linked = getattr(plan.cmc, role.lower())
+    setattr(plan.cmc, role.lower(), None)
+    if linked is not None and _is_own(plan, role, linked):
+        delete_result(linked)
+
+
+def delete_result(result: bpy.types.Object) -> None:
+    """Delete a result object, and its mesh if nothing else uses it."""
+    mesh = result.data
+    bpy.data.objects.remove(result)
+    if mesh.users == 0:
+        bpy.data.meshes.remove(mesh)
+
+
+def show_wanted(plan: bpy.types.Object, wanted: list[str]) -> None:
+    """Hide results that are not wanted now; show again those that were hidden for that reason."""
+    for role, result in results_of(plan).items():
+        if (role not in wanted) == result.cmc.parked:
+            continue
+        result.cmc.parked = result.hide_viewport = result.hide_render = role not in wanted
+
+
+def park(result: bpy.types.Object | None) -> None:
+    """Hide a result in whose place another one is now; the next solve shows it again."""
+    if result is not None:
+        result.cmc.parked = result.hide_viewport = result.hide_render = True
+
+
+def hide_completed(plan: bpy.types.Object, hidden: bool) -> None:
+    """Hide what was completed, which was made of an older shell; or show it."""
+    for thing in (result_of(plan, "COMPLETED"), copies_of(plan)):
+        if thing is not None:
+            thing.hide_viewport = thing.hide_render = hidden
+
+
+def write_report(result: bpy.types.Object, report: dict) -> None:
+    """Put a report on a result: `cmc_report`, the whole as JSON, and its plain numbers and words each as a
+    custom property `cmc_<name>`."""
+    result["cmc_report"] = json.dumps(report, ensure_ascii=False)
+    for name, value in report.items():
+        if isinstance(value, (bool, int, float, str)):
+            result[f"cmc_{name}"] = value
+        elif value is None and f"cmc_{name}" in result:  # known of an older shell
+            del result[f"cmc_{name}"]

@@ -1,0 +1,136 @@
+"""The tables of docs/approximation.md, measured: how near surfaces of constant mean curvature come to given ones.
+
+    make gallery                                            # measures, writes the tables, draws the pictures
+    .venv/bin/python -m scripts.tables.measure_approximation cmc   # some of them, printed only
+    .venv/bin/python -m scripts.tables.measure_approximation --write
+
+Needs no Blender.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from scripts.assets import surfaces
+from scripts.tables.measured_page import Tables, measure
+from solver import Domain, Fit, conformal_distortion, fit_gauss_map, mean_curvature_of, shapes
+from solver.fitting.closest_point import Triangles
+from tests.solver.exact import rates
+from tests.solver.fitting.test_gauss_map_fit import SADDLES, cap, off, over_the_disc, size_of, unduloid
+
+ROOT = Path(__file__).resolve().parents[2]
+
+PAGE = ROOT / "docs" / "approximation.md"
+WEIGHTS = (1e-4, 1e-3, 1e-2)
+LARGE = 20000
+
+
+def drawn(make, count: int) -> tuple[Domain, np.ndarray]:
+    disc = shapes.disc(count)
+    given = make(disc.positions, disc.domain.faces)
+    return Domain.from_positions(given.points, given.faces), given.points
+
+
+def spread_of_curvature(found: Fit) -> float:
+    """Root mean square over the area of H / target - 1, measured."""
+    points, faces = found.points(), found.surface.faces
+    H = found.sign * mean_curvature_of(points, faces, found.surface.normals)
+    a, b, c = (points[faces[:, k]] for k in range(3))
+    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) * np.isfinite(H)
+    return float(np.sqrt(np.average((np.nan_to_num(H) / found.surface.mean_curvature - 1) ** 2, weights=areas)))
+
+
+def distortion(domain: Domain, found: Fit) -> tuple[float, float]:
+    """½ (Q + 1/Q) - 1 in the mean over the surface given, and the largest."""
+    Q = conformal_distortion(domain, found.points())
+    energy = 0.5 * (Q + 1 / Q) - 1
+    return float(np.average(energy, weights=domain.face_areas)), float(energy.max())
+
+
+def distances(domain: Domain, points: np.ndarray, found: Fit) -> tuple[float, float, float]:
+    """From the surface given, in % of its diagonal: root mean square, largest, largest of the rim."""
+    away = 100 * Triangles(points, domain.faces).closest(found.points()).distances / size_of(points)
+    mean = np.sqrt(np.average(away**2, weights=domain.vertex_areas))
+    return float(mean), float(away.max()), float(away[domain.boundary_vertices].max())
+
+
+def figure10() -> list[str]:
+    """The wavy disc for three weights, and by the paper's functional."""
+    domain, points = drawn(surfaces.wavy_disc, LARGE)
+    rows = [
+        "| λ | likeness | N - N_φ | variation of N₀ | H, deviation | distortion | largest | distance, mean | largest "
+        "| evaluations |",
+        "|---" * 10 + "|",
+    ]
+    for likeness in (0.1, 0.0):
+        for weight in WEIGHTS:
+            found = fit_gauss_map(domain, points, weight, likeness=likeness)
+            mean, most = distortion(domain, found)
+            near, far, _ = distances(domain, points, found)
+            rows.append(
+                f"| {weight:g} | {likeness:g} | {found.distances['Gauss map']:.3f} "
+                f"| {found.distances['smooth rim']:.2f} | {100 * spread_of_curvature(found):.2f} % | {mean:.0e} "
+                f"| {most:.0e} | {near:.1f} % | {far:.1f} % | {len(found.history)} |"
+            )
+    return rows
+
+
+def cmc() -> list[str]:
+    """Surfaces that have constant mean curvature: how far what is found is from them, λ = 0."""
+    sizes = (200, 800, 3200, 12800)
+    rows = [f"| surface | {' | '.join(str(n) for n in sizes)} | order |", "|---" * (len(sizes) + 2) + "|"]
+    for name, make in (("cap of a sphere", cap), ("patch of an unduloid", unduloid)):
+        misses = []
+        for count in sizes:
+            domain, points = make(count)
+            misses.append(100 * off(domain, fit_gauss_map(domain, points, 0.0).points(), points))
+        cells = " | ".join(f"{miss:.4f} %" for miss in misses)
+        rows.append(f"| {name} | {cells} | {rates(misses).mean():.1f} |")
+    return rows
+
+
+def saddles() -> list[str]:
+    """Surfaces whose mean curvature is nearly zero or changes sign."""
+    rows = [
+        "| surface | N - N_φ | distance, mean | H × diagonal | evaluations | without likeness: N - N_φ "
+        "| distance, mean |",
+        "|---" * 7 + "|",
+    ]
+    for name, height in SADDLES.items():
+        domain, points = over_the_disc(2000, height)
+        cells = []
+        for likeness in (0.1, 0.0):
+            found = fit_gauss_map(domain, points, 1e-4, likeness=likeness)
+            near = 100 * off(domain, found.points(), points)
+            cells.append(f"{found.distances['Gauss map']:.3f} | {near:.1f} %")
+            if likeness:
+                cells.append(f"{found.surface.mean_curvature * size_of(points):.2f} | {len(found.history)}")
+        rows.append(f"| {name} | {' | '.join(cells)} |")
+    return rows
+
+
+def places() -> list[str]:
+    """What the weight of nearness does."""
+    rows = [
+        "| surface | near | N - N_φ | distance, mean | largest | largest of the rim | H, deviation | evaluations |",
+        "|---" * 8 + "|",
+    ]
+    for name, make in (("wavy disc", surfaces.wavy_disc), ("cultural centre", surfaces.cultural_centre)):
+        domain, points = drawn(make, 5000)
+        for weight in (0.0, 10.0, 100.0, 1000.0):
+            found = fit_gauss_map(domain, points, 1e-4, near=weight)
+            mean, most, rim = distances(domain, points, found)
+            rows.append(
+                f"| {name} | {weight:g} | {found.distances['Gauss map']:.3f} | {mean:.2f} % | {most:.2f} % "
+                f"| {rim:.2f} % | {100 * spread_of_curvature(found):.1f} % | {len(found.history)} |"
+            )
+    return rows
+
+
+TABLES: Tables = {"figure10": figure10, "cmc": cmc, "saddles": saddles, "places": places}
+
+
+if __name__ == "__main__":
+    measure(PAGE, TABLES)

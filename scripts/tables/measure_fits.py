@@ -1,0 +1,147 @@
+"""The tables of docs/fitting.md, measured: how near shells come to an outline, and what it takes.
+
+    make gallery                                       # measures, writes the tables, draws the pictures
+    .venv/bin/python -m scripts.tables.measure_fits outlines  # some of them, printed only
+    .venv/bin/python -m scripts.tables.measure_fits --write   # all of them, into the page
+
+Needs no Blender.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scripts.tables.measured_page import Tables, measure
+from solver import Fit, fit_outline, shapes
+from solver.fitting.curves import Curve
+
+ROOT = Path(__file__).resolve().parents[2]
+
+Array = NDArray[np.float64]
+
+PAGE = ROOT / "docs" / "fitting.md"
+RISES = (0.05, 0.15, 0.25, 0.35, 0.45)
+SIZES = (2000, 5000, 20000)
+# an outline, the radius of its corners, its area
+OUTLINES = {
+    "square": ([[0, 0], [2, 0], [2, 2], [0, 2]], 0.2, 4.0),
+    "rectangle 3 : 1": ([[0, 0], [3, 0], [3, 1], [0, 1]], 0.3, 3.0),
+    "L": ([[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]], 0.3, 3.0),
+}
+CIRCLE = np.linspace(0, 2 * np.pi, 200, endpoint=False)
+HEAD = " | ".join(f"rise {100 * rise:.0f} %" for rise in RISES)
+
+
+def plan(name: str, vertices: int) -> shapes.Shape:
+    outline, radius, area = OUTLINES[name]
+    edge = np.sqrt(area / vertices * 2 / np.sqrt(3))
+    return shapes.polygon(outline, max_edge=edge, corner_radius=radius)
+
+
+def size_of(points: Array) -> float:
+    return float(np.linalg.norm(np.ptp(points[:, :2], axis=0)))
+
+
+def outlines() -> list[str]:
+    """The largest distance between the rim and the drawn line, and that away from the corners, in % of the span."""
+    rows = [f"| outline | vertices | {HEAD} |", "|---|---|" + "---|" * len(RISES)]
+    for name in OUTLINES:
+        for vertices in SIZES:
+            shape = plan(name, vertices)
+            found = [fit_outline(shape.domain, shape.positions, rise=rise) for rise in RISES]
+            cells = [cell(name, shape.positions, each) for each in found]
+            rows.append(f"| {name} | {len(shape.positions)} | {' | '.join(cells)} |")
+    return rows
+
+
+def cell(name: str, points: Array, found: Fit) -> str:
+    size = size_of(points)
+    far = 100 * found.distances["rim on curve"] / size
+    evaluations = len(found.history)
+    return f"{far:.2f}, {100 * away_from_corners(name, points, found) / size:.2f} ({evaluations})"
+
+
+def away_from_corners(name: str, points: Array, found: Fit) -> float:
+    """The largest distance of rim vertices from the line, at more than two radii from the corners before rounding."""
+    outline, radius, _ = OUTLINES[name]
+    rim = found.points()[found.surface.domain.boundary_loops[0]]
+    corners = np.array(outline, dtype=np.float64)
+    near = np.linalg.norm(rim[:, None, :2] - corners, axis=2).min(axis=1) < 2 * radius
+    line = points[found.surface.domain.boundary_loops[0]]
+    line = np.column_stack([line[:, :2], np.zeros(len(line))])
+    off = np.linalg.norm(rim - Curve(line, closed=True).closest(rim).points, axis=1)
+    return float(off[~near].max())
+
+
+def knobs() -> list[str]:
+    """Parts by which the wanted height and volume are missed, and of circles the caps of a sphere."""
+    rows = [f"| wish | vertices | {HEAD} |", "|---|---|" + "---|" * len(RISES)]
+    for name in OUTLINES:
+        shape = plan(name, 5000)
+        found = [fit_outline(shape.domain, shape.positions, rise=rise) for rise in RISES]
+        half = 0.5 * np.ptp(shape.positions, axis=0).min()
+        cells = [f"{f.distances['crown height'] / (rise * half):.0e}" for f, rise in zip(found, RISES, strict=True)]
+        rows.append(f"| height, {name} | {len(shape.positions)} | {' | '.join(cells)} |")
+    for vertices in (800, 3200, 12800):
+        disc = shapes.disc(vertices)
+        caps = [cap(disc, rise) for rise in RISES]
+        label = f"| {{}} | {disc.domain.vertex_count} |"
+        rows.append(f"{label.format('volume, circle')} {' | '.join(f'{c[0]:.0e}' for c in caps)} |")
+        rows.append(f"{label.format('distance from the exact cap')} {' | '.join(f'{c[1]:.0e}' for c in caps)} |")
+    return rows
+
+
+def cap(disc: shapes.Shape, rise: float) -> tuple[float, float]:
+    """Part of the volume that is missed, and the largest distance from the sphere, the disc's radius being one."""
+    volume = np.pi * rise * (3 + rise**2) / 6
+    found = fit_outline(disc.domain, disc.positions, volume=volume)
+    radius = (1 + rise**2) / (2 * rise)
+    exact = fit_outline(disc.domain, disc.positions, rise=rise).points() - [0, 0, rise - radius]
+    return found.distances["volume"] / volume, float(np.abs(np.linalg.norm(exact, axis=1) - radius).max())
+
+
+def raised() -> list[str]:
+    """A circle whose heights go up and down twice, by 20 % of its span: distance in % of the span, or why not."""
+    line = np.column_stack([np.cos(CIRCLE), np.sin(CIRCLE), 0.2 * np.cos(2 * CIRCLE)])
+    rows = [f"| vertices | {HEAD} |", "|---|" + "---|" * len(RISES)]
+    for vertices in SIZES:
+        disc = shapes.disc(vertices)
+        found = [fit_outline(disc.domain, disc.positions, line, rise=rise) for rise in RISES]
+        cells = [f"{50 * f.distances['rim on curve']:.3f}{'' if f.met else ', not met'}" for f in found]
+        rows.append(f"| {disc.domain.vertex_count} | {' | '.join(cells)} |")
+    return rows
+
+
+def courtyards() -> list[str]:
+    """Plans with holes: the longest gap and the largest distance of the rims from their lines, in % of the span."""
+    circle = np.column_stack([np.cos(CIRCLE), np.sin(CIRCLE)])[::4]
+    square = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    plans = {
+        "circle off the centre of a circle": shapes.polygon(circle, holes=[0.4 * circle + [0.15, 0.1]], max_edge=0.04),
+        "square in a square": shapes.polygon(square, holes=[0.4 * square + 0.1], max_edge=0.05, corner_radius=0.15),
+    }
+    rises = (0.025, 0.05, 0.1, 0.15)
+    rows = [
+        f"| plan | vertices | {' | '.join(f'rise {100 * rise:g} %' for rise in rises)} |",
+        "|---|---|" + "---|" * len(rises),
+    ]
+    for name, shape in plans.items():
+        found = [fit_outline(shape.domain, shape.positions, rise=rise) for rise in rises]
+        size = size_of(shape.positions)
+        cells = [f"{100 * f.distances['period'] / size:.0e}, {off(f, size):.1f}" for f in found]
+        rows.append(f"| {name} | {len(shape.positions)} | {' | '.join(cells)} |")
+    return rows
+
+
+def off(found: Fit, size: float) -> float:
+    return 100 * found.distances["rim on curve"] / size
+
+
+TABLES: Tables = {"outlines": outlines, "knobs": knobs, "raised": raised, "courtyards": courtyards}
+
+
+if __name__ == "__main__":
+    measure(PAGE, TABLES)

@@ -1,0 +1,1 @@
+"""Inverse problems: the boundary normals whose surface comes nearest to what is wanted."""

@@ -1,0 +1,100 @@
+"""The sum of the targets as a function of one vector: boundary normals, logarithm of the scale, shift."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..gauss.sphere import inner, normalize, project
+from ..surface.adjoint import State, boundary_shares
+from .response import Response
+from .target import Partials, Shape, Target
+
+Array = NDArray[np.float64]
+
+# Harmonic maps and gradients are found to this residual and accuracy while searching.
+_RESIDUAL = 1e-7
+_ACCURACY = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """A state in the world: points = scale · (g + side · N) + shift."""
+
+    state: State
+    rim: Array
+    scale: float
+    shift: Array
+    shape: Shape
+    value: float = np.inf
+
+
+class Search:
+    """Values and gradients of the targets; the best placed state so far, and the history of values.
+
+    Boundary normals count with the root of the boundary length they stand for, so that the mesh does not matter; the
+    last four numbers of the vector are the scale and the shift.
+    """
+
+    def __init__(
+        self,
+        response: Response,
+        targets: Sequence[Target],
+        side: float,
+        size: float,
+        free_scale: bool,
+        free_shift: bool,
+        first: Array | None,
+    ) -> None:
+        self.response, self.targets, self.side, self.size = response, targets, side, size
+        self.extension = response.extension
+        self.free_scale, self.free_shift, self.first = free_scale, free_shift, first
+        self.roots = np.sqrt(boundary_shares(self.extension.domain)[self.extension.fixed])[:, None]
+        self.best: Placed | None = None
+        self.history: list[float] = []
+
+    def vector(self, rim: Array, scale: float, shift: Array) -> Array:
+        return np.concatenate([(self.roots * rim).ravel(), [np.log(scale)], shift / self.size])
+
+    def __call__(self, x: Array) -> tuple[float, Array]:
+        placed = self.place(x)
+        total = Partials.of(placed.shape)
+        for target in self.targets:
+            total = total + target.partials(placed.shape).times(target.weight)
+        self.history.append(total.value)
+        if self.best is None or total.value < self.best.value:
+            self.best = replace(placed, value=total.value)
+        return total.value, self.gradient(x, placed, total)
+
+    def place(self, x: Array) -> Placed:
+        rim = normalize(x[:-4].reshape(-1, 3) / self.roots)
+        state = self.extension(rim, self._foreseen(rim), _RESIDUAL)
+        scale, shift = float(np.exp(x[-4])), x[-3:] * self.size
+        points = scale * (state.g + self.side * state.N) + shift
+        domain, fixed = self.extension.domain, self.extension.fixed
+        shape = Shape(domain, fixed, points, state.N, self.size, scale * state.periods)
+        return Placed(state, rim, scale, shift, shape)
+
+    def _foreseen(self, rim: Array) -> Array | None:
+        """Normals (V, 3) to start from: the best ones, and the change of the boundary spread over the domain."""
+        if self.best is None:
+            return self.first
+        return self.best.state.N + self.extension.spread(rim - self.best.rim)
+
+    def gradient(self, x: Array, placed: Placed, total: Partials) -> Array:
+        """The derivatives of a function by the vector x, from its partial derivatives."""
+        by_conjugate = placed.scale * total.by_points
+        by_normals = total.by_normals + self.side * by_conjugate
+        by_periods = placed.scale * total.by_periods
+        by_rim = self.extension.pull_back(placed.state, by_normals, by_conjugate, by_periods, _ACCURACY)
+        length = np.linalg.norm(x[:-4].reshape(-1, 3), axis=1, keepdims=True)
+        by_scale, by_shift = 0.0, np.zeros(3)
+        if self.free_scale:
+            by_scale = inner(total.by_points, placed.shape.points - placed.shift)
+            by_scale += inner(total.by_periods, placed.shape.periods)
+        if self.free_shift:
+            by_shift = self.size * total.by_points.sum(axis=0)
+        return np.concatenate([(project(placed.rim, by_rim) / length).ravel(), [by_scale], by_shift])

@@ -1,0 +1,1 @@
+"""Files: meshes in several formats, OBJ with its groups, polygons into triangles."""

@@ -1,0 +1,206 @@
+"""Mesh files in and out: OBJ by our own reader, which keeps polygons and UVs; the rest by trimesh.
+
+The project's up is z. Formats whose up is y (glTF by its definition, many OBJ by custom) are turned on the
+way in and back on the way out.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import KDTree
+
+from ..errors import JobError, MeshError
+from .obj import MeshData, obj_text, read_obj
+from .polygons import triangulate_polygons
+
+Array = NDArray[np.float64]
+Int = NDArray[np.int32]
+
+FORMATS = (".obj", ".ply", ".stl", ".glb")
+# Vertices of an STL or GLB nearer than this fraction of the diagonal are one vertex: single precision leaves
+# 1e-7.
+_MERGE = 1e-6
+
+_Y_TO_Z = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+
+__all__ = ["FORMATS", "MeshData", "read_mesh", "triangulate_polygons", "write_bytes", "write_mesh"]
+
+
+def read_mesh(path: str | os.PathLike[str], *, up: str | None = None) -> MeshData:
+    """Read a mesh file. `up` is the file's own up, "y" or "z"; None means y for GLB, z for the rest.
+
+    Vertices that STL and GLB store once a face are merged where they coincide. Raises `JobError` where the
+    file or its format cannot be read and `MeshError` where what is in it is no mesh.
+    """
+    file = Path(path)
+    suffix = _format(file)
+    if not file.is_file():
+        raise JobError(f"There is no file {file}.")
+    try:
+        mesh = read_obj(file) if suffix == ".obj" else _read_by_trimesh(file)
+    except OSError as error:
+        raise JobError(f"{file} cannot be read: {error.strerror or error}.") from error
+    if not mesh.polygons:
+        raise MeshError(f"{file} has no faces.")
+    return replace(mesh, positions=mesh.positions @ _Y_TO_Z.T) if _up(file, up) == "y" else mesh
+
+
+def oriented(points: Array, up: str) -> Array:
+    """Points (n, 3) of a file whose up is "y" or "z", with z up."""
+    return points @ _Y_TO_Z.T if up == "y" else points
+
+
+def write_mesh(
+    path: str | os.PathLike[str], mesh: MeshData, *, normals: Array | None = None, up: str | None = None
+) -> None:
+    """Write a mesh file: OBJ with all that `mesh` carries, PLY and STL as triangles, GLB with UVs as well.
+
+    normals (V, 3) go into GLB and PLY. The file is written under another name and then moved, so that a
+    reader never meets half of it; missing folders are made. Raises `JobError` where that fails.
+    """
+    file = Path(path)
+    suffix = _format(file)
+    if _up(file, up) == "y":
+        mesh = replace(mesh, positions=mesh.positions @ _Y_TO_Z)
+        normals = None if normals is None else normals @ _Y_TO_Z
+    if suffix == ".obj":
+        write_bytes(file, obj_text(mesh, file.parent).encode("utf-8", "surrogateescape"))
+    else:
+        write_bytes(file, _trimesh_bytes(mesh, normals, suffix))
+
+
+def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
+    """Write a file under a temporary name beside its own and move it there."""
+    file = Path(path)
+    temporary = None
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        handle, temporary = tempfile.mkstemp(prefix=f".{file.name}.", dir=file.parent)
+        with os.fdopen(handle, "wb") as stream:
+            stream.write(data)
+        os.chmod(temporary, 0o666 & ~_umask())
+        os.replace(temporary, file)
+    except OSError as error:
+        if temporary is not None:
+            Path(temporary).unlink(missing_ok=True)
+        raise JobError(f"{file} cannot be written: {error.strerror or error}.") from error
+
+
+def _umask() -> int:
+    """The process's mask; it can only be read by setting it."""
+    mask = os.umask(0o022)
+    os.umask(mask)
+    return mask
+
+
+def _format(file: Path) -> str:
+    suffix = file.suffix.lower()
+    if suffix not in FORMATS:
+        raise JobError(f'{file} has no format known here ("{suffix}"); use one of {", ".join(FORMATS)}.')
+    return suffix
+
+
+def _up(file: Path, up: str | None) -> str:
+    if up not in (None, "y", "z"):
+        raise JobError(f'The up axis is "y" or "z", not "{up}".')
+    return up or ("y" if file.suffix.lower() == ".glb" else "z")
+
+
+def _read_by_trimesh(file: Path) -> MeshData:
+    import trimesh  # half a second, which a job with OBJ files need not wait for
+
+    try:
+        loaded: Any = trimesh.load(file, force="mesh", process=False)
+        positions = np.asarray(loaded.vertices, dtype=np.float64).reshape(-1, 3)
+        faces = np.asarray(loaded.faces, dtype=np.int32).reshape(-1, 3)
+    except OSError:
+        raise
+    except Exception as error:  # a broken file surfaces as whatever its parser stumbled over
+        raise MeshError(f"{file} cannot be read as {file.suffix[1:].upper()}: {error}.") from error
+    if file.suffix.lower() != ".ply":
+        positions, faces = _merged(positions, faces)
+    return MeshData(positions, list(faces))
+
+
+def _merged(positions: Array, faces: Int) -> tuple[Array, Int]:
+    """Vertices that coincide made one, each where its first one is."""
+    if not len(positions):
+        return positions, faces
+    reach = _MERGE * float(np.linalg.norm(np.ptp(positions, axis=0)))
+    pairs = KDTree(positions).query_pairs(reach, output_type="ndarray")
+    count = len(positions)
+    links = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    _, label = connected_components(links, directed=False)
+    _, first, index = np.unique(label, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    rank = np.empty(len(first), dtype=np.int32)
+    rank[order] = np.arange(len(first), dtype=np.int32)
+    return positions[first[order]], rank[index][faces]
+
+
+def _trimesh_bytes(mesh: MeshData, normals: Array | None, suffix: str) -> bytes:
+    import trimesh
+    from trimesh.visual import TextureVisuals
+    from trimesh.visual.material import PBRMaterial
+
+    triangles, polygon = _triangles(mesh)
+    positions, uv = mesh.positions, None
+    if suffix == ".glb" and len(mesh.uvs) and all(len(rows) for rows in mesh.uv_corners):
+        rows = corner_rows(mesh.polygons, mesh.uv_corners, triangles, polygon)
+        # glTF has one UV a vertex: a vertex on a seam is written once for each of its UVs.
+        pairs, index = np.unique(np.column_stack([triangles.ravel(), rows.ravel()]), axis=0, return_inverse=True)
+        triangles, positions, uv = index.reshape(-1, 3), positions[pairs[:, 0]], mesh.uvs[pairs[:, 1]]
+        normals = None if normals is None else normals[pairs[:, 0]]
+    options: dict[str, Any] = {} if normals is None else {"vertex_normals": normals}
+    if suffix == ".glb":  # a shell is looked at from below as well
+        options["visual"] = TextureVisuals(uv=uv, material=PBRMaterial(name="shell", doubleSided=True))
+    data = trimesh.Trimesh(positions, triangles, process=False, **options).export(file_type=suffix[1:])
+    return data if isinstance(data, bytes) else str(data).encode()
+
+
+def _triangles(mesh: MeshData) -> tuple[Int, Int]:
+    """Triangles are taken as they are, whatever their shape: a sheet that folds is written all the same.
+
+    So is a polygon that no triangles fit (one that crosses itself, or has no area): as a fan.
+    """
+    if all(len(polygon) == 3 for polygon in mesh.polygons):
+        return np.array(mesh.polygons, dtype=np.int32), np.arange(len(mesh.polygons), dtype=np.int32)
+    try:
+        return triangulate_polygons(mesh.positions, mesh.polygons)
+    except MeshError:
+        parts = [_one_polygon(mesh.positions, polygon) for polygon in mesh.polygons]
+    return np.concatenate(parts), np.repeat(np.arange(len(parts), dtype=np.int32), [len(part) for part in parts])
+
+
+def _one_polygon(positions: Array, polygon: Int) -> Int:
+    """(k - 2, 3) triangles of a polygon of k corners."""
+    corners = np.asarray(polygon, dtype=np.int32)
+    try:
+        return corners[triangulate_polygons(positions[corners], [np.arange(len(corners))])[0]]
+    except MeshError:
+        first = np.full(max(len(corners) - 2, 0), corners[0])
+        return np.column_stack([first, corners[1:-1], corners[2:]])
+
+
+def corner_rows(
+    polygons: Sequence[Int], uv_corners: Sequence[Int], triangles: NDArray[np.integer], owners: NDArray[np.integer]
+) -> Int:
+    """(T, 3) UV rows of the triangles' corners, -1 where their polygon has none; a polygon visits a vertex once.
+
+    triangles (T, 3), owners (T,): the polygon each is a part of.
+    """
+    rows = np.full(triangles.shape, -1, dtype=np.int32)
+    maps = [dict(zip(p.tolist(), t.tolist(), strict=False)) for p, t in zip(polygons, uv_corners, strict=True)]
+    for index, (corners, owner) in enumerate(zip(triangles.tolist(), owners.tolist(), strict=True)):
+        rows[index] = [maps[owner].get(vertex, -1) for vertex in corners]
+    return rows

@@ -1,0 +1,1 @@
+"""From a drawn outline to a well-shaped triangle mesh."""

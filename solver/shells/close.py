@@ -1,0 +1,206 @@
+"""From a plan with holes to a shell that closes around them, placed and measured: `pipeline.form` for closed shells."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..closing.close import Closing, Progress, close_periods
+from ..closing.holes import MOTIONS, MovingHoles
+from ..domain.domain import Domain
+from ..errors import JobError
+from ..measure.report import plain
+from ..surface.placement import plan_plane, rim_weights
+from ..surface.solve import CmcSolver
+from .gaps import hole_loops
+from .plan import Plan, Settings, plan_conditions, plan_domain
+from .shell import Formed, form_surface
+from .solve import solve_plan
+
+Array = NDArray[np.float64]
+
+WAYS = {
+    "normals": "the normals along the boundary change, as little as can be",
+    "tilts": "the normals turn about the boundary only: the tilts change",
+    "hole": "the holes move",
+    "both": "normals and holes",
+}
+"""What may change for a shell to close."""
+MOVING = ("hole", "both")
+
+# Degrees that are rounding; digits of moduli that are not.
+_LEAST_TURN = 1e-6
+_DIGITS = 7
+# Cosine of the slope up to which a plan counts as level enough for its holes to move.
+_LEVEL = 0.9
+
+
+@dataclass(frozen=True, eq=False)
+class Closure:
+    """How the gaps around the holes of a plan are to be closed.
+
+    by: of `WAYS`. weight: with "both", of the motions of holes (see `close_periods`): the larger, the less they move.
+    move: with "hole" and "both", of `holes.MOTIONS`. holes: numbers of those that move, 1 the one with the longest
+    rim; None: all. max_steps: of Newton's method.
+    Raises `JobError` on a way or a motion that is none, and on a weight or a number that makes no sense.
+    """
+
+    by: str = "normals"
+    weight: float = 1.0
+    move: tuple[str, ...] = ("x", "y", "twist")
+    holes: tuple[int, ...] | None = None
+    max_steps: int = 12
+
+    def __post_init__(self) -> None:
+        if self.by not in WAYS:
+            raise JobError(f'There is no way "{self.by}" to close; choose one of {", ".join(WAYS)}.')
+        unknown = [name for name in self.move if name not in MOTIONS]
+        if unknown:
+            raise JobError(f'There is no motion "{unknown[0]}" of a hole; choose of {", ".join(MOTIONS)}.')
+        if self.by in MOVING and not self.move:
+            raise JobError(f"Say how the holes may move: one or more of {', '.join(MOTIONS)}.")
+        if not (np.isfinite(self.weight) and self.weight > 0.0):
+            raise JobError(f"The weight must be a positive number, not {self.weight:g}.")
+        if self.max_steps < 1:
+            raise JobError(f"The limit of steps must be 1 or more, not {self.max_steps}.")
+
+
+@dataclass(frozen=True, eq=False)
+class ClosedShell:
+    """formed: the shell that was reached. plan: the one given, with other positions where its holes moved. moving: of
+    those holes, None where they stay."""
+
+    formed: Formed
+    plan: Plan
+    closing: Closing
+    moving: MovingHoles | None
+
+    @property
+    def moved(self) -> dict[str, float]:
+        """What holes did: lengths for x and y, degrees for a twist, a factor for the size."""
+        if self.moving is None:
+            return {}
+        units = {"x": lambda q: q * self.moving.size, "y": lambda q: q * self.moving.size}  # type: ignore[union-attr]
+        units |= {"twist": np.degrees, "size": np.exp}
+        numbers = zip(self.closing.names, np.round(self.closing.moduli, _DIGITS).tolist(), strict=True)
+        return {name: float(units[name.rpartition(" ")[2]](q)) for name, q in numbers}
+
+    @property
+    def message(self) -> str:
+        """How the closing ended, and what changed."""
+        closing, turned = self.closing, np.degrees(self.closing.turned)
+        words = [closing.status.sentence, f"The gap was {_share(closing.gaps[0])} of the shell's size."]
+        if not closing.closed:
+            words[-1] = f"{words[-1][:-1]} and is {_share(closing.gaps[-1])}."
+        if turned.max(initial=0.0) > _LEAST_TURN:
+            mean = np.sqrt(np.mean(turned**2))
+            words.append(f"Normals along the boundary turned by {turned.max():.1f}° at most (RMS {mean:.1f}°).")
+        kinds = {"twist": "{:+.2g}°", "size": "× {:.3g}"}
+        told = [
+            f"{name} {kinds.get(name.rpartition(' ')[2], '{:+.3g}').format(q)}" for name, q in self.moved.items() if q
+        ]
+        if told:
+            words.append(f"Holes moved: {', '.join(told)}.")
+        return " ".join(words)
+
+
+def close_plan(
+    plan: Plan,
+    settings: Settings,
+    closure: Closure,
+    *,
+    solver: CmcSolver | None = None,
+    initial: ArrayLike | None = None,
+    progress: Progress | None = None,
+    intersections: bool = True,
+) -> ClosedShell:
+    """Change what `closure` lets change until the shell over a plan closes, then place and measure it as `form` does.
+
+    solver: one for the plan's domain. initial (V, 3): normals to start from, of an earlier solve. progress(step, gap)
+    is called at every step of Newton's method; False cancels. The groups of the plan stay what they are.
+    Raises `CmcError` on plans without holes and on what cannot be solved for; a shell that does not close is told by
+    `Formed.converged` and `Formed.message`.
+    """
+    _check_sites(settings)
+    plan = replace(plan, positions=np.asarray(plan.positions, dtype=np.float64))
+    solver = solver or CmcSolver(plan_domain(plan))
+    domain = solver.domain
+    conditions = plan_conditions(plan, settings, domain)
+    if initial is None:
+        initial = solve_plan(plan, settings, solver).harmonic.normals
+    moving = _moving(plan, domain, closure)
+    closing = close_periods(
+        domain,
+        conditions,
+        by={"tilts": "normals", "hole": "moduli"}.get(closure.by, closure.by),
+        moduli=None if moving is None else moving.moduli(),
+        weight=closure.weight,
+        positions=plan.positions if closure.by == "tilts" else None,
+        initial=initial,
+        max_steps=closure.max_steps,
+        progress=progress,
+    )
+    if moving is not None and closing.moduli.any():
+        plan, solver = replace(plan, positions=moving.positions(closing.moduli)), CmcSolver(closing.domain)
+    formed = form_surface(plan, settings, closing.surface, solver, intersections=intersections)
+    closed = ClosedShell(formed, plan, closing, moving)
+    return replace(closed, formed=_told(formed, closed))
+
+
+def closing_report(closed: ClosedShell) -> dict[str, Any]:
+    """What there is to know about the closing, as plain data; angles in degrees."""
+    closing = closed.closing
+    turned = np.degrees(closing.turned)
+    return {
+        "closed": closing.closed,
+        "status": closing.status.value,
+        "message": closed.message,
+        "steps": len(closing.gaps) - 1,
+        "gap_before": closing.gaps[0],
+        "gap": closing.gaps[-1],
+        "left": plain(closing.left),
+        "largest_turn": float(turned.max(initial=0.0)),
+        "rms_turn": float(np.sqrt(np.mean(turned**2))) if turned.size else 0.0,
+        "moved": plain(closed.moved),
+        "area_ratio": float(closing.area_ratio),
+    }
+
+
+def _check_sites(settings: Settings) -> None:
+    if settings.solver_choice != Settings().solver_choice:
+        raise JobError(
+            "Closing works with normals on vertices, on the triangles of the plan; leave out other sites, energies and "
+            "the Delaunay triangulation."
+        )
+
+
+def _moving(plan: Plan, domain: Domain, closure: Closure) -> MovingHoles | None:
+    if closure.by not in MOVING:
+        return None
+    if plan.lengths is not None:
+        raise JobError("Holes move on the drawing, and this plan has edge lengths of its own; close by the normals.")
+    loops = hole_loops(domain)
+    numbers = closure.holes or tuple(range(1, len(loops) + 1))
+    wrong = [number for number in numbers if not 1 <= number <= len(loops)]
+    if wrong or not loops:
+        count = f"{len(loops)} hole{'s' * (len(loops) != 1)}"
+        raise JobError(f"The plan has {count}" + (f"; there is no hole {wrong[0]}." if wrong else " that could move."))
+    vertices, weights = rim_weights(plan.positions, domain.edges[domain.boundary_edges])
+    if abs(plan_plane(plan.positions, domain.faces, vertices, weights).normal[2]) < _LEVEL:
+        raise JobError("Holes move level, and this plan is too steep for that; close by the normals.")
+    return MovingHoles(domain, plan.positions, [loops[number - 1] for number in numbers], closure.move)
+
+
+def _told(formed: Formed, closed: ClosedShell) -> Formed:
+    """The shell with what the closing says as its message, and where it failed as its first warning."""
+    if not closed.closing.closed:
+        others = [note for note in formed.warnings if note != formed.report.sentence]
+        return replace(formed, message=closed.message, warnings=[closed.message, *others])
+    return replace(formed, message=closed.message) if formed.converged else formed
+
+
+def _share(part: float) -> str:
+    return f"{100 * part:.2g} %"

@@ -1,0 +1,176 @@
+"""The shell over a plan, completed by its symmetries: copies where the shell was placed, instances or one mesh."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import JobError
+from ..symmetry.complete import MOST_COPIES, complete
+from ..symmetry.completion import Completion
+from .plan import Plan
+from .plan_sides import plan_sides
+from .shell import Formed, placed_normals, sheet_polygons
+
+Array = NDArray[np.float64]
+Int = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Extent:
+    """Which copies of a shell there shall be; by default all, or one unit cell where they have no end.
+
+    sides: names of the groups across which the shell goes on; None: those that say so (`plan_sides.goes_on`).
+    copies: the nearest so many. box: (2, 3), world units: those whose centre is in it. around: names of groups, see
+    `complete`. repeat: how often the unit cell, or what is around, is repeated along each of its translations; of a
+    list as many are taken as there are translations.
+    """
+
+    sides: Sequence[str] | None = None
+    copies: int | None = None
+    box: Array | None = None
+    around: Sequence[Sequence[str]] = ()
+    repeat: int | Sequence[int] = 1
+
+
+@dataclass(frozen=True, eq=False)
+class Completed:
+    """A shell and its copies, in world units; see `Completion` for what they are."""
+
+    formed: Formed
+    completion: Completion
+
+    @property
+    def copy_count(self) -> int:
+        return len(self.completion.copies)
+
+    @property
+    def face_count(self) -> int:
+        """Triangles of all copies."""
+        return self.completion.face_count
+
+    @property
+    def sheets(self) -> list[str]:
+        """The sheet that each copy shows."""
+        return self.completion.sheets
+
+    @cached_property
+    def transforms(self) -> Array:
+        """(K, 4, 4), each to be applied to the placed sheet that its copy shows; reflections have a determinant < 0."""
+        return self.completion.transforms(self.formed.similarity)
+
+    @property
+    def lattice(self) -> Array:
+        """(k, 3) translations by which the completed shell repeats."""
+        similarity = self.formed.similarity
+        return similarity.scale * similarity.directions(self.completion.lattice)
+
+    def piece(self, sheet: str) -> Array:
+        """Points (n, 3) of a placed sheet whose sides lie exactly in their planes, so that instances meet."""
+        return self.formed.similarity.points(self.completion.piece(sheet))
+
+    @cached_property
+    def points(self) -> Array:
+        """(n, 3) of the welded mesh."""
+        return self.formed.similarity.points(self.completion.mesh.vertices)
+
+    @cached_property
+    def normals(self) -> Array:
+        """(n, 3) of the welded mesh, on the side from which its faces are counter-clockwise."""
+        return placed_normals(self.completion.mesh.normals, "f+", self.formed.similarity)
+
+    @property
+    def source(self) -> NDArray[np.int32]:
+        """(n,) the vertex of the plan that each vertex of the welded mesh comes from."""
+        return self.completion.mesh.source
+
+    @property
+    def largest_gap(self) -> float:
+        """How far apart neighbours were before their seams were closed, at most; a length in world units."""
+        return self.formed.similarity.scale * max((gap.largest for gap in self.completion.gaps), default=0.0)
+
+    @property
+    def relative_gap(self) -> float:
+        """The same as a part of the shell's size."""
+        return max((gap.relative for gap in self.completion.gaps), default=0.0)
+
+    @property
+    def largest_offset(self) -> float:
+        """How far apart sides came out that are in one plane, at most; a length in world units."""
+        apart = [offset.distance for offset in self.completion.offsets]
+        return self.formed.similarity.scale * max(apart, default=0.0)
+
+    def polygons(self, plan: Plan, *, triangles: bool = False) -> Polygons:
+        """The faces of the welded mesh as the plan was drawn, or its triangles."""
+        assert plan.polygons is not None and plan.triangle_polygons is not None
+        pieces, owner = list(self.formed.faces), plan.triangle_polygons
+        if not triangles:
+            pieces, owner = sheet_polygons(plan.polygons, plan.triangle_polygons, plan.triangles, self.formed.faces)
+        return Polygons.of(self.completion, pieces, np.asarray(owner))
+
+    def summary(self) -> str:
+        """Copies, faces and the gap in a sentence."""
+        count, relative = self.copy_count, self.relative_gap
+        copies = f"{count} {'copy' if count == 1 else 'copies'}, {self.face_count} triangles"
+        return f"{copies}; seams were up to {self.largest_gap:.2g} apart ({100 * relative:.2g} % of the shell's size)."
+
+
+@dataclass(frozen=True, eq=False)
+class Polygons:
+    """Faces of a welded mesh: corners (C,) vertices, starts (P + 1,); by where each comes from.
+
+    rows (C,): the row of the surface at each corner. faces (P,): the plan's polygon. copies (P,): the copy.
+    """
+
+    corners: Int
+    starts: Int
+    rows: Int
+    faces: Int
+    copies: Int
+
+    @classmethod
+    def of(cls, completion: Completion, pieces: Sequence[NDArray[np.integer]], owner: NDArray[np.integer]) -> Polygons:
+        """Of polygons `pieces` in rows of the surface, and the plan's polygon (P,) that each is of."""
+        sizes = np.array([len(piece) for piece in pieces])
+        forth = np.concatenate(list(pieces)).astype(np.int64)
+        ends = np.cumsum(sizes)
+        back = forth[np.repeat(ends + ends - sizes - 1, sizes) - np.arange(len(forth))]
+        turned = [copy.flipped for copy in completion.copies]
+        rows = np.concatenate([back if flipped else forth for flipped in turned])
+        count = len(turned)
+        members = completion.members[np.repeat(np.arange(count), len(forth)), rows]
+        starts = np.concatenate([[0], np.cumsum(np.tile(sizes, count))])
+        faces = np.tile(np.asarray(owner, dtype=np.int64), count)
+        return cls(members, starts, rows, faces, np.repeat(np.arange(count), len(sizes)))
+
+    def lists(self) -> list[NDArray[np.int32]]:
+        """Each polygon's vertices."""
+        return np.split(self.corners.astype(np.int32), self.starts[1:-1])
+
+
+def complete_plan(plan: Plan, formed: Formed, extent: Extent, sheet: str = "f+") -> Completed:
+    """The copies of a placed shell across the groups of its plan that it goes on across.
+
+    Counts and transforms are cheap; the welded mesh is made where it is asked for. Raises `JobError` where there is no
+    such group, `SymmetryError` where the planes contradict each other or the copies have no end.
+    """
+    surface = formed.surface
+    sides = plan_sides(plan, surface.domain, extent.sides)
+    choice = {"copies": extent.copies, "box": extent.box, "around": extent.around, "frame": formed.similarity}
+    found = complete(surface, sides, sheet=sheet, **choice)  # type: ignore[arg-type]
+    if extent.repeat != 1:
+        known = len(found.lattice)
+        times = [extent.repeat] * known if isinstance(extent.repeat, int) else list(extent.repeat)[:known]
+        if len(times) < known:
+            raise JobError(f"The copies repeat in {known} directions; say how often along each of them.")
+        if len(found.copies) * math.prod(times) > MOST_COPIES:
+            count = len(found.copies) * math.prod(times)
+            raise JobError(f"There would be {count} copies, and {MOST_COPIES} are the most; repeat them less often.")
+        if max(times, default=1) > 1:
+            found = complete(surface, sides, sheet=sheet, repeat=times, **choice)  # type: ignore[arg-type]
+    return Completed(formed, found)

@@ -1,0 +1,114 @@
+"""The gap around each hole of a plan: by how much a placed shell misses itself there, and where."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..domain.domain import Domain
+from ..domain.topology import Homology
+from ..surface.cmc_surface import CmcSurface
+from .shell import Formed
+
+Array = NDArray[np.float64]
+
+# Two rows of one vertex that are apart by the period up to this part of it are the two ends of the gap.
+_SAME = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class HoleGap:
+    """name: "hole 1", from the longest boundary loop on, the outer one left out; or "period 1" of a plan with handles.
+
+    period (3,), in world units: once around the hole the shell has moved by that. relative: its length as a part of
+    the size of f+, the diagonal of its box. at (3,): where it begins, on the rim of the hole; where the shell is cut
+    open there, at the gap.
+    """
+
+    name: str
+    period: Array
+    relative: float
+    at: Array
+
+    @property
+    def length(self) -> float:
+        return float(np.linalg.norm(self.period))
+
+    def to_dict(self) -> dict[str, object]:
+        return {
+            "name": self.name,
+            "period": self.period.tolist(),
+            "length": self.length,
+            "relative": self.relative,
+            "at": self.at.tolist(),
+        }
+
+
+def hole_gaps(formed: Formed) -> list[HoleGap]:
+    """One a hole; on a plan with handles one a period, since not each of those belongs to a hole."""
+    surface, similarity, domain = formed.surface, formed.similarity, formed.surface.domain
+    if not len(surface.periods):
+        return []
+    size = similarity.scale * float(np.linalg.norm(np.ptp(surface.f_plus, axis=0)))
+    periods = similarity.scale * similarity.directions(period_vectors(surface))
+    points = formed.placed[formed.report.sheet]
+    relative = (np.linalg.norm(periods, axis=1) / size).tolist()
+    if _has_handles(domain):
+        middle = points.mean(axis=0)
+        return [HoleGap(f"period {k + 1}", period, relative[k], middle) for k, period in enumerate(periods)]
+    gaps = []
+    for k, loop in enumerate(hole_loops(domain)):
+        at, period = _ends(formed, points, domain.boundary_loops[loop], periods[k])
+        gaps.append(HoleGap(f"hole {k + 1}", period, relative[k], at))
+    return gaps
+
+
+def period_vectors(surface: CmcSurface) -> Array:
+    """(k, 3) the periods around the holes, the one with the longest rim first, in the units of the surface; on a plan
+    with handles those around its loops that cannot be contracted."""
+    domain = surface.domain
+    if _has_handles(domain):
+        return surface.periods
+    return turns_of_loops(Homology.of(domain))[hole_loops(domain)] @ surface.periods
+
+
+def _has_handles(domain: Domain) -> bool:
+    return domain.genus > 0
+
+
+def hole_loops(domain: Domain) -> list[int]:
+    """The boundary loops that bound holes, as indices into `domain.boundary_loops`, the longest one first."""
+    lengths = [domain.edge_lengths[edges].sum() for edges in domain.boundary_loop_edges]
+    return np.argsort(-np.array(lengths), kind="stable")[1:].tolist()
+
+
+def turns_of_loops(homology: Homology) -> NDArray[np.int64]:
+    """(b, k) how often a walk along each boundary loop, on the faces beside it, goes around each period.
+
+    From one boundary edge of a vertex to the next the walk crosses all its other edges, from their right to their left
+    where they begin there.
+    """
+    domain, crossings = homology.domain, homology.crossings.astype(np.int64)
+    owner = np.full(domain.vertex_count, -1)
+    for k, loop in enumerate(domain.boundary_loops):
+        owner[loop] = k
+    turns = np.zeros((len(domain.boundary_loops), crossings.shape[1]), dtype=np.int64)
+    for end, sign in ((0, 1), (1, -1)):
+        loops = owner[domain.edges[homology.cut, end]]
+        np.add.at(turns, loops[loops >= 0], sign * crossings[homology.cut[loops >= 0]])
+    return turns
+
+
+def _ends(formed: Formed, points: Array, loop: NDArray[np.integer], period: Array) -> tuple[Array, Array]:
+    """Where the gap begins, and the period as it leads from there to its other end."""
+    length = np.linalg.norm(period)
+    for vertex in loop.tolist():
+        rows = np.flatnonzero(formed.source == vertex)
+        for row in rows[1:].tolist():
+            jump = points[row] - points[rows[0]]
+            for sign in (1.0, -1.0):
+                if np.linalg.norm(jump - sign * period) <= _SAME * length:
+                    return points[rows[0]], jump
+    return points[np.isin(formed.source, loop)].mean(axis=0), period

@@ -1,0 +1,71 @@
+"""A shell over a plan while the plan is being changed: solved from the last map, placed, not measured."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..errors import Status
+from ..surface.cmc_surface import CmcSurface
+from ..surface.placement import Similarity
+from ..surface.solve import CmcSolver
+from .plan import Plan, Settings, plan_conditions
+from .shell import check_shown, place_over, placed_sheets
+from .solve import solve_plan
+
+Array = NDArray[np.float64]
+Progress = Callable[[int, float], bool | None]
+
+ROUGHLY = 1e-4
+"""Residual at which an answer is good enough for the eye."""
+
+# Maps from which to begin anew.
+_LOST = (Status.COLLAPSED, Status.UNDER_RESOLVED, Status.STALLED)
+# Methods that do not run downhill go on to the nearest map at which nothing pulls.
+_UPHILL = ("saddle", "critical")
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """A surface, its placing, and points and normals (n, 3) of the placed sheets, as in `pipeline.Formed`."""
+
+    surface: CmcSurface
+    similarity: Similarity
+    placed: dict[str, Array]
+    normals: dict[str, Array]
+
+
+def answer(
+    plan: Plan,
+    settings: Settings,
+    solver: CmcSolver,
+    last: ArrayLike,
+    *,
+    steps: int | None = None,
+    progress: Progress | None = None,
+) -> Answer:
+    """The shell that goes on from the normals `last` (S, 3) of the one before, on the plan's own `solver`.
+
+    steps: of Newton's method, at most; None: until the residual is `ROUGHLY` zero. The shell keeps to the branch that
+    it is on; where that comes to an end it is solved for anew. Raises `CmcError` as `pipeline.form` does.
+    """
+    rough = replace(settings, tolerance=max(settings.tolerance, ROUGHLY))
+    surface = solver.solve(
+        plan_conditions(plan, rough, solver.domain),
+        initial=last,
+        method="critical" if rough.method in _UPHILL else "newton",
+        averaging=rough.averaging,
+        tolerance=rough.tolerance,
+        max_iterations=steps,
+        period_tolerance=rough.period_tolerance,
+        side=rough.side,
+        progress=progress,
+    )
+    if surface.harmonic.status in _LOST:
+        surface = solve_plan(plan, rough, solver, progress=progress)
+    sheets = check_shown(surface, rough.sheet)
+    plane, similarity = place_over(plan, rough, surface)
+    return Answer(surface, similarity, *placed_sheets(surface, similarity, plane, sheets))

@@ -1,0 +1,144 @@
+"""Copies of a surface welded along their seams into one mesh.
+
+Rows become one because their copies are neighbours, and get the mean of their places; nothing is merged because it is
+near. The mean of reflected copies also lies in the plane.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..domain.gluing import Glued
+from ..surface.cmc_surface import CmcSurface
+from ..surface.polygon_mesh import PolygonMesh
+from .sides import SidePlane
+
+Array = NDArray[np.float64]
+Int = NDArray[np.integer]
+
+
+@dataclass(frozen=True)
+class Gap:
+    """How far apart the two copies of a seam were before they were welded.
+
+    copies: the two. largest: distance of rows that became one vertex. relative: as a part of the surface's size.
+    """
+
+    seam: str
+    copies: tuple[int, int]
+    largest: float
+    relative: float
+
+
+@dataclass(frozen=True, eq=False)
+class CompletedMesh:
+    """A welded mesh of copies, triangles counter-clockwise seen from the side of the normals.
+
+    vertices, normals: (n, 3), of f+ the normal is N and of f- it is -N, turned as the copy is. faces: (F, 3).
+    source: (n,) the vertex of the domain that each row comes from.
+    copies: (F,) the copy that each face belongs to, in the order of the completion; the faces of a copy follow each
+    other in the domain's order. corners: (F, 3) the corner `3 f + k` of the domain at each corner, so that
+    `values.reshape(3 F, -1)[corners]` carries what is known at corners, such as texture coordinates.
+    gaps: of all seams, each pair of neighbours once.
+    """
+
+    vertices: Array
+    faces: NDArray[np.int32]
+    normals: Array
+    source: NDArray[np.int32]
+    copies: NDArray[np.int32]
+    corners: NDArray[np.int32]
+    gaps: list[Gap]
+
+    @property
+    def largest_gap(self) -> float:
+        """Relative to the size of the surface; 0 without seams."""
+        return max((gap.relative for gap in self.gaps), default=0.0)
+
+    @property
+    def rim(self) -> Int:
+        """(b, 2) directed edges that one face has: the boundary of the completed mesh, faces on the left."""
+        starts, ends = self.faces.ravel(), np.roll(self.faces, -1, axis=1).ravel()
+        count = len(self.vertices)
+        forth, back = starts.astype(np.int64) * count + ends, ends.astype(np.int64) * count + starts
+        return np.column_stack([starts, ends])[~np.isin(forth, back)]
+
+    @property
+    def is_closed(self) -> bool:
+        return len(self.rim) == 0
+
+    @property
+    def is_oriented(self) -> bool:
+        """Whether no two faces walk an edge in the same direction; then every edge has at most two faces."""
+        starts, ends = self.faces.ravel(), np.roll(self.faces, -1, axis=1).ravel()
+        keys = starts.astype(np.int64) * len(self.vertices) + ends
+        return len(np.unique(keys)) == len(keys)
+
+    @property
+    def flipped_faces(self) -> Int:
+        """Faces that look away from the mean of the normals at their corners."""
+        a, b, c = (self.vertices[self.faces[:, k]] for k in range(3))
+        seen = np.einsum("fi,fi->f", np.cross(b - a, c - a), self.normals[self.faces].sum(axis=1))
+        return np.flatnonzero(seen <= 0.0)
+
+    def as_polygon_mesh(self, surface: CmcSurface) -> PolygonMesh:
+        """With what it takes to carry attributes of the domain's vertices; those at corners go by `corners`."""
+        domain = surface.domain
+        first = np.empty((len(domain.faces), 3), dtype=np.int32)
+        first.reshape(-1)[self.corners[: len(domain.faces)].ravel()] = self.faces[: len(domain.faces)].ravel()
+        return PolygonMesh.of_triangles(self.vertices, self.faces, self.source, self.normals, domain, first)
+
+
+def welded(glued: Glued, points: Array, normals: Array, source: Int, gaps: list[Gap]) -> CompletedMesh:
+    """The mesh of `glued` copies: `points`, `normals` (K, n, 3) of their rows, `source` (n,) the vertex of each row."""
+    N = glued.mean(normals)
+    origin = np.empty(glued.vertex_count, dtype=np.int32)
+    origin[glued.members.ravel()[::-1]] = np.tile(source, len(points))[::-1]
+    return CompletedMesh(
+        vertices=glued.mean(points),
+        faces=glued.faces,
+        normals=N / np.linalg.norm(N, axis=1, keepdims=True),
+        source=origin,
+        copies=glued.copies,
+        corners=glued.corners,
+        gaps=gaps,
+    )
+
+
+Array = NDArray[np.float64]
+
+
+def seated(surface: CmcSurface, sheet: str, planes: Sequence[SidePlane]) -> Array:
+    """Points (n, 3) of "f+" or "f-" whose rows along sides lie in the planes of these, or on the sphere of a free side.
+
+    f± of a mirror lie in the plane of g, those of a tangent side in that plane moved by ± scale along the normal.
+    """
+    sign = {"f+": 1.0, "f-": -1.0}[sheet]
+    points = surface.sheet(sheet).copy()
+    on = np.zeros((len(points), len(planes)), dtype=bool)
+    for k, plane in enumerate(planes):
+        on[plane.rows, k] = True
+    rows = np.flatnonzero(on.any(axis=1))
+    patterns, which = np.unique(on[rows], axis=0, return_inverse=True)
+    for k, pattern in enumerate(patterns):
+        here = rows[which.ravel() == k]
+        walls = [plane for plane, is_here in zip(planes, pattern, strict=True) if is_here]
+        for wall in walls:
+            if wall.normal is None:
+                points[here] = wall.point + sign * surface.scale * surface.normals[here]
+        points[here] = _projected(
+            points[here], [wall for wall in walls if wall.normal is not None], sign * surface.scale
+        )
+    return points
+
+
+def _projected(points: Array, walls: Sequence[SidePlane], height: float) -> Array:
+    if not walls:
+        return points
+    A = np.array([wall.normal for wall in walls])
+    offsets = np.array([wall.offset + (height if wall.switches else 0.0) for wall in walls])
+    return points - (points @ A.T - offsets) @ np.linalg.pinv(A).T

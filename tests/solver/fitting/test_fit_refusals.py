@@ -1,0 +1,58 @@
+"""What makes no sense in a design is refused with a sentence, whatever it is."""
+
+import numpy as np
+import pytest
+
+from solver import CmcError, Side, close_periods, complete, conditions, fit_gauss_map, fit_outline, shapes, solve_cmc
+from solver.closing.holes import hole
+from solver.closing.moduli import tube
+
+DISC = shapes.disc(80)
+RING = shapes.annulus(0.4, 1.0, 200)
+RIM = conditions.binormal(RING.domain, RING.positions, RING.domain.boundary_edges, 0.4)
+BALL = shapes.sphere(60)
+BOWL = np.column_stack([DISC.positions, 0.2 * DISC.positions[:, 0] ** 2])
+
+
+def outline(**wishes):
+    return lambda: fit_outline(DISC.domain, DISC.positions, **wishes)
+
+
+def piece():
+    held = conditions.binormal(DISC.domain, DISC.positions, DISC.domain.boundary_edges, 0.4)
+    return complete(solve_cmc(DISC.domain, held), Side("rim", DISC.domain.boundary_edges))
+
+
+def moved(**wishes):
+    moduli = hole(RING.domain, RING.positions, 1)
+    return lambda: close_periods(RING.domain, RIM, by="both", moduli=moduli, **wishes)
+
+
+WRONG = {
+    "no curve": (outline(curve=[]), "three or more points"),
+    "ragged curve": (outline(curve=[[0, 0], [1, 0], [1]]), "regular array"),
+    "ragged curves": (outline(curve=[[[0, 0], [1, 0], [1]]]), "regular array"),
+    "height in words": (outline(height="high"), "height must be a positive number"),
+    "three bounds": (outline(tilt=(0.1, 0.2, 0.3)), "two angles"),
+    "a bound that is no number": (outline(tilt=(np.nan, 0.3)), "least below the most"),
+    "anchors in words": (outline(anchors=(["a"], [[0, 0, 0]], [1])), "must be numbers"),
+    "half a vertex": (outline(anchors=([1.5], [[0, 0, 0]], [1])), "no vertex 1.5"),
+    "anchors that push": (outline(anchors=([1], [[0, 0, 0]], [-1])), "weights positive"),
+    "rough on purpose": (outline(smooth=-1.0), "calm boundary normals must be a number of 0 or more"),
+    "no evaluations": (outline(max_evaluations=0), "evaluations must be a number of 1 or more"),
+    "regularisation in words": (lambda: fit_gauss_map(DISC.domain, BOWL, "some"), "regularisation must be"),
+    "a closed surface": (lambda: fit_gauss_map(BALL.domain, BALL.positions), "no rim whose normals"),
+    "moduli for nothing": (moved(weight=0.0), "weight of moduli must be a positive number"),
+    "tolerance in words": (moved(tolerance="small"), "tolerance must be"),
+    "steps back": (moved(max_steps=-1), "steps must be a number of 0 or more"),
+    "one side": (piece, "are a list"),
+    "a hole by name": (lambda: hole(RING.domain, RING.positions, "x"), "no boundary loop x"),
+    "flat corners": (lambda: tube(RING.domain, np.zeros((3, 2)), [0], [0, 1]), "Corners must have shape"),
+}
+
+
+@pytest.mark.parametrize("what", WRONG)
+def test_it_is_refused_with_a_sentence(what):
+    work, message = WRONG[what]
+    with pytest.raises(CmcError, match=message):
+        work()

@@ -1,0 +1,395 @@
+"""Harmonic maps: the energies that are known, the starts, the statuses, the solver's promises."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from solver import ConditionError, HarmonicSolver, Status, conditions, linalg, shapes
+from solver.gauss import sphere
+from solver.gauss.admissible import resolved
+from solver.gauss.energies import ENERGIES
+from solver.gauss.initial_map import wound_start
+from solver.gauss.problem import EnergyProblem
+from tests.solver.exact import Nodoid, cylinder, disc, hemisphere, rates
+
+L_PLAN = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
+PLANS = {
+    "square": ([(0, 0), (1, 0), (1, 1), (0, 1)], [], 0.2),
+    "L": (L_PLAN, [], 0.3),
+    "rounded rectangle": ([(0, 0), (3, 0), (3, 2), (0, 2)], [], 0.5),
+    "canopy": ([(0, 0), (8, 0), (8, 1), (0, 1)], [], 0.2),
+    "courtyard": ([(0, 0), (3, 0), (3, 3), (0, 3)], [[(1, 1), (2, 1), (2, 2), (1, 2)]], 0.3),
+}
+
+
+def outward(shape, tilt=0.0):
+    return conditions.binormal(shape.domain, shape.positions, shape.domain.boundary_edges, tilt=tilt)
+
+
+def rim(domain, points, tilt=0.0):
+    return conditions.binormal(domain, points, domain.boundary_edges, tilt=tilt)
+
+
+def inside(domain):
+    return np.setdiff1d(np.arange(domain.vertex_count), domain.boundary_vertices)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_conormals_of_the_disc_give_the_hemisphere(side):
+    """Flat data: the way out of their plane must be found, to the side asked for. E = 2π, degree ±½."""
+    errors = []
+    for n in (500, 2000, 8000):
+        domain, points = disc(n)
+        found = HarmonicSolver(domain).solve(rim(domain, points), side=side)
+        assert found.status is Status.CONVERGED and found.residual <= 1e-6
+        assert_allclose(found.degree, side / 2, rtol=0, atol=1e-3)
+        errors.append(np.abs(found.normals - hemisphere(points) * [1, 1, side]).max())
+    assert_allclose(found.energy, 2 * np.pi, rtol=1e-3, atol=0)
+    assert rates(errors).min() > 1.7
+
+
+def test_the_two_sides_are_mirror_images():
+    domain, points = disc(1500)
+    solver = HarmonicSolver(domain)
+    up, down = (solver.solve(rim(domain, points), side=side, tolerance=1e-11).normals for side in (1, -1))
+    assert_allclose(down, up * [1, 1, -1], rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("with_positions", [True, False])
+def test_up_is_the_plans_own_normal_however_it_lies_in_space(seed, with_positions):
+    domain, points = disc(300)
+    turn = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]
+    turn *= np.sign(np.linalg.det(turn))
+    condition = rim(domain, np.column_stack([points, 0 * points[:, 0]]) @ turn.T)
+    if not with_positions:
+        condition = conditions.fixed_at(domain, condition.vertices, condition.vertex_normals)
+    found = HarmonicSolver(domain).solve(condition)
+    assert (found.normals @ turn[:, 2])[inside(domain)].min() > 0
+
+
+@pytest.mark.parametrize("name", PLANS)
+def test_flat_plans_bulge_upwards_and_their_energies_settle(name):
+    outline, holes, radius = PLANS[name]
+    width = min(np.ptp(np.array(outline, dtype=float), axis=0))
+    energies = []
+    for divisions in (25, 50):
+        shape = shapes.polygon(outline, holes, max_edge=width / divisions, corner_radius=radius)
+        found = HarmonicSolver(shape.domain).solve(outward(shape))
+        assert found.status is Status.CONVERGED
+        assert found.normals[inside(shape.domain), 2].min() > 0
+        energies.append(found.energy)
+    assert_allclose(energies[0], energies[1], rtol=0.02, atol=0)
+
+
+def test_the_side_is_known_without_positions():
+    """Data given as bare vectors: the winding of the normals along the loop orients the plane they lie in."""
+    domain, points = disc(800)
+    loop = domain.boundary_loops[0]
+    radii = np.column_stack([points[loop], np.zeros(len(loop))])
+    found = HarmonicSolver(domain).solve(conditions.fixed_at(domain, loop, radii))
+    assert found.normals[inside(domain), 2].min() > 0
+
+
+@pytest.mark.parametrize("tilt", [-30, -10, 10, 30])
+def test_caps_of_every_tilt_stay_on_the_upper_side(tilt):
+    """Conformal caps, E = 2π (1 - sin tilt), continuous through 0: a rim that leans out is more than a hemisphere."""
+    domain, points = disc(4000)
+    found = HarmonicSolver(domain).solve(rim(domain, points, np.radians(tilt)))
+    assert found.status is Status.CONVERGED
+    assert_allclose(found.energy, 2 * np.pi * (1 - np.sin(np.radians(tilt))), rtol=3e-3, atol=0)
+    assert found.normals[np.argmin(np.linalg.norm(points, axis=1)), 2] > 0.9
+
+
+def test_energy_of_the_first_twisted_disc():
+    shape = shapes.disc(12500)
+    edges = shape.domain.boundary_edges
+    found = HarmonicSolver(shape.domain).solve(conditions.twisted(shape.domain, shape.positions, edges, 1))
+    assert_allclose(found.energy, 4.1246, rtol=0, atol=5e-4)
+
+
+def test_a_saddle_is_left():
+    """Twisted twice, a symmetric start runs into a critical map that is no minimiser (E = 12.80)."""
+    domain, points = disc(8000, jitter=0.02)
+    found = HarmonicSolver(domain).solve(conditions.twisted(domain, points, domain.boundary_edges, 2))
+    assert found.status is Status.CONVERGED and found.iterations < 30
+    assert found.energy < 12.78
+
+
+@pytest.mark.parametrize("degree", [1, -1])
+def test_a_wound_start_finds_the_nodoid(degree):
+    exact = Nodoid(0.5)
+    errors = []
+    for columns in (32, 64):
+        domain, _ = cylinder(exact.height, columns)
+        found = HarmonicSolver(domain).solve(ends(domain), degree=degree)
+        assert found.status is Status.CONVERGED
+        assert_allclose(found.degree, degree, rtol=0, atol=1e-9)
+        errors.append(abs(found.energy - exact.energy))
+    assert errors[1] / exact.energy < 4e-3
+    assert rates(errors).min() > 1.6
+
+
+def test_without_a_degree_the_cylinder_does_not_wind():
+    domain, _ = cylinder(Nodoid(0.5).height, 96)
+    found = HarmonicSolver(domain).solve(ends(domain))
+    assert_allclose(found.degree, 0, rtol=0, atol=1e-9)
+    assert_allclose(found.energy, 9.351, rtol=2e-3, atol=0)
+
+
+def test_a_degree_turns_the_small_cap_into_the_large_one():
+    domain, points = disc(3000)
+    condition = rim(domain, points, np.radians(20))
+    solver = HarmonicSolver(domain)
+    small = solver.solve(condition)
+    large = solver.solve(condition, degree=small.degree - 1)
+    assert large.status is Status.CONVERGED
+    assert_allclose(small.degree - large.degree, 1, rtol=0, atol=1e-9)
+    assert_allclose(large.energy, 2 * np.pi * (1 + np.sin(np.radians(20))), rtol=5e-3, atol=0)
+
+
+def test_a_degree_that_no_start_is_known_for_is_refused():
+    shape = shapes.polygon(*PLANS["courtyard"][:2], max_edge=0.2, corner_radius=0.3)
+    with pytest.raises(ConditionError, match="degree 3"):
+        HarmonicSolver(shape.domain).solve(outward(shape), degree=3)
+
+
+def ends(domain):
+    first, second = domain.boundary_loops
+    return conditions.fixed_at(domain, first, [1, 0, 0]) + conditions.fixed_at(domain, second, [-1, 0, 0])
+
+
+def test_free_sides_take_the_natural_condition():
+    """A strip between two constant normals 60° apart, its long sides free: the geodesic, uniform across."""
+    shape = shapes.strip(2.0, 1.0, 24)
+    b = np.array([np.cos(np.pi / 3), 0, np.sin(np.pi / 3)])
+    condition = conditions.fixed(shape.domain, shape.sides["left"], [1, 0, 0]) + conditions.fixed(
+        shape.domain, shape.sides["right"], b
+    )
+    found = HarmonicSolver(shape.domain).solve(condition)
+    angle = np.pi / 3 * shape.positions[:, 0] / 2.0
+    expected = np.column_stack([np.cos(angle), 0 * angle, np.sin(angle)])
+    assert_allclose(found.normals, expected, rtol=0, atol=1e-3)
+    assert_allclose(found.energy, 0.5 * (np.pi / 3) ** 2 / 2.0, rtol=1e-3, atol=0)
+
+
+def test_normals_are_units_and_the_boundary_is_as_prescribed():
+    domain, points = disc(800)
+    condition = rim(domain, points, 0.3)
+    found = HarmonicSolver(domain).solve(condition)
+    sites, data = condition.resolve()
+    assert_array_equal(found.normals[sites], data)
+    assert_allclose(np.linalg.norm(found.normals, axis=1), 1, rtol=0, atol=1e-14)
+
+
+def test_the_residual_is_the_one_of_the_returned_map():
+    domain, points = disc(800)
+    found = HarmonicSolver(domain).solve(rim(domain, points, 0.3))
+    G = domain.laplacian @ found.normals
+    tangent = sphere.project(found.normals, G)[inside(domain)]
+    areas = domain.vertex_areas[inside(domain)]
+    expected = np.sqrt(domain.area * np.sum(np.sum(tangent**2, axis=1) / areas))
+    assert_allclose(found.residual, expected, rtol=1e-3, atol=1e-12)
+    assert_allclose(found.energy, 0.5 * np.sum(found.normals * G), rtol=1e-12, atol=0)
+    energies = [line.energy for line in found.history]
+    assert (np.diff(energies) <= 1e-12).all() and len(energies) == found.iterations + 1
+
+
+@pytest.mark.parametrize("factor", [1e-3, 1e3])
+def test_units_do_not_matter(factor):
+    shape = shapes.polygon(L_PLAN, max_edge=0.1, corner_radius=0.2)
+    scaled = shapes.polygon(factor * np.array(L_PLAN), max_edge=0.1 * factor, corner_radius=0.2 * factor)
+    one = HarmonicSolver(shape.domain).solve(outward(shape))
+    other = HarmonicSolver(scaled.domain).solve(outward(scaled))
+    assert one.iterations == other.iterations
+    assert_allclose(other.energy, one.energy, rtol=1e-6, atol=0)
+
+
+KINDS_AND_ENERGIES = [(sites, name) for name, energy in ENERGIES.items() for sites in energy.sites]
+
+
+@pytest.mark.parametrize(("sites", "name"), KINDS_AND_ENERGIES)
+def test_gradient_and_hessian_against_finite_differences(sites, name):
+    """E along exp_N: its first derivative is <PG, d>, its second <d, Hd>."""
+    domain, points = disc(200)
+    solver = HarmonicSolver(domain, sites=sites, energy=name)
+    held = resolved(rim(domain, points, 0.2), solver.graph)
+    fixed, data = held.fixed, held.data
+    problem = EnergyProblem(solver.graph, solver.energy, solver.dirichlet(fixed))
+    random = np.random.default_rng(5)
+    spread = 0.3 * random.normal(size=(solver.graph.count, 3)) + [0.2, 0.1, 1.0]
+    N = sphere.normalize(spread)
+    N[fixed] = data
+    d = problem.project(N, random.normal(size=N.shape))
+    assert (d[fixed] == 0).all()
+    here = problem.at(N)
+
+    def energy(t):
+        return problem.at(sphere.exp(N, t * d)).energy
+
+    h = 1e-4
+    slope = (energy(h) - energy(-h)) / (2 * h)
+    curvature = (energy(h) - 2 * energy(0) + energy(-h)) / h**2
+    assert_allclose(slope, sphere.inner(here.gradient, d), rtol=1e-6, atol=0)
+    assert_allclose(curvature, sphere.inner(d, problem.hessian(here)(d)), rtol=1e-5, atol=0)
+    there = problem.at(sphere.exp(N, 1e-3 * d))
+    assert_allclose(problem.change(here, there), there.energy - here.energy, rtol=1e-6, atol=0)
+
+
+@pytest.mark.parametrize(("sites", "name"), KINDS_AND_ENERGIES)
+def test_the_sum_of_edge_energies_is_the_energy_reported(sites, name):
+    shape = shapes.disc(400)
+    domain, points = shape.domain, shape.positions
+    solver = HarmonicSolver(domain, sites=sites, energy=name)
+    found = solver.solve(rim(domain, points, 0.3))
+    i, j = solver.graph.links.T
+    c = np.einsum("ij,ij->i", found.normals[i], found.normals[j])
+    assert_allclose(ENERGIES[name].value(c, solver.graph).sum(), found.energy, rtol=1e-10, atol=0)
+
+
+def test_degree_counts_how_often_the_sphere_is_covered():
+    shape = shapes.sphere(500)
+    assert_allclose(sphere.degree(shape.positions, shape.domain.faces), 1, rtol=0, atol=1e-12)
+    flipped = shape.positions * [1, 1, -1]
+    assert_allclose(sphere.degree(flipped, shape.domain.faces), -1, rtol=0, atol=1e-12)
+
+
+def test_exp_stays_on_the_sphere_and_keeps_lengths():
+    random = np.random.default_rng(2)
+    N = sphere.normalize(random.normal(size=(50, 3)))
+    d = 0.4 * sphere.project(N, random.normal(size=(50, 3)))
+    moved = sphere.exp(N, d)
+    assert_allclose(np.linalg.norm(moved, axis=1), 1, rtol=0, atol=1e-14)
+    arcs = np.arccos(np.clip(np.sum(N * moved, axis=1), -1, 1))
+    assert_allclose(arcs, np.linalg.norm(d, axis=1), rtol=1e-6, atol=1e-8)
+    assert_array_equal(sphere.exp(N, 0 * d), sphere.normalize(N))
+
+
+def test_progress_is_told_and_can_cancel():
+    domain, points = disc(1500)
+    seen = []
+
+    def progress(iteration, residual):
+        seen.append((iteration, residual))
+        return iteration < 2
+
+    found = HarmonicSolver(domain).solve(rim(domain, points), progress=progress)
+    assert found.status is Status.CANCELLED and found.iterations == 2
+    assert [k for k, _ in seen] == [0, 1, 2]
+    assert_allclose(seen[-1][1], found.residual, rtol=1e-12, atol=0)
+
+
+def test_the_iteration_limit_is_a_status():
+    domain, points = disc(1500)
+    found = HarmonicSolver(domain).solve(rim(domain, points), max_iterations=1)
+    assert found.status is Status.ITERATION_LIMIT and found.iterations == 1
+
+
+def test_a_tolerance_out_of_reach_is_stalled_or_met_never_endless():
+    domain, points = disc(800)
+    found = HarmonicSolver(domain).solve(rim(domain, points), tolerance=1e-30)
+    assert found.status in (Status.STALLED, Status.ITERATION_LIMIT)
+    assert found.residual < 1e-9
+
+
+def test_constant_data_collapse():
+    domain, _ = disc(300)
+    found = HarmonicSolver(domain).solve(conditions.fixed(domain, domain.boundary_edges, [0, 0, 1]))
+    assert found.status is Status.COLLAPSED
+
+
+def test_a_mesh_too_coarse_for_its_map_is_under_resolved():
+    shape = shapes.disc(19)
+    edges = shape.domain.boundary_edges
+    found = HarmonicSolver(shape.domain).solve(conditions.twisted(shape.domain, shape.positions, edges, 4))
+    assert found.status is Status.UNDER_RESOLVED
+
+
+def test_an_initial_map_is_taken():
+    domain, points = disc(1500)
+    solver = HarmonicSolver(domain)
+    condition = rim(domain, points, 0.2)
+    once = solver.solve(condition)
+    again = solver.solve(condition, once.normals)
+    assert again.iterations == 0
+    assert_allclose(again.normals, once.normals, rtol=0, atol=1e-15)
+
+
+def test_factors_are_kept_and_results_do_not_depend_on_them():
+    domain, points = disc(800)
+    solver = HarmonicSolver(domain)
+    first = solver.solve(rim(domain, points, 0.2))
+    solver.solve(rim(domain, points, 0.5))
+    again = solver.solve(rim(domain, points, 0.2))
+    assert_array_equal(first.normals, again.normals)
+    assert len(solver._factors) == 1
+    half = conditions.binormal(domain, points, domain.boundary_edges[:10])
+    solver.solve(half)
+    assert len(solver._factors) == 2
+
+
+def test_superlu_and_cholespy_agree(monkeypatch):
+    pytest.importorskip("cholespy")
+    domain, points = disc(1500)
+    fast = HarmonicSolver(domain).solve(rim(domain, points, 0.2))
+    monkeypatch.setattr("solver.gauss.dirichlet.factorize", linalg._SuperLU)
+    slow = HarmonicSolver(domain).solve(rim(domain, points, 0.2))
+    assert_allclose(slow.normals, fast.normals, rtol=0, atol=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda d, p: conditions.free(d, d.boundary_edges), "Nothing fixes the normals"),
+        (lambda d, p: conditions.fixed_at(d, np.arange(d.vertex_count), [0, 0, 1]), "are fixed"),
+    ],
+)
+def test_too_little_and_too_much_is_refused(make, words):
+    domain, points = disc(60)
+    with pytest.raises(ConditionError, match=words):
+        HarmonicSolver(domain).solve(make(domain, points))
+
+
+def test_a_closed_domain_has_nothing_to_prescribe():
+    with pytest.raises(ConditionError, match="closed"):
+        HarmonicSolver(shapes.sphere(100).domain).solve(conditions.Conditions())
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [{"side": 0}, {"method": "nosuch"}, {"initial": np.zeros((3, 3))}, {"initial": "zeros"}],
+)
+def test_bad_arguments_are_condition_errors(arguments):
+    domain, points = disc(60)
+    if isinstance(arguments.get("initial"), str):
+        arguments = {"initial": np.zeros((domain.vertex_count, 3))}
+    with pytest.raises(ConditionError):
+        HarmonicSolver(domain).solve(rim(domain, points), **arguments)
+
+
+@pytest.mark.parametrize("arguments", [{"sites": "nosuch"}, {"energy": "nosuch"}])
+def test_unknown_names_list_the_known_ones(arguments):
+    with pytest.raises(ConditionError, match="known are"):
+        HarmonicSolver(disc(60)[0], **arguments)
+
+
+def test_a_bubble_is_grafted_where_normals_point_to_all_sides():
+    """There is no pole to go over then: on the flat map of a circle's outward normals, whose middle leans to one side
+    as much as the vertices around it to the other."""
+    shape = shapes.disc(600)
+    x, y = shape.positions[:, :2].T
+    centre, *around = np.argsort(np.hypot(x, y))[:7].tolist()
+    areas = shape.domain.vertex_areas
+    down = -areas[centre] / areas[around].sum()
+    flat = np.column_stack([x, y, np.zeros_like(x)])
+    flat[centre] = [0.0, 0.0, 1.0]
+    flat /= np.linalg.norm(flat, axis=1)[:, None]
+    flat[around] = flat[around] * np.sqrt(1.0 - down**2) + [0.0, 0.0, down]
+    assert np.linalg.norm(areas @ flat) < 1e-9 * areas.sum()
+    dirichlet = HarmonicSolver(shape.domain).dirichlet(shape.domain.boundary_vertices)
+    degree = sphere.degree(flat, shape.domain.faces)
+    wound = wound_start(dirichlet, flat, degree + 1.0)
+    assert_allclose(sphere.degree(wound, shape.domain.faces), degree + 1.0, rtol=0, atol=1e-9)
+    assert_allclose(wound[dirichlet.fixed], flat[dirichlet.fixed], rtol=0, atol=0)
