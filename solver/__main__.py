@@ -36,18 +36,18 @@ def run(job_file: str, *, verbose: bool = False, quiet: bool = False) -> int:
     except CmcError as error:
         return _complain(path, error, BAD_JOB)
     try:
-        formed = run_job(job, progress=_shower(job) if verbose else None)
+        shell = run_job(job, progress=_shower(job) if verbose else None)
     except CmcError as error:
         return _complain(path, error, FAILED)
     except KeyboardInterrupt:
         return _complain(path, "interrupted.", FAILED)
-    for warning in formed.warnings:
+    for warning in shell.warnings:
         print(f"{path}: {warning}", file=sys.stderr)
     if not quiet:
-        print(formed.summary())
+        print(shell.summary())
         for name, file in job.files.items():
             print(f"{name} → {file}")
-    return OK if formed.converged else FAILED
+    return OK if shell.converged else FAILED
 
 
 def _complain(path: str, error: object, code: int) -> int:

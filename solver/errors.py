@@ -86,7 +86,7 @@ def listed(indices: Iterable[int]) -> str:
     return ", ".join(items[:_LISTED]) + f" and {len(items) - _LISTED} more"
 
 
-def chosen(name: object, known: Iterable[str], what: str) -> None:
+def check_choice(name: object, known: Iterable[str], what: str) -> None:
     """Raise `ConditionError` unless `name` is one of the names `known` of that kind of thing."""
     names = list(known)
     if name not in names:

@@ -129,7 +129,7 @@ _NEARBY_TOLERANCE = 1e-11
 _NEARBY_LIMIT = 40
 
 
-class Nearby:
+class ReusedFactor:
     """A matrix A (n, n) solved with by the factor of another one nearby, as a preconditioner of conjugate gradients.
 
     Where that takes more than a few dozen iterations A itself is factored, so that a solution is always one.

@@ -133,7 +133,7 @@ def _solve(
     order = take_order(context, plan, settings)
     outcome = order.work(lambda iteration, residual: True)
     warnings = deliver(context, plan, order, outcome)
-    return outcome.formed.report.summary(), warnings, outcome.converged
+    return outcome.shell.report.summary(), warnings, outcome.converged
 
 
 def _failed(place: Path, name: str, error: CmcError) -> Done:

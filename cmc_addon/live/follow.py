@@ -17,7 +17,7 @@ from ..background.timer import TICK, Errand, listen, may_start, rest, unlisten, 
 from ..drawing import preview
 from ..drawing.viewport import redraw
 from ..properties.changes import watchers
-from ..properties.design_settings import FIT_SETTINGS, KNOB_PROPERTY, stored_settings
+from ..properties.design_settings import FIT_SETTINGS, HEIGHT_PROPERTY, stored_settings
 from ..properties.links import by_uid, result_of
 from ..results.objects import check_writable
 from ..tasks.fit_outline import FitOrder, Latest, fulfilled, go_on, take_fit
@@ -84,7 +84,7 @@ def _advance(context: bpy.types.Context, plan: bpy.types.Object) -> bool:
 
 def _is(wanted: SimpleNamespace, settings: SimpleNamespace | None) -> bool:
     """Whether the settings are those that are wanted, as far as they count now."""
-    others = {name for knob, name in KNOB_PROPERTY.items() if knob != wanted.knob}
+    others = {name for height_parameter, name in HEIGHT_PROPERTY.items() if height_parameter != wanted.height_parameter}
     others |= set() if wanted.limit_tilt else {"tilt_min", "tilt_max"}
     return settings is not None and all(
         getattr(settings, name) == value for name, value in vars(wanted).items() if name not in others

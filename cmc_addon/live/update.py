@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ...solver.errors import CmcError
 from ...solver.shells.plan import SHEETS
-from ...solver.shells.update import Answer, answer
+from ...solver.shells.update import Update, update
 from ...solver.surface.cmc_surface import CmcSurface
 from ..background import plan_cache, solve_cache, worker
 from ..bridges.mesh_bridge import PlanMesh, read_plan
@@ -90,7 +90,7 @@ class Memory:
 class Answered:
     """What came of going on from the last map; measures of each sheet."""
 
-    found: Answer
+    found: Update
     prepared: plan_cache.Prepared
     measures: dict[str, Measured]
 
@@ -115,13 +115,13 @@ class GoingOn:
         plan = replace(plan, groups=order.groups, flipped_corners=order.mesh.flipped_corners)
         steps = 1 if self.grade == COARSE else None
         try:
-            found = answer(plan, settings, prepared.solver, self.memory.normals, steps=steps, progress=progress)
+            found = update(plan, settings, prepared.solver, self.memory.normals, steps=steps, progress=progress)
         except CmcError as error:
             raise in_plan_numbers(error, order.mesh, prepared.triangles, prepared.owners) from error
         sheets = [ROLES[role] for role in wanted_roles(self.settings)]
         return Answered(found, prepared, {name: self._measure(found, name) for name in sheets if name in SHEETS})
 
-    def _measure(self, found: Answer, sheet: str) -> Measured:
+    def _measure(self, found: Update, sheet: str) -> Measured:
         names = [name for name in self.reading.shown if name != "deviation" or sheet == ROLES[self.settings.sheet]]
         if sheet not in found.placed or not names:
             return {}
@@ -189,7 +189,7 @@ class Anew:
         if not plan_cache.same_polygons(_mesh_of(context, plan, order), order.mesh):
             return None
         put_results(context, plan, order, outcome)
-        surface = outcome.formed.surface
+        surface = outcome.shell.surface
         return Memory(self.reading, outcome.prepared, surface.harmonic.normals, _cut_of(surface))
 
 

@@ -12,7 +12,7 @@ from ..drawing import preview
 from ..properties.design_settings import (
     APPROXIMATE_SETTINGS,
     FIT_SETTINGS,
-    KNOB_PROPERTY,
+    HEIGHT_PROPERTY,
     POINTERS,
     approximate_annotations,
     fit_annotations,
@@ -105,8 +105,8 @@ def draw_fit(layout: bpy.types.UILayout, owner) -> None:
     if owner.fit_to == "CURVE":
         _target_row(layout, owner, "curve", stored, "objects")
     _target_row(layout, owner, "anchors", stored, "collections")
-    layout.prop(owner, "knob")
-    layout.prop(owner, KNOB_PROPERTY[owner.knob], slider=owner.knob == "RISE")
+    layout.prop(owner, "height_parameter")
+    layout.prop(owner, HEIGHT_PROPERTY[owner.height_parameter], slider=owner.height_parameter == "RISE")
     if owner.fit_to != "ANCHORS":
         layout.prop(owner, "free_heights")
     layout.prop(owner, "limit_tilt")

@@ -40,7 +40,7 @@ SETTINGS = {
     "cmcobject.tile_": "blender#tile-by-periods",
     "cmcobject.export_": "blender#export",
     "cmcobject.fit_": "blender#fit-to-outline",
-    "cmcobject.knob": "blender#fit-to-outline",
+    "cmcobject.height_parameter": "blender#fit-to-outline",
     "cmcobject.free_heights": "blender#fit-to-outline",
     "cmcobject.limit_tilt": "blender#fit-to-outline",
     "cmcobject.tilt_": "blender#fit-to-outline",

@@ -64,7 +64,7 @@ class CMC_OT_start_from_shell(OnStart, bpy.types.Operator):
             raise CmcError(f"'{plan.name}' was changed since its shell was made, or it has none; solve first.")
         if plan.cmc.apply_modifiers and len(plan.modifiers):
             raise CmcError(f"The shell is of the mesh that the modifiers of '{plan.name}' make; apply them first.")
-        surface = known.formed.surface
+        surface = known.shell.surface
         first = np.unique(surface.source, return_index=True)[1]  # all rows of a vertex have its normal
         start_bridge.write_normals(plan.data, surface.normals[first])
         plan.data.update_tag()

@@ -120,7 +120,7 @@ class CMC_PT_solver(ResultPanel, bpy.types.Panel):
             ("Residual", f"{report['residual']:.1e}"),
             ("Steps", str(report["iterations"])),
             ("Faces", str(report["faces"])),
-            ("Closure", f"{report['closure_error']:.1e}"),
+            ("ClosingOptions", f"{report['closure_error']:.1e}"),
         ]
         numbers(self.layout, rows)
         if report["converged"] and report.get("index") is None:

@@ -11,10 +11,10 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty, StringProperty
 
 from ...solver.errors import CmcError
-from ...solver.fitting.goals import KNOBS
+from ...solver.fitting.goals import HEIGHT_PARAMETERS
 from .changes import tell, telling
 
-KNOB_PROPERTY = {name.upper(): f"fit_{name}" for name in KNOBS}
+HEIGHT_PROPERTY = {name.upper(): f"fit_{name}" for name in HEIGHT_PARAMETERS}
 """Knob (an enum identifier) -> the setting with its number."""
 
 _FIT_TO = [
@@ -59,17 +59,17 @@ _APPROXIMATE = {
 }
 _FIT = {
     "fit_to": partial(EnumProperty, name="Fit to", description="What the shell is fitted to", items=_FIT_TO),
-    "knob": partial(
+    "height_parameter": partial(
         EnumProperty,
         name="Choose by",
         description="The number that chooses among the shells with this rim",
-        items=[(name.upper(), knob.label, knob.description) for name, knob in KNOBS.items()],
+        items=[(name.upper(), known.label, known.description) for name, known in HEIGHT_PARAMETERS.items()],
         default="RISE",
     ),
     "fit_rise": partial(
         FloatProperty,
         name="Rise",
-        description=KNOBS["rise"].description,
+        description=HEIGHT_PARAMETERS["rise"].description,
         default=0.5,
         min=0.01,
         max=2.0,
@@ -79,7 +79,7 @@ _FIT = {
     "fit_height": partial(
         FloatProperty,
         name="Height",
-        description=KNOBS["height"].description,
+        description=HEIGHT_PARAMETERS["height"].description,
         default=3.0,
         min=1e-6,
         soft_min=0.01,
@@ -88,7 +88,7 @@ _FIT = {
     "fit_volume": partial(
         FloatProperty,
         name="Volume",
-        description=KNOBS["volume"].description,
+        description=HEIGHT_PARAMETERS["volume"].description,
         default=100.0,
         min=1e-9,
         soft_min=0.01,
@@ -97,7 +97,7 @@ _FIT = {
     "fit_mean_curvature": partial(
         FloatProperty,
         name="H",
-        description=KNOBS["mean_curvature"].description,
+        description=HEIGHT_PARAMETERS["mean_curvature"].description,
         default=0.2,
         min=1e-9,
         soft_min=1e-3,

@@ -5,7 +5,7 @@ from functools import partial
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntVectorProperty
 
-from ...solver.shells.close import MOVING, Closure
+from ...solver.shells.close import MOVING, ClosingOptions
 
 _BY = [
     ("NORMALS", "Normals", "The normals along the rim change, as little as can be"),
@@ -56,11 +56,11 @@ def stored_period_annotations() -> dict:
     return {name: make() for name, make in (_CLOSE | _TILE).items()}
 
 
-def closure_of(wanted) -> Closure:
+def closure_of(wanted) -> ClosingOptions:
     """What is wanted as the solver takes it. Raises `CmcError` where nothing may move."""
     moves = {"close_shift": ("x", "y"), "close_twist": ("twist",), "close_size": ("size",)}
     motions = tuple(motion for name, names in moves.items() if getattr(wanted, name) for motion in names)
-    return Closure(by=wanted.close_by.lower(), weight=wanted.close_weight, move=motions)
+    return ClosingOptions(by=wanted.close_by.lower(), weight=wanted.close_weight, move=motions)
 
 
 def may_move(wanted) -> bool:

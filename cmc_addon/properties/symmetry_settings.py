@@ -19,7 +19,7 @@ _EXTENT = [
 
 _COMPLETE = {
     "complete_as": partial(EnumProperty, name="As", description="What the copies are", items=_AS),
-    "complete_extent": partial(EnumProperty, name="Extent", description="Which copies there are", items=_EXTENT),
+    "complete_extent": partial(EnumProperty, name="CopySelection", description="Which copies there are", items=_EXTENT),
     "complete_repeat": partial(
         IntVectorProperty, name="Repeat", description="How often the unit is repeated along its first, second and "
         "third direction", size=3, default=(1, 1, 1), min=1, soft_max=20, max=1000),

@@ -93,7 +93,7 @@ def _place(
     mesh: bpy.types.Mesh, completed: Completed, sheet: str, origin: np.ndarray, measures: Measured
 ) -> None:
     put_measures(mesh, measures)
-    set_attribute(mesh, NORMAL_ATTRIBUTE, "FLOAT_VECTOR", "POINT", completed.formed.normals[sheet])
+    set_attribute(mesh, NORMAL_ATTRIBUTE, "FLOAT_VECTOR", "POINT", completed.shell.normals[sheet])
     set_positions(mesh, completed.piece(sheet) - origin)
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ...solver.errors import CmcError
 from ...solver.shells.close import ClosedShell, close_plan, closing_report
-from ...solver.shells.complete import Completed, Extent
+from ...solver.shells.complete import Completed, CopySelection
 from ...solver.shells.plan import Plan
 from ...solver.shells.tile import tile_plan, tile_times
 from ..background import plan_cache, solve_cache, worker
@@ -60,19 +60,19 @@ class CloseOrder:
                 settings,
                 closure_of(self.wanted),
                 solver=prepared.solver,
-                initial=None if self.known is None else self.known.formed.surface.harmonic.normals,
+                initial=None if self.known is None else self.known.shell.surface.harmonic.normals,
                 progress=progress,
                 intersections=self.settings.intersections,
             )
         except CmcError as error:
             raise in_plan_numbers(error, mesh, prepared.triangles, prepared.owners) from error
-        formed = closed.formed
-        cut = find_cut(mesh, prepared.triangles, prepared.owners, formed.faces, formed.source)
-        assert formed.solver is not None
-        solver = replace(prepared, solver=formed.solver)
-        outcome = Outcome(formed, solver, settings.combinatorics, cut, {"closing": closing_report(closed)})
+        shell = closed.shell
+        cut = find_cut(mesh, prepared.triangles, prepared.owners, shell.faces, shell.source)
+        assert shell.solver is not None
+        solver = replace(prepared, solver=shell.solver)
+        outcome = Outcome(shell, solver, settings.combinatorics, cut, {"closing": closing_report(closed)})
         for name in (ROLES[role] for role in wanted_roles(self.settings)):
-            if name in formed.placed:
+            if name in shell.placed:
                 outcome.polygons(name)
         return CloseOutcome(outcome, closed)
 
@@ -140,7 +140,7 @@ class TileOrder(CompleteOrder):
         return TileOutcome(found.outcome, found.completed, found.report, found.cut)
 
     def completed(self, plan: Plan, outcome: Outcome) -> Completed:
-        return tile_plan(outcome.formed, self.wanted.tile_repeat, ROLES[self.settings.sheet])
+        return tile_plan(outcome.shell, self.wanted.tile_repeat, ROLES[self.settings.sheet])
 
     def keep(self, plan: bpy.types.Object) -> None:
         for name in TILE_SETTINGS:
@@ -152,14 +152,14 @@ class TileOutcome(CompleteOutcome):
 
     @property
     def converged(self) -> bool:
-        return self.outcome.formed.report.converged
+        return self.outcome.shell.report.converged
 
 
 def take_tiling(context: bpy.types.Context, plan: bpy.types.Object, wanted: SimpleNamespace) -> TileOrder:
     """Read the plan and what is wanted of its copies. Raises `CmcError` where the plan cannot be read."""
     order = take_order(context, plan, settings_of(plan.cmc))
     wanted.complete_as = wanted.tile_as
-    return TileOrder(order, solve_cache.recall(order), Extent(), wanted)
+    return TileOrder(order, solve_cache.recall(order), CopySelection(), wanted)
 
 
 def tile_counts(plan: bpy.types.Object, holes: int, repeat) -> tuple[int, int]:

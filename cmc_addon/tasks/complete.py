@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ...solver.errors import CmcError
 from ...solver.jobs.outputs import completed_report
-from ...solver.shells.complete import Completed, Extent, complete_plan
+from ...solver.shells.complete import Completed, CopySelection, complete_plan
 from ...solver.shells.plan import Group, Plan
 from ...solver.shells.plan_sides import goes_on
 from ...solver.symmetry.complete import TooManyError
@@ -57,7 +57,7 @@ class CompleteOrder:
 
     solve: Order
     known: Outcome | None
-    extent: Extent
+    extent: CopySelection
     wanted: SimpleNamespace
 
     @property
@@ -83,7 +83,7 @@ class CompleteOrder:
 
     def completed(self, plan: Plan, outcome: Outcome) -> Completed:
         """The copies of the shell over a plan."""
-        return complete_plan(plan, outcome.formed, self.extent, ROLES[self.settings.sheet])
+        return complete_plan(plan, outcome.shell, self.extent, ROLES[self.settings.sheet])
 
     def deliver(self, context: bpy.types.Context, plan: bpy.types.Object, outcome: CompleteOutcome) -> list[str]:
         """Write the copies, in the place of those that were made before; returns what the user should be warned of.
@@ -159,14 +159,14 @@ class CompleteOutcome:
     @property
     def warnings(self) -> list[str]:
         """What did not come out as it is meant to be."""
-        notes, scale = [] if self.converged else [self.outcome.message], self.outcome.formed.similarity.scale
+        notes, scale = [] if self.converged else [self.outcome.message], self.outcome.shell.similarity.scale
         if self.report["relative_gap"] > _WIDE:
             notes.append(
                 f"Seams were up to {self.completed.largest_gap:.2g} apart, {100 * self.report['relative_gap']:.2g} % "
                 "of the shell's size; they were closed, but a finer mesh, or a plan with the corner angles of the "
                 "surface, makes them meet by themselves."
             )
-        if self.completed.largest_offset > _WIDE * surface_size(self.outcome.formed.surface) * scale:
+        if self.completed.largest_offset > _WIDE * surface_size(self.outcome.shell.surface) * scale:
             notes.append(f"Sides that share a plane came out up to {self.completed.largest_offset:.2g} apart.")
         return notes
 
@@ -192,14 +192,14 @@ def take_completion(
     return CompleteOrder(order, solve_cache.recall(order), extent_of(plan, wanted), wanted)
 
 
-def extent_of(plan: bpy.types.Object, wanted: SimpleNamespace) -> Extent:
+def extent_of(plan: bpy.types.Object, wanted: SimpleNamespace) -> CopySelection:
     """Which copies are wanted; raises `CmcError` without an object for the box."""
     sides = [group.name for group in plan.data.cmc.groups if _goes_on(group)]
     if wanted.complete_extent == "COUNT":
-        return Extent(sides, copies=wanted.complete_count)
+        return CopySelection(sides, copies=wanted.complete_count)
     if wanted.complete_extent == "BOX":
-        return Extent(sides, box=_box(wanted.box))
-    return Extent(sides, repeat=tuple(wanted.complete_repeat))
+        return CopySelection(sides, box=_box(wanted.box))
+    return CopySelection(sides, repeat=tuple(wanted.complete_repeat))
 
 
 def _goes_on(group) -> bool:
@@ -255,9 +255,9 @@ def _count(order: Order, outcome: Outcome, *which) -> tuple[int, int]:
 def _counted(order: Order, outcome: Outcome, sides, copies, box) -> tuple[int, int] | CmcError:
     """The same, or why there are none; both are worth keeping between redraws."""
     limit = copies if box is None else _COUNTED
-    extent = Extent(sides, limit, None if box is None else np.array(box))
+    extent = CopySelection(sides, limit, None if box is None else np.array(box))
     try:
-        found = complete_plan(order.plan(outcome.prepared), outcome.formed, extent, ROLES[order.settings.sheet])
+        found = complete_plan(order.plan(outcome.prepared), outcome.shell, extent, ROLES[order.settings.sheet])
     except TooManyError:
         return _COUNTED + 1, 0
     except CmcError as error:
@@ -270,7 +270,7 @@ def whole_mesh(completed: Completed, plan, mesh) -> Cut:
     polygons = completed.polygons(plan)
     sizes = np.diff(polygons.starts)
     owner = np.repeat(polygons.faces, sizes)
-    corners = corners_of(mesh, owner, completed.formed.source[polygons.rows])
+    corners = corners_of(mesh, owner, completed.shell.source[polygons.rows])
     rows = polygons.corners
     if mesh.mirrored:  # a mesh stores its polygons the other way round, see `find_cut`
         back = np.repeat(polygons.starts[1:] + polygons.starts[:-1] - 1, sizes) - np.arange(len(rows))

@@ -50,10 +50,10 @@ class CountOrder:
         mesh, prepared = self.solve.mesh, outcome.prepared
         try:
             plan = self.solve.plan(prepared)
-            formed = form.count_modes(plan, solver_settings(self.settings), outcome.formed)
+            shell = form.count_modes(plan, solver_settings(self.settings), outcome.shell)
         except CmcError as error:
             raise in_plan_numbers(error, mesh, prepared.triangles, prepared.owners) from error
-        counted = replace(outcome, formed=formed)
+        counted = replace(outcome, shell=shell)
         solve_cache.remember(self.solve, counted)
         return CountOutcome(counted)
 
@@ -65,7 +65,7 @@ class CountOrder:
         if self.known is None or result_of(plan, self.settings.sheet) is None:
             return deliver(context, plan, self.solve, outcome.outcome)
         check_unchanged(plan, plan_depsgraph(context, self.settings), self.solve.mesh)
-        tell(context, plan, outcome.outcome, [*self.solve.warnings, *outcome.outcome.formed.warnings])
+        tell(context, plan, outcome.outcome, [*self.solve.warnings, *outcome.outcome.shell.warnings])
         return []
 
 
@@ -81,7 +81,7 @@ class CountOutcome:
 
     @property
     def message(self) -> str:
-        return modes_text(self.outcome.formed.report.index or 0, self.outcome.formed.report.nullity or 0)
+        return modes_text(self.outcome.shell.report.index or 0, self.outcome.shell.report.nullity or 0)
 
 
 def modes_text(index: int, nullity: int) -> str:

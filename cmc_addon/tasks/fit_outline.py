@@ -62,13 +62,13 @@ class FitOrder(DesignOrder):
 
     def fit(self, frame: Frame, prepared: plan_cache.Prepared, progress: Progress, show: Callable[[Fit], None]) -> Fit:
         settings, local = self.settings, frame.inside(self.mesh.positions)
-        knob = settings.knob.lower()
+        height_parameter = settings.height_parameter.lower()
         call = partial(
             fit_outline,
             prepared.solver.domain,
             local,
             self._lines(frame, prepared),
-            **{knob: getattr(settings, f"fit_{knob}")},
+            **{height_parameter: getattr(settings, f"fit_{height_parameter}")},
             free_heights=settings.free_heights and settings.fit_to != "ANCHORS",
             anchors=self._anchored(frame, local),
             on_curve=settings.fit_to != "ANCHORS",

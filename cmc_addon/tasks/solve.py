@@ -19,7 +19,7 @@ from ...solver.shells import form
 from ...solver.shells.gaps import hole_gaps
 from ...solver.shells.plan import SHEETS, Group, Plan, Settings
 from ...solver.shells.polygon_sheets import PolygonSheet, polygon_sheet
-from ...solver.shells.shell import Formed
+from ...solver.shells.shell import Shell
 from ..background import plan_cache, solve_cache, worker
 from ..bridges.mesh_bridge import PlanMesh, read_plan
 from ..bridges.numbering import in_plan_numbers
@@ -49,7 +49,7 @@ class Order:
         settings = solver_settings(self.settings)
         prepared = plan_cache.prepare(self.mesh, settings.solver_choice)
         try:
-            formed = form.form(
+            shell = form.form(
                 self.plan(prepared),
                 settings,
                 solver=prepared.solver,
@@ -58,10 +58,10 @@ class Order:
             )
         except CmcError as error:
             raise in_plan_numbers(error, self.mesh, prepared.triangles, prepared.owners) from error
-        cut = find_cut(self.mesh, prepared.triangles, prepared.owners, formed.faces, formed.source)
-        outcome = Outcome(formed, prepared, settings.combinatorics, cut)
+        cut = find_cut(self.mesh, prepared.triangles, prepared.owners, shell.faces, shell.source)
+        outcome = Outcome(shell, prepared, settings.combinatorics, cut)
         for name in (ROLES[role] for role in wanted_roles(self.settings)):
-            if name in formed.placed:
+            if name in shell.placed:
                 outcome.polygons(name)
                 outcome.measures(name, self)
         solve_cache.remember(self, outcome)
@@ -94,7 +94,7 @@ class Outcome:
     more: tables to add to the report.
     """
 
-    formed: Formed
+    shell: Shell
     prepared: plan_cache.Prepared
     combinatorics: str
     cut: Cut | None
@@ -107,27 +107,27 @@ class Outcome:
         if self.combinatorics == "primal":
             return None
         if sheet not in self._polygons:
-            self._polygons[sheet] = polygon_sheet(self.formed, sheet, self.combinatorics)
+            self._polygons[sheet] = polygon_sheet(self.shell, sheet, self.combinatorics)
         return self._polygons[sheet]
 
     def measures(self, sheet: str, order: Order) -> Measured | None:
         """What an order asks to measure of a placed sheet, each made once; None on g and the Gauss image."""
         if sheet not in SHEETS:
             return None
-        known, formed = self._measures.setdefault(sheet, {}), self.formed
+        known, shell = self._measures.setdefault(sheet, {}), self.shell
         names = [name for name in order.measured if name != "deviation" or sheet == ROLES[order.settings.sheet]]
         missing = [name for name in names if ATTRIBUTES[name] not in known]
-        points, outline = formed.placed[sheet], order.mesh.positions
-        known |= sheet_measures(formed.surface, formed.similarity, points, sheet, missing, outline)
+        points, outline = shell.placed[sheet], order.mesh.positions
+        known |= sheet_measures(shell.surface, shell.similarity, points, sheet, missing, outline)
         return {ATTRIBUTES[name]: known[ATTRIBUTES[name]] for name in names}
 
     @property
     def converged(self) -> bool:
-        return self.formed.converged
+        return self.shell.converged
 
     @property
     def message(self) -> str:
-        return self.formed.message
+        return self.shell.message
 
 
 def take_order(
@@ -212,9 +212,9 @@ def _report(context: bpy.types.Context, plan: bpy.types.Object, outcome: Outcome
     return {
         "plan": plan.name,
         "unit_scale": context.scene.unit_settings.scale_length,
-        "message": outcome.formed.message,
-        **outcome.formed.report.to_dict(),
-        "holes": [gap.to_dict() for gap in hole_gaps(outcome.formed)],
+        "message": outcome.shell.message,
+        **outcome.shell.report.to_dict(),
+        "holes": [gap.to_dict() for gap in hole_gaps(outcome.shell)],
         **outcome.more,
     }
 
@@ -251,30 +251,30 @@ def put_results(
     context: bpy.types.Context, plan: bpy.types.Object, order: Order, outcome: Outcome
 ) -> list[str]:
     """The same for a plan whose polygons, at least, are those that the order was taken with; its settings stay."""
-    settings, formed = order.settings, outcome.formed
+    settings, shell = order.settings, outcome.shell
     depsgraph = plan_depsgraph(context, settings)
     wanted = wanted_roles(settings)
-    warnings = [*order.warnings, *formed.warnings]
+    warnings = [*order.warnings, *shell.warnings]
     writer = Writer(context, plan, depsgraph, order.mesh, outcome.cut)
     for role, sheet in ROLES.items():
         existing = result_of(plan, role)
         if role not in wanted and existing is None:
             continue
-        if sheet not in formed.placed:  # a single point; the pipeline's warnings say so
+        if sheet not in shell.placed:  # a single point; the pipeline's warnings say so
             if existing is not None:
                 delete_result(existing)
             continue
         polygons, prepared = outcome.polygons(sheet), outcome.prepared
         measures = outcome.measures(sheet, order)
         if polygons is None:
-            writer.write(role, formed.placed[sheet], formed.normals[sheet], measures)
+            writer.write(role, shell.placed[sheet], shell.normals[sheet], measures)
         else:
             if measures is not None:
-                measures = polygon_measures(measures, polygons, formed.source, len(order.mesh.positions))
+                measures = polygon_measures(measures, polygons, shell.source, len(order.mesh.positions))
             writer.write_polygons(role, polygons, prepared.triangles, prepared.owners, measures)
     tell(context, plan, outcome, warnings)
     show_wanted(plan, wanted)
     hide_completed(plan, True)
-    plan.cmc.message = formed.message
+    plan.cmc.message = shell.message
     colours.repaint(plan, settings.sheet)
     return warnings

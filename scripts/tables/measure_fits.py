@@ -76,7 +76,7 @@ def away_from_corners(name: str, points: Array, found: Fit) -> float:
     return float(off[~near].max())
 
 
-def knobs() -> list[str]:
+def height_parameters() -> list[str]:
     """Parts by which the wanted height and volume are missed, and of circles the caps of a sphere."""
     rows = [f"| wish | vertices | {HEAD} |", "|---|---|" + "---|" * len(RISES)]
     for name in OUTLINES:
@@ -140,7 +140,9 @@ def off(found: Fit, size: float) -> float:
     return 100 * found.distances["rim on curve"] / size
 
 
-TABLES: Tables = {"outlines": outlines, "knobs": knobs, "raised": raised, "courtyards": courtyards}
+TABLES: Tables = {
+    "outlines": outlines, "height_parameters": height_parameters, "raised": raised, "courtyards": courtyards
+}
 
 
 if __name__ == "__main__":

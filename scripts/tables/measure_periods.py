@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from scripts.tables.measured_page import Tables, measure
 from solver import CmcSolver, Domain, HarmonicSolver, close_periods, mean_curvature_of, shapes, side_plane
-from solver.closing.close import Closing
+from solver.closing.close import ClosingResult
 from solver.closing.holes import hole
 from solver.closing.moduli import tube
 from solver.domain.topology import Homology
@@ -111,7 +111,7 @@ def least_time(run: Callable[[], object]) -> float:
     return min(times)
 
 
-def p1_gap(closing: Closing) -> float:
+def p1_gap(closing: ClosingResult) -> float:
     """The longest period as an integral, as a part of the size."""
     eta = harmonic_forms(Homology.of(closing.domain), HarmonicSolver(closing.domain).dirichlet)
     vectors = closing.surface.scale * integrals(closing.domain, closing.surface.harmonic.normals, eta)

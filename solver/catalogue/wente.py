@@ -14,7 +14,7 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..closing.close import Closing, Progress, close_periods
+from ..closing.close import ClosingResult, Progress, close_periods
 from ..closing.moduli import tube
 from ..domain.domain import Domain
 from ..errors import ConditionError
@@ -60,7 +60,7 @@ class Bubble:
     sides: list[Side]
     surface: CmcSurface
     height: float
-    closing: Closing | None
+    closing: ClosingResult | None
     cylinders: int | None
     covers: int
 
@@ -189,7 +189,7 @@ def _closed(
     H: float,
     tolerance: float,
     progress: Progress | None,
-) -> Closing:
+) -> ClosingResult:
     """It closes where the mirror's plane goes through the point in which the free side inverts."""
     domain = shape.domain
     every = np.arange(len(domain.faces))

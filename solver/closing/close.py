@@ -14,14 +14,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
-from ..errors import ConditionError, chosen
+from ..errors import ConditionError, check_choice
 from ..gauss.boundary_data import Conditions
 from ..gauss.methods import METHODS
 from ..linalg import check_number
 from ..surface.cmc_surface import CmcSurface
 from ..surface.solve import CmcSolver
 from ..symmetry.sides import Side
-from .closing_conditions import Relations
+from .closing_conditions import ClosingConditions
 from .closing_map import ClosingMap, Place
 from .moduli import Moduli
 from .newton_steps import ClosingSteps, Step, boundary_tangents
@@ -67,7 +67,7 @@ class ClosingStatus(Enum):
 
 
 @dataclass(frozen=True, eq=False)
-class Closing:
+class ClosingResult:
     """The surface reached, and what it took.
 
     domain: with the moduli (m,) found, names in `names`. conditions: with the normals found, at vertices.
@@ -123,7 +123,7 @@ def close_periods(
     tolerance: float = 1e-9,
     max_steps: int = 12,
     progress: Progress | None = None,
-) -> Closing:
+) -> ClosingResult:
     """Change the prescribed normals, the moduli of the domain, or both until the periods of the surface vanish.
 
     by: "normals", the least change of the normals in the H¹ norm along the boundary; "moduli", Newton's method in
@@ -137,8 +137,8 @@ def close_periods(
     Not closing is a status, with the nearest surface. Raises `ConditionError` where there is nothing to close, on names
     that do not exist, and where nothing may change.
     """
-    chosen(by, dict.fromkeys(WAYS), "way to close")
-    chosen(method, METHODS, "method")
+    check_choice(by, dict.fromkeys(WAYS), "way to close")
+    check_choice(method, METHODS, "method")
     check_number(weight, "weight of moduli", positive=True)
     check_number(tolerance, "tolerance")
     check_number(max_steps, "largest number of steps")
@@ -146,7 +146,7 @@ def close_periods(
         raise ConditionError(f'Closing by "{by}" {"needs" if moduli is None else "does not take"} moduli.')
     if not conditions.vertices.size and by != "moduli":
         raise ConditionError("No normals are prescribed that could change; close by moduli.")
-    relations = Relations.of(domain, conditions, coplanar)
+    relations = ClosingConditions.of(domain, conditions, coplanar)
     closing = ClosingMap(conditions, relations, moduli or Moduli.none(domain), method)
     axes = None if positions is None else boundary_tangents(domain, positions, closing.fixed)
     steps = ClosingSteps(closing, by, weight, axes)
@@ -207,7 +207,7 @@ def _stuck(step: Step) -> ClosingStatus | None:
     return ClosingStatus.OUT_OF_RANGE if step.at_end else ClosingStatus.STALLED
 
 
-def _result(closing: ClosingMap, found: _Found, mean_curvature: float) -> Closing:
+def _result(closing: ClosingMap, found: _Found, mean_curvature: float) -> ClosingResult:
     place = found.place
     conditions = place.extension.given(place.rim)
     tolerance = np.inf if found.status is ClosingStatus.CLOSED else _OPEN
@@ -218,7 +218,7 @@ def _result(closing: ClosingMap, found: _Found, mean_curvature: float) -> Closin
         mean_curvature=mean_curvature,
         period_tolerance=tolerance,
     )
-    return Closing(
+    return ClosingResult(
         surface=surface,
         domain=place.domain,
         conditions=conditions,

@@ -30,7 +30,7 @@ Int = NDArray[np.integer]
 
 
 @dataclass(frozen=True, eq=False)
-class Relations:
+class ClosingConditions:
     """K sums of parts of tau along paths, which are to vanish.
 
     paths: (E, m) how often the path of each relation goes over each edge; names: of the m relations. directions: (K, 3)
@@ -44,7 +44,7 @@ class Relations:
     names: tuple[str, ...]
 
     @classmethod
-    def of(cls, domain: Domain, conditions: Conditions, coplanar: Sequence[Sequence[Side]] = ()) -> Relations:
+    def of(cls, domain: Domain, conditions: Conditions, coplanar: Sequence[Sequence[Side]] = ()) -> ClosingConditions:
         """All periods of a domain, and the distances of the sides of each group from the first.
 
         Raises `ConditionError` where there is nothing to vanish, or sides are not along mirrors of one direction.

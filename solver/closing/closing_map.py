@@ -17,8 +17,8 @@ from ..gauss.admissible import resolved
 from ..gauss.boundary_data import Conditions
 from ..gauss.harmonic import HarmonicSolver
 from ..gauss.sphere import normalize
-from ..surface.adjoint import Extension, Reached
-from .closing_conditions import Relations
+from ..surface.adjoint import AdjointSolver, Reached
+from .closing_conditions import ClosingConditions
 from .moduli import Moduli
 
 Array = NDArray[np.float64]
@@ -40,7 +40,7 @@ class Place:
 
     q: Array
     rim: Array
-    extension: Extension
+    extension: AdjointSolver
     reached: Reached
     forms: Array
     sums: Array
@@ -67,9 +67,11 @@ class ClosingMap:
     """(N₀, q) ↦ the sums that are to vanish. fixed: (n,) the vertices with prescribed normals, first (n, 3) those.
     method: by which maps are found."""
 
-    def __init__(self, conditions: Conditions, relations: Relations, moduli: Moduli, method: str = "newton") -> None:
+    def __init__(
+        self, conditions: Conditions, relations: ClosingConditions, moduli: Moduli, method: str = "newton"
+    ) -> None:
         self.conditions, self.relations, self.moduli, self.method = conditions, relations, moduli, method
-        self._extension = Extension(HarmonicSolver(moduli.first), conditions, method)
+        self._extension = AdjointSolver(HarmonicSolver(moduli.first), conditions, method)
         self._forms = self._forms_on(self._extension)
         self._q = np.zeros(len(moduli.names))
         self.fixed = self._extension.fixed
@@ -121,14 +123,14 @@ class ClosingMap:
                 lines[row], held[row] = along, True
         return lines, held
 
-    def _on(self, q: Array) -> tuple[Extension, Array]:
+    def _on(self, q: Array) -> tuple[AdjointSolver, Array]:
         """The last one is kept: factors serve as long as the domain is the same."""
         if not np.array_equal(q, self._q):
-            self._extension = Extension(HarmonicSolver(self.moduli.domain(q)), self.conditions, self.method)
+            self._extension = AdjointSolver(HarmonicSolver(self.moduli.domain(q)), self.conditions, self.method)
             self._forms, self._q = self._forms_on(self._extension), q
         return self._extension, self._forms
 
-    def _forms_on(self, extension: Extension) -> Array:
+    def _forms_on(self, extension: AdjointSolver) -> Array:
         return self.relations.forms(extension.solver.dirichlet, extension.domain)
 
     def _size(self, domain: Domain, N: Array, tau: Array) -> float:

@@ -28,7 +28,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
-from ..errors import chosen, plural
+from ..errors import check_choice, plural
 from ..linalg import graph_laplacian, sum_rows
 from .connectivity import after
 from .domain import Domain
@@ -88,7 +88,7 @@ class SiteGraph:
     @classmethod
     def of(cls, domain: Domain, name: str) -> SiteGraph:
         """The graph of that name; `ConditionError` where there is none."""
-        chosen(name, SITES, "kind of sites")
+        check_choice(name, SITES, "kind of sites")
         if name == "vertices":
             every = np.arange(len(domain.edge_lengths))
             return cls(name, domain, domain.edges, every, domain.edge_faces, domain.vertex_areas)

@@ -14,11 +14,11 @@ from scipy.optimize import minimize
 from ..domain.domain import Domain
 from ..errors import CmcError, ConditionError
 from ..gauss.boundary_data import Conditions
-from ..surface.adjoint import Extension
+from ..surface.adjoint import AdjointSolver
 from ..surface.cmc_surface import CmcSurface
 from ..surface.solve import CmcSolver
-from .gauss_newton import Model
-from .objective import Search
+from .gauss_newton import GaussNewtonModel
+from .objective import Objective
 from .response import Response
 from .target import Target
 
@@ -69,18 +69,18 @@ class Fit:
     history: list[float]
     sheet: str = "f+"
     sign: float = 1.0
-    complaints: tuple[str, ...] | list[str] = ()
+    unmet: tuple[str, ...] | list[str] = ()
     response: Response | None = None
 
     @property
     def met(self) -> bool:
         """Whether every wish is fulfilled, to the tolerance of what it is."""
-        return not self.complaints
+        return not self.unmet
 
     @property
     def message(self) -> str:
         """How it ended, and what is not met."""
-        return " ".join([self.status.sentence, *self.complaints])
+        return " ".join([self.status.sentence, *self.unmet])
 
     def points(self, sheet: str | None = None) -> Array:
         """A sheet (n, 3) in its place; by default the one that was fitted."""
@@ -119,8 +119,8 @@ def fit(
 
     The vertices that `start.conditions` fix are those whose normals may change. size: a length by which errors are
     divided. gain: the part of the value that a step has to bring to be followed by another. By L-BFGS in the
-    coordinates of `Model`; each evaluation is a warm solve and an adjoint one. progress(evaluation, value) is called
-    at every step, False cancels. Raises `ConditionError` on names that do not exist, or nothing to fit to.
+    coordinates of `GaussNewtonModel`; each evaluation is a warm solve and an adjoint one. progress(evaluation, value)
+    is called at every step, False cancels. Raises `ConditionError` on names that do not exist, or nothing to fit to.
     """
     if sheet not in _SIDES:
         raise ConditionError(f"There is no sheet {sheet!r} to fit; known are {', '.join(_SIDES)}.")
@@ -130,18 +130,18 @@ def fit(
     fixed, rim = start.conditions.resolve()
     response = start.response
     if response is None or not response.belongs(solver.harmonic, fixed):
-        response = Response(Extension(solver.harmonic, start.conditions))
-    search = Search(response, targets, _SIDES[sheet], size, free_scale, free_shift, start.normals)
-    status = _minimise(search, search.vector(rim, start.scale, start.shift), gain, max_evaluations, progress)
-    return _finished(solver, search, status, sheet)
+        response = Response(AdjointSolver(solver.harmonic, start.conditions))
+    objective = Objective(response, targets, _SIDES[sheet], size, free_scale, free_shift, start.normals)
+    status = _minimise(objective, objective.vector(rim, start.scale, start.shift), gain, max_evaluations, progress)
+    return _finished(solver, objective, status, sheet)
 
 
-def _minimise(search: Search, x: Array, gain: float, limit: int, progress: Progress | None) -> FitStatus:
+def _minimise(objective: Objective, x: Array, gain: float, limit: int, progress: Progress | None) -> FitStatus:
     """Runs of L-BFGS, each with a model of its own, until one gains little."""
     value = np.inf
-    while len(search.history) < limit:
-        before, steps = value, min(_RUN, limit - len(search.history))
-        x, value, goes_on = _run(search, x, gain, steps, progress)
+    while len(objective.history) < limit:
+        before, steps = value, min(_RUN, limit - len(objective.history))
+        x, value, goes_on = _run(objective, x, gain, steps, progress)
         if not goes_on:
             return FitStatus.CANCELLED
         if before - value < _RUN_GAIN * gain * (value + _ENOUGH):
@@ -149,21 +149,23 @@ def _minimise(search: Search, x: Array, gain: float, limit: int, progress: Progr
     return FitStatus.EVALUATION_LIMIT
 
 
-def _run(search: Search, x: Array, gain: float, limit: int, progress: Progress | None) -> tuple[Array, float, bool]:
+def _run(
+    objective: Objective, x: Array, gain: float, limit: int, progress: Progress | None
+) -> tuple[Array, float, bool]:
     """L-BFGS from x, for as many evaluations; where it got to, the value there, and whether to go on."""
-    here, slope = search(x)
-    model = Model(search, x)
+    here, slope = objective(x)
+    model = GaussNewtonModel(objective, x)
     # in these units the first step, as L-BFGS takes it, is the one that the model proposes
     unit = max(float(np.linalg.norm(model.back(slope))), 1e-150)
     goes_on = True
 
     def moved(y: Array) -> tuple[float, Array]:
-        value, gradient = search(x + unit * model.forth(y)) if y.any() else (here, slope)
+        value, gradient = objective(x + unit * model.forth(y)) if y.any() else (here, slope)
         return (value + _ENOUGH) / unit**2, model.back(gradient) / unit
 
     def each_step(intermediate_result: Any) -> None:
         nonlocal goes_on
-        if progress is not None and progress(len(search.history), search.history[-1]) is False:
+        if progress is not None and progress(len(objective.history), objective.history[-1]) is False:
             goes_on = False
             raise StopIteration
 
@@ -172,11 +174,11 @@ def _run(search: Search, x: Array, gain: float, limit: int, progress: Progress |
     return x + unit * model.forth(found.x), float(found.fun) * unit**2 - _ENOUGH, goes_on
 
 
-def _finished(solver: CmcSolver, search: Search, status: FitStatus, sheet: str) -> Fit:
-    best = search.best
+def _finished(solver: CmcSolver, objective: Objective, status: FitStatus, sheet: str) -> Fit:
+    best = objective.best
     if best is None:
         raise CmcError("The fit was cancelled before it began.")
-    found = search.extension.given(best.rim)
+    found = objective.extension.given(best.rim)
     surface = solver.solve(found, initial=best.state.N, mean_curvature=0.5 / best.scale)
     if not (surface.is_open or found.mirrors.size):
         # the conjugate that was fitted; at the rim it differs from the solver's own at second order, and along mirrors
@@ -184,8 +186,8 @@ def _finished(solver: CmcSolver, search: Search, status: FitStatus, sheet: str) 
         g, N = best.scale * best.state.g, best.scale * surface.normals
         surface = replace(surface, g=g, f_plus=g + N, f_minus=g - N)
     distances: dict[str, float] = {}
-    for target in search.targets:  # of several with one label, as anchors of different weights, the farthest
+    for target in objective.targets:  # of several with one label, as anchors of different weights, the farthest
         distances[target.label] = max(target.distance(best.shape), distances.get(target.label, 0.0))
     return Fit(
-        surface, best.shift, found, distances, best.value, status, search.history, sheet, response=search.response
+        surface, best.shift, found, distances, best.value, status, objective.history, sheet, response=objective.response
     )

@@ -20,7 +20,7 @@ from ..surface.solve import CmcSolver
 from .closest_point import Triangles
 from .curves import Curve
 from .fit import Fit, FitStatus, Progress, Start, fit
-from .shape_similarity import LEAST, Likeness, bending, cosine, dirichlet_matrix
+from .shape_similarity import LEAST, ShapeSimilarity, bending, cosine, dirichlet_matrix
 from .target import Target
 from .targets import GaussMap, NearSurface, RimOnCurve, SmoothRim
 
@@ -60,12 +60,12 @@ def fit_gauss_map(
     only, since the tangent planes are what was fitted. The result is f+ times `Fit.sign`, which is -1 where φ bulges
     against its normals.
 
-    likeness: weight of 1 - cos(df, dφ), see `Likeness`; it makes little difference to the tangent planes, and all the
-    difference to the shape where the mean curvature of φ changes sign. 0 is the paper's functional.
-    near: positive, it is the weight of a second stage that brings the places near, too: ½ mean squared distance of the
-    sheet from φ and of its rim from the rim of φ, over the square of the diagonal; points may slide along φ. With 100,
-    a distance of 1 % of the diagonal counts as much as a turn of 0.1 radians everywhere.
-    initial: an earlier fit of this surface to go on from, in the stage that it had reached.
+    likeness: weight of 1 - cos(df, dφ), see `ShapeSimilarity`; it makes little difference to the tangent planes, and
+    all the difference to the shape where the mean curvature of φ changes sign. 0 is the paper's functional. near:
+    positive, it is the weight of a second stage that brings the places near, too: ½ mean squared distance of the sheet
+    from φ and of its rim from the rim of φ, over the square of the diagonal; points may slide along φ. With 100, a
+    distance of 1 % of the diagonal counts as much as a turn of 0.1 radians everywhere. initial: an earlier fit of this
+    surface to go on from, in the stage that it had reached.
 
     Distances: "Gauss map" and "likeness" are root mean squares, "near surface" is the largest distance from φ. Raises
     `ConditionError` on weights that are no numbers from 0 on, on flat surfaces and on closed ones.
@@ -75,14 +75,14 @@ def fit_gauss_map(
     if not len(domain.boundary_edges):
         raise ConditionError("A closed surface has no rim whose normals could be fitted; delete a part of it.")
     wanted = _Wanted.of(domain, in_space(domain, positions), regularisation, likeness, near)
-    search = _Search(wanted, solver or CmcSolver(domain), progress)
+    objective = _Objective(wanted, solver or CmcSolver(domain), progress)
     if initial is not None and near and RimOnCurve.label in initial.distances:
-        return search.brought_near(initial, max_evaluations)
+        return objective.brought_near(initial, max_evaluations)
     share = _FIRST if near else 1.0
-    found = search.turned(initial, max(1, round(share * max_evaluations)))
+    found = objective.turned(initial, max(1, round(share * max_evaluations)))
     if not near or found.status is FitStatus.CANCELLED:
         return found
-    near_too = search.brought_near(found, max(1, max_evaluations - len(found.history)))
+    near_too = objective.brought_near(found, max(1, max_evaluations - len(found.history)))
     return replace(near_too, history=found.history + near_too.history)
 
 
@@ -134,7 +134,7 @@ class _Wanted:
         more = 1.0 + near / _NEAR
         targets: list[Target] = [GaussMap(self.normals), SmoothRim(weight=more * self.regularisation)]
         if self.likeness:
-            targets.append(Likeness(sign * self.points, self.L, weight=more * self.likeness))
+            targets.append(ShapeSimilarity(sign * self.points, self.L, weight=more * self.likeness))
         return targets
 
     def places(self, sign: float) -> list[Target]:
@@ -147,7 +147,7 @@ class _Wanted:
 
 
 @dataclass(frozen=True, eq=False)
-class _Search:
+class _Objective:
     wanted: _Wanted
     solver: CmcSolver
     progress: Progress | None
@@ -177,7 +177,7 @@ class _Search:
         start = replace(_continued(found), scale=found.surface.scale, shift=sign * found.shift)
         targets = wanted.planes(sign, wanted.near) + wanted.places(sign)
         found = self._fit(targets, start, wanted.size, True, evaluations)
-        return self._told(replace(found, sign=sign, shift=sign * found.shift))
+        return self._reported(replace(found, sign=sign, shift=sign * found.shift))
 
     def _turned(self, start: Start, sign: float, evaluations: int) -> Fit:
         return replace(self._fit(self.wanted.planes(sign), start, 1.0, False, evaluations), sign=sign)
@@ -214,9 +214,9 @@ class _Search:
         )
         found = replace(found, surface=surface, shift=shift, sign=float(np.sign(scale)))
         away = Triangles(self.wanted.points, self.wanted.domain.faces).closest(found.points()).distances
-        return self._told(replace(found, distances={**found.distances, NearSurface.label: float(away.max())}))
+        return self._reported(replace(found, distances={**found.distances, NearSurface.label: float(away.max())}))
 
-    def _told(self, found: Fit) -> Fit:
+    def _reported(self, found: Fit) -> Fit:
         """With a sentence where the surface would rather be minimal."""
         wanted, H = self.wanted, found.surface.mean_curvature
         bent, _ = bending(wanted.domain, wanted.L, found.surface.harmonic.normals)
@@ -226,7 +226,7 @@ class _Search:
             f"The surface bends as much one way as the other, and those of constant mean curvature near it are almost "
             f"minimal: this one has H = {H:.3g}, the least that is looked for; a minimal surface may come nearer."
         )
-        return replace(found, complaints=[*found.complaints, sentence])
+        return replace(found, unmet=[*found.unmet, sentence])
 
 
 def _continued(earlier: Fit) -> Start:

@@ -13,7 +13,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 
-from .objective import Placed, Search
+from .objective import Objective, Placed
 from .response import KNOTS
 from .target import Curvature
 
@@ -24,23 +24,23 @@ Int = NDArray[np.integer]
 _DAMPING = 1e-2
 
 
-class Model:
+class GaussNewtonModel:
     """T at x (m,) for a search: `forth(y)` is T y, `back(gradient)` is Tᵀ gradient.
 
     H is known on the knots of the boundary; with Q an orthonormal basis of their hat functions T = Q C⁻ᵀ Qᵀ there,
     H = C Cᵀ, and a mean on the rest.
     """
 
-    def __init__(self, search: Search, x: Array) -> None:
-        placed = search.place(x) if search.best is None else search.best
-        hats = search.response.hats.toarray()
-        self._basis, triangle = np.linalg.qr(search.roots * hats)
+    def __init__(self, objective: Objective, x: Array) -> None:
+        placed = objective.place(x) if objective.best is None else objective.best
+        hats = objective.response.hats.toarray()
+        self._basis, triangle = np.linalg.qr(objective.roots * hats)
         N = placed.rim[_middles(hats)]
-        H = _in_basis(_hessian(search, x, placed, hats, N), triangle)
+        H = _in_basis(_hessian(objective, x, placed, hats, N), triangle)
         mean = np.trace(H) / len(H)
-        lengths = _in_basis(_lengths(search, hats, N), triangle)
+        lengths = _in_basis(_lengths(objective, hats, N), triangle)
         self._spread = 1.0 / np.sqrt(mean)
-        self._cholesky = cholesky(H + mean * lengths + _held(search, mean, len(H)), lower=True)
+        self._cholesky = cholesky(H + mean * lengths + _held(objective, mean, len(H)), lower=True)
 
     def forth(self, y: Array) -> Array:
         low = self._onto(y)
@@ -59,21 +59,21 @@ class Model:
         return np.concatenate([(self._basis @ low[:-4].reshape(-1, 3)).ravel(), low[-4:]])
 
 
-def _hessian(search: Search, x: Array, placed: Placed, hats: Array, N: Array) -> Array:
+def _hessian(objective: Objective, x: Array, placed: Placed, hats: Array, N: Array) -> Array:
     """H (3 m + 4, 3 m + 4) by turns, vectors in space at the knots that are projected on the tangent planes."""
     tangent = np.eye(3) - N[:, :, None] * N[:, None, :]
     size = 3 * len(N) + 4
     H = np.zeros((size, size))
-    for target in search.targets:
+    for target in objective.targets:
         curvature = target.curvature(placed.shape)
         if len(curvature.vertices):
-            rows = _moving(search, placed, curvature, tangent)
+            rows = _moving(objective, placed, curvature, tangent)
             H += target.weight * rows.T @ rows
         if curvature.stiffness is not None:
-            H[:-4, :-4] += target.weight * _turning(search, curvature.stiffness, tangent)
+            H[:-4, :-4] += target.weight * _turning(objective, curvature.stiffness, tangent)
         for row in curvature.rows:
-            slope = search.gradient(x, placed, row)
-            slope = np.concatenate([(hats.T @ (search.roots * slope[:-4].reshape(-1, 3))).ravel(), slope[-4:]])
+            slope = objective.gradient(x, placed, row)
+            slope = np.concatenate([(hats.T @ (objective.roots * slope[:-4].reshape(-1, 3))).ravel(), slope[-4:]])
             H += target.weight * np.outer(slope, slope)
     return H
 
@@ -83,23 +83,23 @@ def _middles(hats: Array) -> Int:
     return np.argmax(hats, axis=0)
 
 
-def _moving(search: Search, placed: Placed, curvature: Curvature, tangent: Array) -> Array:
+def _moving(objective: Objective, placed: Placed, curvature: Curvature, tangent: Array) -> Array:
     """(3 k, 3 m + 4) of points that move, at no more than `KNOTS` of them: metric^½ J."""
     step = -(-len(curvature.vertices) // KNOTS)
     points, metrics = curvature.vertices[::step], step * curvature.metrics[::step]
-    J = search.response.of_points(placed.state, points, search.side)
+    J = objective.response.of_points(placed.state, points, objective.side)
     J = placed.scale * np.einsum("kamb,mbc->kamc", J, tangent).reshape(len(points), 3, -1)
-    by_scale = search.free_scale * (placed.shape.points[points] - placed.shift)
-    by_shift = np.broadcast_to(search.free_shift * search.size * np.eye(3), (len(points), 3, 3))
+    by_scale = objective.free_scale * (placed.shape.points[points] - placed.shift)
+    by_shift = np.broadcast_to(objective.free_shift * objective.size * np.eye(3), (len(points), 3, 3))
     J = np.concatenate([J, by_scale[:, :, None], by_shift], axis=2)
     values, vectors = np.linalg.eigh(metrics)
     roots = np.sqrt(np.maximum(values, 0.0))[:, :, None] * vectors.transpose(0, 2, 1)
     return np.einsum("kab,kbm->kam", roots, J).reshape(3 * len(points), -1)
 
 
-def _turning(search: Search, stiffness: sp.csr_array, tangent: Array) -> Array:
+def _turning(objective: Objective, stiffness: sp.csr_array, tangent: Array) -> Array:
     """(3 m, 3 m) of normals that turn: each component alone, in the tangent planes of the knots."""
-    spread = search.response.spread
+    spread = objective.response.spread
     stiff = spread.T @ (stiffness @ spread)
     blocks = np.einsum("nab,nm,mbc->namc", tangent, stiff, tangent, optimize=True)
     return blocks.reshape(3 * len(tangent), -1)
@@ -113,19 +113,19 @@ def _in_basis(H: Array, triangle: Array) -> Array:
     return solve_triangular(wide, half.T, trans=1)
 
 
-def _lengths(search: Search, hats: Array, N: Array) -> Array:
+def _lengths(objective: Objective, hats: Array, N: Array) -> Array:
     """The square of the change of the vectors' lengths, which do not matter: left free, they would matter elsewhere,
     where the tangent planes are others.
     """
     lengths = np.zeros((3 * len(N) + 4, 3 * len(N) + 4))
-    gram = (search.roots * hats).T @ (search.roots * hats)
+    gram = (objective.roots * hats).T @ (objective.roots * hats)
     lengths[:-4, :-4] = np.einsum("nm,na,mb->namb", gram, N, N).reshape(3 * len(N), -1)
     return lengths
 
 
-def _held(search: Search, mean: float, size: int) -> Array:
+def _held(objective: Objective, mean: float, size: int) -> Array:
     """What keeps the model positive definite, and what is not free from moving."""
     held = np.full(size, _DAMPING * mean)
-    held[-4] += mean * (not search.free_scale)
-    held[-3:] += mean * (not search.free_shift)
+    held[-4] += mean * (not objective.free_scale)
+    held[-3:] += mean * (not objective.free_shift)
     return np.diag(held)

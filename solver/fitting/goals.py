@@ -31,25 +31,27 @@ _TILT_WEIGHT = 0.1
 _RISE = 0.5
 # What to ask for instead where the rim stays off its curve.
 _LESS = {"mean_curvature": "smaller mean curvature", "volume": "smaller volume"}
-# The relative error of the knob, squared, against the rim's distance as a part of the size, squared.
+# The relative error of the height_parameter, squared, against the rim's distance as a part of the size, squared.
 _KNOB_WEIGHT = 0.01
 # How much periods count: more than all the rest, since a shell that does not close cannot be built.
 _PERIOD_WEIGHT = 10.0
 
 
 @dataclass(frozen=True)
-class Knob:
+class HeightParameter:
     """The one number that chooses among the surfaces with a given rim, as a user interface offers it."""
 
     label: str
     description: str
 
 
-KNOBS = {
-    "rise": Knob("Rise", "Height of the crown as a part of half the outline's smaller extent: 0 flat, 1 hemisphere"),
-    "height": Knob("Height", "Height of the crown over the rim's mean height"),
-    "volume": Knob("Volume", "Volume under the shell, over the rim's mean height"),
-    "mean_curvature": Knob("Mean curvature", "H of the shell; 1/H is the radius of the sphere with that H"),
+HEIGHT_PARAMETERS = {
+    "rise": HeightParameter(
+        "Rise", "Height of the crown as a part of half the outline's smaller extent: 0 flat, 1 hemisphere"
+    ),
+    "height": HeightParameter("Height", "Height of the crown over the rim's mean height"),
+    "volume": HeightParameter("Volume", "Volume under the shell, over the rim's mean height"),
+    "mean_curvature": HeightParameter("Mean curvature", "H of the shell; 1/H is the radius of the sphere with that H"),
 }
 
 
@@ -63,12 +65,13 @@ class Supports:
 
 
 @dataclass(frozen=True, eq=False)
-class Wishes:
+class Goals:
     """All heights are over the mean height `base` of the outer curve.
 
     loops: vertices along each boundary loop, with its curve; outer: which of the curves is the outer one. on_curve:
     whether the rim shall lie on them, free_heights: seen from above only. size: of the outer curve's bounding box;
-    radius: of a circle with its area. knob: in `KNOBS`, number: the height, volume or H that is wanted. tilt: bounds.
+    radius: of a circle with its area. height_parameter: in `HEIGHT_PARAMETERS`, number: the height, volume or H that is
+    wanted. tilt: bounds.
     """
 
     loops: Sequence[tuple[Int, Curve]]
@@ -78,7 +81,7 @@ class Wishes:
     base: float
     size: float
     radius: float
-    knob: str
+    height_parameter: str
     number: float
     supports: Supports | None
     tilt: tuple[float, float] | None
@@ -89,14 +92,14 @@ class Wishes:
         domain: Domain,
         points: Array,
         given: ArrayLike | Sequence[ArrayLike] | None,
-        knobs: dict[str, float | None],
+        height_parameters: dict[str, float | None],
         *,
         on_curve: bool,
         free_heights: bool,
         anchors: tuple[ArrayLike, ArrayLike, ArrayLike] | None,
         tilt: tuple[float, float] | None,
-    ) -> Wishes:
-        """See `fit_outline`, which has their names; knobs: by name, at most one of them a number."""
+    ) -> Goals:
+        """See `fit_outline`, which has their names; height_parameters: by name, at most one of them a number."""
         _check(domain, tilt)
         lines, outer = _lines(domain, points, given)
         line = lines[outer]
@@ -105,24 +108,27 @@ class Wishes:
         if supports is None and not on_curve:
             raise ConditionError("There is nothing to fit to: give anchors, or let the rim lie on the curve.")
         extent = np.ptp(line[:, :2], axis=0)
-        knob, number = _chosen(knobs)
-        if knob == "rise":
+        height_parameter, number = _chosen(height_parameters)
+        if height_parameter == "rise":
             number *= 0.5 * float(extent.min())
         curves = [Curve(each - [0.0, 0.0, base], closed=True) for each in lines]
         loops = [(loop.astype(np.int64), curve) for loop, curve in zip(domain.boundary_loops, curves, strict=True)]
         size, radius = float(np.linalg.norm(extent)), float(np.sqrt(abs(_area(line)) / np.pi))
-        return cls(loops, curves[outer], on_curve, free_heights, base, size, radius, knob, number, supports, tilt)
+        outer_curve = curves[outer]
+        return cls(
+            loops, outer_curve, on_curve, free_heights, base, size, radius, height_parameter, number, supports, tilt
+        )
 
     def targets(self, smooth: float, strictness: float) -> list[Target]:
-        """smooth: weight of calm boundary normals; strictness: how much more than usual the knob counts."""
+        """smooth: weight of calm boundary normals; strictness: how much more than usual the height_parameter counts."""
         targets: list[Target] = [SmoothRim(weight=smooth)]
         if len(self.loops) > 1:
             targets.append(Closed(weight=_PERIOD_WEIGHT))
         if self.on_curve:
             targets += [RimOnCurve(curve, loop, self.free_heights) for loop, curve in self.loops]
-        if self.knob in ("rise", "height"):
+        if self.height_parameter in ("rise", "height"):
             targets.append(Crown(self.number, weight=strictness * _KNOB_WEIGHT))
-        elif self.knob == "volume":
+        elif self.height_parameter == "volume":
             targets.append(Volume(self.number, weight=strictness * _KNOB_WEIGHT))
         if self.supports is not None:
             targets += _anchored(self.supports)
@@ -131,14 +137,14 @@ class Wishes:
         return targets
 
     def height_of(self, film: Array, areas: Array) -> float:
-        """How high the film, of pressure one, has to be stretched for the knob."""
-        if self.knob in ("rise", "height"):
+        """How high the film, of pressure one, has to be stretched for the height_parameter."""
+        if self.height_parameter in ("rise", "height"):
             return self.number
-        if self.knob == "mean_curvature":
+        if self.height_parameter == "mean_curvature":
             return 2.0 * self.number * float(film.max())
         return self.number * float(film.max() / np.sum(areas * film))
 
-    def scaled(self, factor: float) -> Wishes:
+    def scaled(self, factor: float) -> Goals:
         """For another number."""
         return replace(self, number=factor * self.number)
 
@@ -146,7 +152,7 @@ class Wishes:
         """Whether the rim is off its curve."""
         return found.distances.get(RimOnCurve.label, 0.0) > _MET * self.size
 
-    def complaints(self, found: Fit) -> list[str]:
+    def unmet(self, found: Fit) -> list[str]:
         """What is not met, and what to change, a sentence each."""
         sentences = []
         far = found.distances
@@ -154,7 +160,7 @@ class Wishes:
             off = far[RimOnCurve.label]
             sentences.append(
                 f"The rim stays up to {off:.3g} off the curve ({100 * off / self.size:.1f} % of its size); round its "
-                f"corners, or ask for a {_LESS.get(self.knob, 'flatter shell')}."
+                f"corners, or ask for a {_LESS.get(self.height_parameter, 'flatter shell')}."
             )
         for label in (Crown.label, Volume.label):
             if (miss := far.get(label, 0.0)) > _KNOB_MET * self.number:
@@ -184,13 +190,13 @@ def _check(domain: Domain, tilt: tuple[float, float] | None) -> None:
         raise ConditionError(f"Tilts lie between -90° and 90°, the least below the most, not {least:g}° and {most:g}°.")
 
 
-def _chosen(knobs: dict[str, float | None]) -> tuple[str, float]:
-    chosen = {name: number for name, number in knobs.items() if number is not None}
+def _chosen(height_parameters: dict[str, float | None]) -> tuple[str, float]:
+    chosen = {name: number for name, number in height_parameters.items() if number is not None}
     if len(chosen) > 1:
         raise ConditionError(f"Give one of {' and '.join(chosen)}, not both: one number chooses the surface.")
-    knob, number = next(iter(chosen.items()), ("rise", _RISE))
-    check_number(number, KNOBS[knob].label.lower(), positive=True)
-    return knob, float(number)
+    height_parameter, number = next(iter(chosen.items()), ("rise", _RISE))
+    check_number(number, HEIGHT_PARAMETERS[height_parameter].label.lower(), positive=True)
+    return height_parameter, float(number)
 
 
 def _lines(domain: Domain, points: Array, given: ArrayLike | Sequence[ArrayLike] | None) -> tuple[list[Array], int]:

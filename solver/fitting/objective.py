@@ -32,7 +32,7 @@ class Placed:
     value: float = np.inf
 
 
-class Search:
+class Objective:
     """Values and gradients of the targets; the best placed state so far, and the history of values.
 
     Boundary normals count with the root of the boundary length they stand for, so that the mesh does not matter; the

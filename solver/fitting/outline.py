@@ -18,7 +18,7 @@ from ..gauss.frames import in_space
 from ..linalg import check_number
 from ..surface.solve import CmcSolver
 from .fit import Fit, FitStatus, Progress, Start, fit
-from .goals import Wishes
+from .goals import Goals
 
 Array = NDArray[np.float64]
 
@@ -33,7 +33,7 @@ _STEEPEST = 0.95
 @dataclass(frozen=True)
 class _Phase:
     """share: of the evaluations. smoother: how much more calm boundary normals count than in the end; rough ones early
-    on lead to folded rims. strictness: of the knob. gain: of a step that is worth another."""
+    on lead to folded rims. strictness: of the height_parameter. gain: of a step that is worth another."""
 
     share: float
     smoother: float
@@ -42,8 +42,8 @@ class _Phase:
 
 
 _PHASES = (_Phase(0.4, 3.0, 100.0, 1e-2), _Phase(0.6, 1.0, 1e4, 5e-4))
-# A fit that goes on from another is smooth already; it first goes along with the knob, in a quarter of the evaluations
-# that it would take with a knob that counts most at once.
+# A fit that goes on from another is smooth already; it first goes along with the height_parameter, in a quarter of the
+# evaluations that it would take with a height_parameter that counts most at once.
 _ON = (_Phase(0.7, 1.0, 10.0, 5e-3), _Phase(0.3, 1.0, 1e4, 1e-3))
 
 
@@ -71,9 +71,9 @@ def fit_outline(
 
     positions: (V, 2|3) of the plan. curve: (m, 3) closed polyline, by default the plan's own boundary; on a plan with
     holes it is the outer one, or a list with one for each of `domain.boundary_loops`. Of rise, height, volume and
-    mean_curvature at most one is given (see `KNOBS`); without any, the rise is 0.5. free_heights: only the outline
-    seen from above counts. anchors: vertices (k,), places (k, 3) and weights (k,) of supports; with `on_curve` false
-    they are all that counts. tilt: the least and the most tilt of the tangent planes along the rim, radians, 0 a
+    mean_curvature at most one is given (`HEIGHT_PARAMETERS`); without any, the rise is 0.5. free_heights: only the
+    outline seen from above counts. anchors: vertices (k,), places (k, 3) and weights (k,) of supports; with `on_curve`
+    false they are all that counts. tilt: the least and the most tilt of the tangent planes along the rim, radians, 0 a
     vertical wall, ½ π flat. smooth: weight of ½ ∮ |dN₀|², which keeps the boundary normals from rattling. initial: an
     earlier fit of this plan to go on from.
 
@@ -84,20 +84,21 @@ def fit_outline(
     points = in_space(domain, positions)
     check_number(smooth, "weight of calm boundary normals")
     check_number(max_evaluations, "largest number of evaluations", 1)
-    knobs = {"rise": rise, "height": height, "volume": volume, "mean_curvature": mean_curvature}
-    wishes = Wishes.of(
-        domain, points, curve, knobs, on_curve=on_curve, free_heights=free_heights, anchors=anchors, tilt=tilt
+    height_parameters = {"rise": rise, "height": height, "volume": volume, "mean_curvature": mean_curvature}
+    wishes = Goals.of(
+        domain, points, curve, height_parameters,
+        on_curve=on_curve, free_heights=free_heights, anchors=anchors, tilt=tilt,
     )
-    search = _Outline(solver or CmcSolver(domain), points, smooth, sheet, progress)
+    objective = _Outline(solver or CmcSolver(domain), points, smooth, sheet, progress)
     if initial is None:
-        found = search.straight(wishes, min(max_evaluations, _STRAIGHT))
+        found = objective.straight(wishes, min(max_evaluations, _STRAIGHT))
     else:
-        found = search.leg(wishes, _ON, _continued(initial, wishes.base), min(max_evaluations, _STRAIGHT))
+        found = objective.leg(wishes, _ON, _continued(initial, wishes.base), min(max_evaluations, _STRAIGHT))
     left = max_evaluations - len(found.history)
     if wishes.is_off(found) and found.status is not FitStatus.CANCELLED and left >= _STRAIGHT:
-        found = search.around(wishes, found, left)
+        found = objective.around(wishes, found, left)
     found = replace(found, shift=found.shift + [0.0, 0.0, wishes.base])
-    return replace(found, complaints=wishes.complaints(found))
+    return replace(found, unmet=wishes.unmet(found))
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,11 +111,11 @@ class _Outline:
     sheet: str
     progress: Progress | None
 
-    def straight(self, wishes: Wishes, evaluations: int) -> Fit:
+    def straight(self, wishes: Goals, evaluations: int) -> Fit:
         """From the film."""
         return self.leg(wishes, _PHASES, _start(self.solver, self.points, wishes), evaluations)
 
-    def around(self, wishes: Wishes, found: Fit, evaluations: int) -> Fit:
+    def around(self, wishes: Goals, found: Fit, evaluations: int) -> Fit:
         """By way of a flatter shell, where `found` is off the curve: steep ones with narrow corners are found so."""
         flat = self.straight(wishes.scaled(_FLATTER), min(_STRAIGHT, evaluations // 2))
         if flat.status is FitStatus.CANCELLED:
@@ -123,7 +124,7 @@ class _Outline:
         better = other if other.value < found.value else found
         return replace(better, status=other.status, history=found.history + flat.history + other.history)
 
-    def leg(self, wishes: Wishes, phases: Sequence[_Phase], start: Start, evaluations: int) -> Fit:
+    def leg(self, wishes: Goals, phases: Sequence[_Phase], start: Start, evaluations: int) -> Fit:
         total = sum(phase.share for phase in phases)
         history: list[float] = []
         for phase in phases:
@@ -133,7 +134,7 @@ class _Outline:
                 start,
                 size=wishes.size,
                 sheet=self.sheet,
-                free_scale=wishes.knob != "mean_curvature",
+                free_scale=wishes.height_parameter != "mean_curvature",
                 max_evaluations=max(1, round(phase.share * evaluations / total)),
                 gain=phase.gain,
                 solver=self.solver,
@@ -146,8 +147,9 @@ class _Outline:
         return replace(found, history=history)
 
 
-def _start(solver: CmcSolver, points: Array, wishes: Wishes) -> Start:
-    """The soap film under even pressure, linearised: Δu = -2H over the plan, zero on the rim, scaled to the knob.
+def _start(solver: CmcSolver, points: Array, wishes: Goals) -> Start:
+    """The soap film under even pressure, linearised: Δu = -2H over the plan, zero on the rim, scaled to the
+    height_parameter.
 
     Where u has the slope 2 tan ½θ the shell's tangent plane leans by θ: exact over a circle.
     """
@@ -159,7 +161,7 @@ def _start(solver: CmcSolver, points: Array, wishes: Wishes) -> Start:
     slopes = _rim_slopes(domain, film) * height / (film.max() * stretch)
     conditions = binormal(domain, points, domain.boundary_edges, 0.5 * np.pi - 2.0 * np.arctan(0.5 * slopes))
     radius = 2.0 * film.max() * stretch**2 / height + 0.5 * height
-    if wishes.knob == "mean_curvature":
+    if wishes.height_parameter == "mean_curvature":
         radius = 1.0 / wishes.number
     centre = np.average(wishes.outer.points, axis=0, weights=wishes.outer.shares)
     # the rim of f+ = g + N lies above the mean of g's boundary by the mean of N
@@ -167,7 +169,7 @@ def _start(solver: CmcSolver, points: Array, wishes: Wishes) -> Start:
     return Start(conditions, 0.5 * radius, centre - [0.0, 0.0, 0.5 * radius * up])
 
 
-def _stretch(domain: Domain, wishes: Wishes) -> float:
+def _stretch(domain: Domain, wishes: Goals) -> float:
     """How much longer the outer curve is than the domain's own boundary there."""
     outer = next(k for k, (_, curve) in enumerate(wishes.loops) if curve is wishes.outer)
     return wishes.outer.length / float(domain.edge_lengths[domain.boundary_loop_edges[outer]].sum())

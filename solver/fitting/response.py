@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ..domain.domain import Domain
 from ..gauss.harmonic import HarmonicSolver
-from ..surface.adjoint import Extension, State
+from ..surface.adjoint import AdjointSolver, State
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -30,7 +30,7 @@ KNOTS = 160
 class Response:
     """The knots of a domain's fixed boundary vertices, and what points do when the normals there turn."""
 
-    def __init__(self, extension: Extension) -> None:
+    def __init__(self, extension: AdjointSolver) -> None:
         self.extension = extension
         self._green: dict[bytes, Array] = {}
 

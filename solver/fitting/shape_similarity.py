@@ -40,7 +40,7 @@ def cosine(L: sp.csr_array, u: Array, v: Array) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class Likeness(Target):
+class ShapeSimilarity(Target):
     """1 - cos(dx, dφ), φ: `points` (V, 3), and ½ (1 - (h / least)²)² where h < least = 0.1 (h as in `bending`).
 
     With the least distance over all sizes and shifts: 1 - cos = ½ ∫ |dx - dφ|² / ∫ |dφ|², to second order.

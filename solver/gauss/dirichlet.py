@@ -7,7 +7,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from ..domain.sites import SiteGraph
-from ..linalg import Factor, Nearby, factorize
+from ..linalg import Factor, ReusedFactor, factorize
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -42,12 +42,12 @@ class Dirichlet:
         rows = L[self.unknown]
         self.coupling = sp.csr_array(rows[:, fixed])
         inside = sp.csr_array(rows[:, self.unknown])
-        self.factor = factorize(inside) if near is None else Nearby(inside, near)
+        self.factor = factorize(inside) if near is None else ReusedFactor(inside, near)
 
     @property
     def rough(self) -> Factor:
         """The factor of L, or of what stands in for it: enough to precondition with."""
-        return self.factor.factor if isinstance(self.factor, Nearby) else self.factor
+        return self.factor.factor if isinstance(self.factor, ReusedFactor) else self.factor
 
     def solve(self, source: Array, values: Array) -> Array:
         """All of u (S, k), from `source` f (S, k) and `values` (n, k) at the fixed sites."""

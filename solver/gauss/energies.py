@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..domain.sites import Links
-from ..errors import ConditionError, chosen
+from ..errors import ConditionError, check_choice
 
 Array = NDArray[np.float64]
 
@@ -220,7 +220,7 @@ def energy_on(name: str, sites: str) -> EdgeEnergy:
 
     Raises `ConditionError` for an unknown name, and for an energy that is not defined there.
     """
-    chosen(name, ENERGIES, "energy")
+    check_choice(name, ENERGIES, "energy")
     if name == "cotan" and sites in _ON_FACES:
         return ENERGIES["dual_cotan"]
     if sites not in ENERGIES[name].sites:

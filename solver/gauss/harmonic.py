@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
 from ..domain.sites import SiteGraph
-from ..errors import ConditionError, Status, chosen
-from ..linalg import Factor, Nearby, as_numbers, check_number
+from ..errors import ConditionError, Status, check_choice
+from ..linalg import Factor, ReusedFactor, as_numbers, check_number
 from . import sphere
 from .admissible import Admissible, resolved
 from .balance import imbalance
@@ -219,13 +219,13 @@ class HarmonicSolver:
 
 def _is_far(factor: Factor) -> bool:
     """Whether a factor is one that serves for another matrix, and does it badly, or has not been tried."""
-    return isinstance(factor, Nearby) and (factor.iterations is None or factor.iterations > _FAR)
+    return isinstance(factor, ReusedFactor) and (factor.iterations is None or factor.iterations > _FAR)
 
 
 def _method(method: str | Method, is_balanced: bool) -> Method:
     if isinstance(method, Method):
         return method
-    chosen(method, METHODS, "method")
+    check_choice(method, METHODS, "method")
     if not is_balanced:
         return METHODS[method]
     if method != "newton":

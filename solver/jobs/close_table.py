@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..closing.holes import MOTIONS
 from ..errors import CmcError
-from ..shells.close import MOVING, WAYS, Closure
+from ..shells.close import MOVING, WAYS, ClosingOptions
 from .tables import Table, suggestion
 
 KEYS = ("by", "weight", "move", "holes", "max_steps")
@@ -12,7 +12,7 @@ KEYS = ("by", "weight", "move", "holes", "max_steps")
 _FOR = {"weight": ("both",), "move": MOVING, "holes": MOVING}
 
 
-def read_close(root: Table) -> Closure | None:
+def read_close(root: Table) -> ClosingOptions | None:
     """How a job's [close] wants its shell closed, None without one. Raises `JobError`."""
     if "close" not in root:
         return None
@@ -36,7 +36,7 @@ def read_close(root: Table) -> Closure | None:
         values["holes"] = tuple(table.integers("holes"))
     table.finish()
     try:
-        return Closure(**values)  # type: ignore[arg-type]
+        return ClosingOptions(**values)  # type: ignore[arg-type]
     except CmcError as error:
         raise table.fail(str(error)) from error
 

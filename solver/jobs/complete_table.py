@@ -11,7 +11,7 @@ import numpy as np
 
 from ..errors import CmcError
 from ..io.mesh_files import FORMATS
-from ..shells.complete import Extent
+from ..shells.complete import CopySelection
 from ..shells.plan import Group
 from ..shells.plan_sides import check_sides
 from ..symmetry.complete import MOST_COPIES
@@ -24,7 +24,7 @@ KEYS = ("sides", "copies", "box", "around", "repeat", "mesh", "instances")
 class Completing:
     """What a job wants of the completed shell: which copies, and the files (None: not wanted)."""
 
-    extent: Extent
+    extent: CopySelection
     mesh: Path | None = None
     instances: Path | None = None
 
@@ -54,7 +54,7 @@ def read_complete(root: Table, groups: Sequence[Group], folder: Path) -> Complet
     return completing
 
 
-def _extent(table: Table, groups: Sequence[Group]) -> Extent:
+def _extent(table: Table, groups: Sequence[Group]) -> CopySelection:
     chosen = [key for key in ("copies", "box", "around") if key in table]
     if len(chosen) > 1:
         raise table.fail(f"give one of copies, box and around, not {' and '.join(chosen)}.")
@@ -65,7 +65,7 @@ def _extent(table: Table, groups: Sequence[Group]) -> Extent:
         check_sides(groups, sides)
     except CmcError as error:
         raise table.fail(str(error)) from error
-    return Extent(
+    return CopySelection(
         sides=sides,
         copies=_count(table, "copies", MOST_COPIES) if "copies" in table else None,
         box=_box(table) if "box" in table else None,

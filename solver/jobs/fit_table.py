@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from ..domain.domain import Domain
 from ..errors import ConditionError
-from ..fitting.goals import KNOBS
-from ..shells.fit import Anchors, Wish
+from ..fitting.goals import HEIGHT_PARAMETERS
+from ..shells.fit import Anchors, Goal
 from ..shells.plan import SHEETS
 from ..shells.rim_curves import check_count, read_curves
 from .tables import Table
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 ANCHOR_KEYS = ("vertex", "vertices", "place", "places", "weight")
 KEYS = (
-    *("outline", "anchors", *KNOBS, "free_heights", "tilt", "smooth", "sheet"),
+    *("outline", "anchors", *HEIGHT_PARAMETERS, "free_heights", "tilt", "smooth", "sheet"),
     *("approximate", "regularisation", "near", "max_evaluations"),
 )
 # Keys that go with "approximate", and what takes their place elsewhere.
@@ -28,7 +28,7 @@ _APPROXIMATE = {"regularisation": 'the rim of an outline has "smooth"', "near": 
 _FOUND = ("conditions", "default", "size", "solver")
 
 
-def read_fit(root: Table, domain: Domain, folder: Path, up: str | None) -> Wish | None:
+def read_fit(root: Table, domain: Domain, folder: Path, up: str | None) -> Goal | None:
     """The wish of a job's [fit], None without one. Raises `JobError`."""
     if "fit" not in root:
         return None
@@ -49,12 +49,12 @@ def read_fit(root: Table, domain: Domain, folder: Path, up: str | None) -> Wish 
     return wish
 
 
-def _approximation(table: Table, limit: int | None) -> Wish:
+def _approximation(table: Table, limit: int | None) -> Goal:
     kept = ("approximate", *_APPROXIMATE, "max_evaluations")
     others = [key for key in table.data if key in KEYS and key not in kept]
     if others:
         raise table.fail(f'a mesh that is approximated leaves no choice of "{others[0]}"; take it out.')
-    return Wish(
+    return Goal(
         approximate=True,
         regularisation=_weight(table, "regularisation", 1e-3),
         near=_weight(table, "near", 0.0),
@@ -62,11 +62,11 @@ def _approximation(table: Table, limit: int | None) -> Wish:
     )
 
 
-def _outline(table: Table, domain: Domain, folder: Path, up: str | None, limit: int | None) -> Wish:
+def _outline(table: Table, domain: Domain, folder: Path, up: str | None, limit: int | None) -> Goal:
     anchors = _anchors(table, domain)
-    knobs = [name for name in KNOBS if name in table]
-    if len(knobs) > 1:
-        raise table.fail(f"give one of {', '.join(KNOBS)}, not {' and '.join(knobs)}.")
+    height_parameters = [name for name in HEIGHT_PARAMETERS if name in table]
+    if len(height_parameters) > 1:
+        raise table.fail(f"give one of {', '.join(HEIGHT_PARAMETERS)}, not {' and '.join(height_parameters)}.")
     drawn = table.data.get("outline", anchors is None)
     curves = None
     if not isinstance(drawn, bool):
@@ -79,11 +79,11 @@ def _outline(table: Table, domain: Domain, folder: Path, up: str | None, limit: 
             raise table.fail(f"{drawn}: {error}") from error
     elif not drawn and anchors is None:
         raise table.fail('there is nothing to fit to: give "outline", "approximate" or [[fit.anchors]].')
-    return Wish(
+    return Goal(
         on_curve=bool(drawn),
         curves=curves,
-        knob=knobs[0] if knobs else None,
-        value=_positive(table, knobs[0]) if knobs else 0.0,
+        height_parameter=height_parameters[0] if height_parameters else None,
+        value=_positive(table, height_parameters[0]) if height_parameters else 0.0,
         free_heights=table.flag("free_heights"),
         anchors=anchors,
         tilt=_tilt(table) if "tilt" in table else None,

@@ -26,13 +26,13 @@ from ..gauss.methods import METHODS
 from ..io.mesh_files import FORMATS, read_mesh
 from ..io.obj import MeshData
 from ..io.polygons import triangulate_polygons
-from ..shells.close import Closure, close_plan, closing_report
+from ..shells.close import ClosingOptions, close_plan, closing_report
 from ..shells.complete import Completed, complete_plan
-from ..shells.fit import Wish, fit_plan
+from ..shells.fit import Goal, fit_plan
 from ..shells.form import form
 from ..shells.gaps import hole_gaps
 from ..shells.plan import SHEETS, SHELLS, Group, Plan, Settings, plan_conditions, plan_domain, usual_sheet
-from ..shells.shell import Formed
+from ..shells.shell import Shell
 from ..surface.averaging import AVERAGINGS
 from ..surface.cmc_surface import COMBINATORICS
 from ..surface.placement import GROUNDS, SIZES
@@ -99,9 +99,9 @@ class Job:
     mesh: MeshData
     outputs: dict[str, Path]
     up: str | None = None
-    wish: Wish | None = None
+    wish: Goal | None = None
     completing: Completing | None = None
-    closure: Closure | None = None
+    closure: ClosingOptions | None = None
 
     @property
     def files(self) -> dict[str, Path]:
@@ -141,44 +141,44 @@ def make_job(data: Mapping[str, object], file: Path) -> Job:
     return Job(file, plan, settings, mesh, outputs, up, wish, completing, closure)
 
 
-def run_job(job: Job, progress: Callable[[int, float], bool | None] | None = None) -> Formed:
+def run_job(job: Job, progress: Callable[[int, float], bool | None] | None = None) -> Shell:
     """Solve a job, close or fit its shell, and write its files; raises `CmcError` where that is not possible."""
-    formed, plan, told = _shell(job, progress)
-    completed, failure = _completed(job, plan, formed)
+    shell, plan, reported = _shell(job, progress)
+    completed, failure = _completed(job, plan, shell)
     if completed is not None:
-        told["completed"] = completed_report(completed)
+        reported["completed"] = completed_report(completed)
     combinatorics = job.settings.combinatorics
-    write_results(formed, plan, job.mesh, job.outputs, up=job.up, combinatorics=combinatorics, more=told)
+    write_results(shell, plan, job.mesh, job.outputs, up=job.up, combinatorics=combinatorics, more=reported)
     if failure is not None:
         raise failure
     if completed is not None and job.completing is not None:
         write_completed(completed, job.completing, plan, job.mesh, job.up)
-    return formed
+    return shell
 
 
-def _shell(job: Job, progress: Callable[[int, float], bool | None] | None) -> tuple[Formed, Plan, dict[str, Any]]:
+def _shell(job: Job, progress: Callable[[int, float], bool | None] | None) -> tuple[Shell, Plan, dict[str, Any]]:
     """The shell, the plan it is over, whose holes may have moved, and what the report says besides."""
-    plan, told = job.plan, {}
+    plan, reported = job.plan, {}
     if job.wish is not None:
-        formed = fit_plan(plan, job.wish, progress=progress)
+        shell = fit_plan(plan, job.wish, progress=progress)
     elif job.closure is not None:
         closed = close_plan(plan, job.settings, job.closure, progress=progress)
-        formed, plan = closed.formed, closed.plan
-        told["closing"] = closing_report(closed)
+        shell, plan = closed.shell, closed.plan
+        reported["closing"] = closing_report(closed)
     else:
-        formed = form(plan, job.settings, progress=progress)
-    gaps = hole_gaps(formed)
+        shell = form(plan, job.settings, progress=progress)
+    gaps = hole_gaps(shell)
     if gaps:
-        told["holes"] = [gap.to_dict() for gap in gaps]
-    return formed, plan, told
+        reported["holes"] = [gap.to_dict() for gap in gaps]
+    return shell, plan, reported
 
 
-def _completed(job: Job, plan: Plan, formed: Formed) -> tuple[Completed | None, CmcError | None]:
+def _completed(job: Job, plan: Plan, shell: Shell) -> tuple[Completed | None, CmcError | None]:
     """The completed shell if one is wanted, welded; or why there is none, which is told after the shell is written."""
     if job.completing is None:
         return None, None
     try:
-        completed = complete_plan(plan, formed, job.completing.extent, job.settings.sheet)
+        completed = complete_plan(plan, shell, job.completing.extent, job.settings.sheet)
         len(completed.points)
     except CmcError as error:
         return None, error

@@ -13,18 +13,18 @@ import numpy as np
 from ..errors import JobError
 from ..io.mesh_files import corner_rows, write_bytes, write_mesh
 from ..io.obj import MeshData
-from ..measure.report import plain
+from ..measure.report import to_plain
 from ..shells.complete import Completed
 from ..shells.plan import Plan
 from ..shells.polygon_sheets import PolygonSheet, polygon_sheet
-from ..shells.shell import Formed, sheet_polygons
+from ..shells.shell import Shell, sheet_polygons
 from .complete_table import Completing
 
 SHEET_KEYS = {"f_plus": "f+", "f_minus": "f-", "g": "g", "gauss": "gauss"}
 """Key of a file in a job → name of the sheet."""
 
 
-def sheet_mesh(formed: Formed, sheet: str, plan: Plan, mesh: MeshData, *, triangles: bool = False) -> MeshData:
+def sheet_mesh(shell: Shell, sheet: str, plan: Plan, mesh: MeshData, *, triangles: bool = False) -> MeshData:
     """A placed sheet with the polygons, UVs, groups and materials of the plan's mesh.
 
     A polygon that the cut of an open surface runs through is there as triangles; edge groups are kept
@@ -32,26 +32,26 @@ def sheet_mesh(formed: Formed, sheet: str, plan: Plan, mesh: MeshData, *, triang
     sheet that folds has polygons no other triangles fit. Raises `JobError` where the sheet degenerates to a
     point.
     """
-    _check_placed(formed, sheet)
+    _check_placed(shell, sheet)
     assert plan.polygons is not None and plan.triangle_polygons is not None
-    polygons, owner = list(formed.faces), plan.triangle_polygons
+    polygons, owner = list(shell.faces), plan.triangle_polygons
     if not triangles:
-        polygons, owner = sheet_polygons(plan.polygons, plan.triangle_polygons, plan.triangles, formed.faces)
+        polygons, owner = sheet_polygons(plan.polygons, plan.triangle_polygons, plan.triangles, shell.faces)
     uv_corners = []
     if mesh.uv_corners:
         for polygon, index in zip(polygons, owner, strict=True):
             rows = mesh.uv_corners[index]
             row_of = dict(zip(mesh.polygons[index].tolist(), rows.tolist(), strict=False))
-            corners = [row_of[vertex] for vertex in formed.source[polygon].tolist()] if len(rows) else []
+            corners = [row_of[vertex] for vertex in shell.source[polygon].tolist()] if len(rows) else []
             uv_corners.append(np.array(corners, dtype=np.int32))
     names = {
         key: [values[index] for index in owner.tolist()] if (values := getattr(mesh, key)) else []
         for key in ("objects", "groups", "materials")
     }
-    cut = len(formed.source) != len(plan.positions)
+    cut = len(shell.source) != len(plan.positions)
     return replace(
         mesh,
-        positions=formed.placed[sheet],
+        positions=shell.placed[sheet],
         polygons=polygons,
         uv_corners=uv_corners,
         edge_groups={} if cut else mesh.edge_groups,
@@ -83,30 +83,30 @@ def polygon_mesh(sheet: PolygonSheet, plan: Plan, mesh: MeshData) -> MeshData:
     )
 
 
-def _check_placed(formed: Formed, sheet: str) -> None:
-    if sheet not in formed.placed:
+def _check_placed(shell: Shell, sheet: str) -> None:
+    if sheet not in shell.placed:
         raise JobError(f"{sheet} degenerates to a point for these boundary conditions, so there is nothing to write.")
 
 
-def report_data(formed: Formed) -> dict[str, Any]:
-    """The report as plain data, with the message and the warnings, and for a fit how near it came."""
-    data = {"message": formed.message, "warnings": formed.warnings, **formed.report.to_dict()}
-    if formed.fit is None:
+def report_data(shell: Shell) -> dict[str, Any]:
+    """The report as to_plain data, with the message and the warnings, and for a fit how near it came."""
+    data = {"message": shell.message, "warnings": shell.warnings, **shell.report.to_dict()}
+    if shell.fit is None:
         return data
-    found = formed.fit
+    found = shell.fit
     return data | {
         "fit": {
             "met": found.met,
             "status": found.status.value,
             "message": found.message,
-            "distances": plain(found.distances),
+            "distances": to_plain(found.distances),
             "evaluations": len(found.history),
         }
     }
 
 
 def write_results(
-    formed: Formed,
+    shell: Shell,
     plan: Plan,
     mesh: MeshData,
     outputs: Mapping[str, Path],
@@ -120,17 +120,17 @@ def write_results(
     combinatorics: of `COMBINATORICS`, the polygons of the sheets. more: tables to add to the report.
     """
     if "report" in outputs:
-        text = json.dumps(report_data(formed) | dict(more or {}), indent=2, ensure_ascii=False, allow_nan=False)
+        text = json.dumps(report_data(shell) | dict(more or {}), indent=2, ensure_ascii=False, allow_nan=False)
         write_bytes(outputs["report"], (text + "\n").encode())
     for name, file in outputs.items():
         if name == "report":
             continue
-        _check_placed(formed, name)
+        _check_placed(shell, name)
         if combinatorics == "primal":
-            sheet = sheet_mesh(formed, name, plan, mesh, triangles=file.suffix.lower() != ".obj")
-            write_mesh(file, sheet, normals=formed.normals[name], up=up)
+            sheet = sheet_mesh(shell, name, plan, mesh, triangles=file.suffix.lower() != ".obj")
+            write_mesh(file, sheet, normals=shell.normals[name], up=up)
         else:
-            polygons = polygon_sheet(formed, name, combinatorics)
+            polygons = polygon_sheet(shell, name, combinatorics)
             write_mesh(file, polygon_mesh(polygons, plan, mesh), normals=polygons.normals, up=up)
 
 
@@ -146,23 +146,23 @@ def write_completed(
 
 
 def completed_report(completed: Completed, *, welded: bool = True) -> dict[str, Any]:
-    """What there is to know about the copies, as plain data; lengths are those of the placed shell.
+    """What there is to know about the copies, as to_plain data; lengths are those of the placed shell.
 
     welded: False leaves out what is known of the welded mesh only, which then is not made.
     """
-    told = {
+    reported = {
         "copies": completed.copy_count,
         "sheets": {name: completed.sheets.count(name) for name in sorted(set(completed.sheets))},
         "triangles": completed.face_count,
         "largest_gap": completed.largest_gap,
         "relative_gap": completed.relative_gap,
         "largest_offset": completed.largest_offset,
-        "lattice": plain(completed.lattice),
+        "lattice": to_plain(completed.lattice),
     }
     if welded:
         mesh = completed.completion.mesh
-        told |= {"vertices": len(mesh.vertices), "is_closed": mesh.is_closed}
-    return told
+        reported |= {"vertices": len(mesh.vertices), "is_closed": mesh.is_closed}
+    return reported
 
 
 def completed_mesh(completed: Completed, plan: Plan, mesh: MeshData, *, triangles: bool = False) -> MeshData:
@@ -172,7 +172,7 @@ def completed_mesh(completed: Completed, plan: Plan, mesh: MeshData, *, triangle
     uv_corners = []
     if mesh.uv_corners:
         rows = np.split(polygons.rows, polygons.starts[1:-1])
-        source = completed.formed.source
+        source = completed.shell.source
         for index, corners in zip(polygons.faces.tolist(), rows, strict=True):
             drawn = mesh.uv_corners[index]
             row_of = dict(zip(mesh.polygons[index].tolist(), drawn.tolist(), strict=False))
@@ -191,15 +191,15 @@ def _write_instances(completed: Completed, file: Path, plan: Plan, mesh: MeshDat
     keys = {sheet: key for key, sheet in SHEET_KEYS.items()}
     pieces = {name: file.with_name(f"{file.stem}_{keys[name]}.obj") for name in sorted(set(completed.sheets))}
     for name, path in pieces.items():
-        data = sheet_mesh(completed.formed, name, plan, mesh)
+        data = sheet_mesh(completed.shell, name, plan, mesh)
         points = replace(data, positions=completed.piece(name))
-        write_mesh(path, points, normals=completed.formed.normals[name], up=up)
-    told = {
+        write_mesh(path, points, normals=completed.shell.normals[name], up=up)
+    reported = {
         "pieces": {name: path.name for name, path in pieces.items()},
-        "lattice": plain(completed.lattice),
+        "lattice": to_plain(completed.lattice),
         "instances": [
-            {"piece": name, "matrix": plain(matrix)}
+            {"piece": name, "matrix": to_plain(matrix)}
             for name, matrix in zip(completed.sheets, completed.transforms, strict=True)
         ],
     }
-    write_bytes(file, (json.dumps(told, ensure_ascii=False, allow_nan=False) + "\n").encode())
+    write_bytes(file, (json.dumps(reported, ensure_ascii=False, allow_nan=False) + "\n").encode())

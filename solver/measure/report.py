@@ -65,7 +65,7 @@ class Report:
 
     def to_dict(self) -> dict[str, Any]:
         """Plain dictionaries, lists, numbers and strings; what is not a finite number is None."""
-        return plain(self)
+        return to_plain(self)
 
     def to_json(self, indent: int | None = 2) -> str:
         """Strict JSON: null where there is no finite number."""
@@ -209,20 +209,20 @@ def _sentence(surface: CmcSurface, scale: float) -> str:
     return f"{surface.harmonic.status.sentence} {Status.GAP.sentence} The gap is {scale * surface.gap:.4g} long."
 
 
-def plain(value: Any) -> Any:
+def to_plain(value: Any) -> Any:
     """Dataclasses, arrays, enums and numpy numbers as JSON knows them; nan and infinity become None."""
     if is_dataclass(value) and not isinstance(value, type):
-        return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
+        return {field.name: to_plain(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
+        return {str(key): to_plain(item) for key, item in value.items()}
     if isinstance(value, np.ndarray):
-        return plain(value.tolist())
+        return to_plain(value.tolist())
     if isinstance(value, (list, tuple)):
-        return [plain(item) for item in value]
+        return [to_plain(item) for item in value]
     if isinstance(value, Enum):
-        return plain(value.value)
+        return to_plain(value.value)
     if isinstance(value, np.generic):
-        return plain(value.item())
+        return to_plain(value.item())
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value

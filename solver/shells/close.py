@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..closing.close import Closing, Progress, close_periods
+from ..closing.close import ClosingResult, Progress, close_periods
 from ..closing.holes import MOTIONS, MovingHoles
 from ..domain.domain import Domain
 from ..errors import JobError
-from ..measure.report import plain
+from ..measure.report import to_plain
 from ..surface.placement import plan_plane, rim_weights
 from ..surface.solve import CmcSolver
 from .gaps import hole_loops
 from .plan import Plan, Settings, plan_conditions, plan_domain
-from .shell import Formed, form_surface
+from .shell import Shell, form_surface
 from .solve import solve_plan
 
 Array = NDArray[np.float64]
@@ -39,7 +39,7 @@ _LEVEL = 0.9
 
 
 @dataclass(frozen=True, eq=False)
-class Closure:
+class ClosingOptions:
     """How the gaps around the holes of a plan are to be closed.
 
     by: of `WAYS`. weight: with "both", of the motions of holes (see `close_periods`): the larger, the less they move.
@@ -73,9 +73,9 @@ class ClosedShell:
     """formed: the shell that was reached. plan: the one given, with other positions where its holes moved. moving: of
     those holes, None where they stay."""
 
-    formed: Formed
+    shell: Shell
     plan: Plan
-    closing: Closing
+    closing: ClosingResult
     moving: MovingHoles | None
 
     @property
@@ -99,18 +99,18 @@ class ClosedShell:
             mean = np.sqrt(np.mean(turned**2))
             words.append(f"Normals along the boundary turned by {turned.max():.1f}° at most (RMS {mean:.1f}°).")
         kinds = {"twist": "{:+.2g}°", "size": "× {:.3g}"}
-        told = [
+        reported = [
             f"{name} {kinds.get(name.rpartition(' ')[2], '{:+.3g}').format(q)}" for name, q in self.moved.items() if q
         ]
-        if told:
-            words.append(f"Holes moved: {', '.join(told)}.")
+        if reported:
+            words.append(f"Holes moved: {', '.join(reported)}.")
         return " ".join(words)
 
 
 def close_plan(
     plan: Plan,
     settings: Settings,
-    closure: Closure,
+    closure: ClosingOptions,
     *,
     solver: CmcSolver | None = None,
     initial: ArrayLike | None = None,
@@ -122,7 +122,7 @@ def close_plan(
     solver: one for the plan's domain. initial (V, 3): normals to start from, of an earlier solve. progress(step, gap)
     is called at every step of Newton's method; False cancels. The groups of the plan stay what they are.
     Raises `CmcError` on plans without holes and on what cannot be solved for; a shell that does not close is told by
-    `Formed.converged` and `Formed.message`.
+    `Shell.converged` and `Shell.message`.
     """
     _check_sites(settings)
     plan = replace(plan, positions=np.asarray(plan.positions, dtype=np.float64))
@@ -145,13 +145,13 @@ def close_plan(
     )
     if moving is not None and closing.moduli.any():
         plan, solver = replace(plan, positions=moving.positions(closing.moduli)), CmcSolver(closing.domain)
-    formed = form_surface(plan, settings, closing.surface, solver, intersections=intersections)
-    closed = ClosedShell(formed, plan, closing, moving)
-    return replace(closed, formed=_told(formed, closed))
+    shell = form_surface(plan, settings, closing.surface, solver, intersections=intersections)
+    closed = ClosedShell(shell, plan, closing, moving)
+    return replace(closed, shell=_reported(shell, closed))
 
 
 def closing_report(closed: ClosedShell) -> dict[str, Any]:
-    """What there is to know about the closing, as plain data; angles in degrees."""
+    """What there is to know about the closing, as to_plain data; angles in degrees."""
     closing = closed.closing
     turned = np.degrees(closing.turned)
     return {
@@ -161,10 +161,10 @@ def closing_report(closed: ClosedShell) -> dict[str, Any]:
         "steps": len(closing.gaps) - 1,
         "gap_before": closing.gaps[0],
         "gap": closing.gaps[-1],
-        "left": plain(closing.left),
+        "left": to_plain(closing.left),
         "largest_turn": float(turned.max(initial=0.0)),
         "rms_turn": float(np.sqrt(np.mean(turned**2))) if turned.size else 0.0,
-        "moved": plain(closed.moved),
+        "moved": to_plain(closed.moved),
         "area_ratio": float(closing.area_ratio),
     }
 
@@ -177,7 +177,7 @@ def _check_sites(settings: Settings) -> None:
         )
 
 
-def _moving(plan: Plan, domain: Domain, closure: Closure) -> MovingHoles | None:
+def _moving(plan: Plan, domain: Domain, closure: ClosingOptions) -> MovingHoles | None:
     if closure.by not in MOVING:
         return None
     if plan.lengths is not None:
@@ -194,12 +194,12 @@ def _moving(plan: Plan, domain: Domain, closure: Closure) -> MovingHoles | None:
     return MovingHoles(domain, plan.positions, [loops[number - 1] for number in numbers], closure.move)
 
 
-def _told(formed: Formed, closed: ClosedShell) -> Formed:
+def _reported(shell: Shell, closed: ClosedShell) -> Shell:
     """The shell with what the closing says as its message, and where it failed as its first warning."""
     if not closed.closing.closed:
-        others = [note for note in formed.warnings if note != formed.report.sentence]
-        return replace(formed, message=closed.message, warnings=[closed.message, *others])
-    return replace(formed, message=closed.message) if formed.converged else formed
+        others = [note for note in shell.warnings if note != shell.report.sentence]
+        return replace(shell, message=closed.message, warnings=[closed.message, *others])
+    return replace(shell, message=closed.message) if shell.converged else shell
 
 
 def _share(part: float) -> str:

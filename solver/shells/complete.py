@@ -15,14 +15,14 @@ from ..symmetry.complete import MOST_COPIES, complete
 from ..symmetry.completion import Completion
 from .plan import Plan
 from .plan_sides import plan_sides
-from .shell import Formed, placed_normals, sheet_polygons
+from .shell import Shell, placed_normals, sheet_polygons
 
 Array = NDArray[np.float64]
 Int = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
-class Extent:
+class CopySelection:
     """Which copies of a shell there shall be; by default all, or one unit cell where they have no end.
 
     sides: names of the groups across which the shell goes on; None: those that say so (`plan_sides.goes_on`).
@@ -42,7 +42,7 @@ class Extent:
 class Completed:
     """A shell and its copies, in world units; see `Completion` for what they are."""
 
-    formed: Formed
+    shell: Shell
     completion: Completion
 
     @property
@@ -62,27 +62,27 @@ class Completed:
     @cached_property
     def transforms(self) -> Array:
         """(K, 4, 4), each to be applied to the placed sheet that its copy shows; reflections have a determinant < 0."""
-        return self.completion.transforms(self.formed.similarity)
+        return self.completion.transforms(self.shell.similarity)
 
     @property
     def lattice(self) -> Array:
         """(k, 3) translations by which the completed shell repeats."""
-        similarity = self.formed.similarity
+        similarity = self.shell.similarity
         return similarity.scale * similarity.directions(self.completion.lattice)
 
     def piece(self, sheet: str) -> Array:
         """Points (n, 3) of a placed sheet whose sides lie exactly in their planes, so that instances meet."""
-        return self.formed.similarity.points(self.completion.piece(sheet))
+        return self.shell.similarity.points(self.completion.piece(sheet))
 
     @cached_property
     def points(self) -> Array:
         """(n, 3) of the welded mesh."""
-        return self.formed.similarity.points(self.completion.mesh.vertices)
+        return self.shell.similarity.points(self.completion.mesh.vertices)
 
     @cached_property
     def normals(self) -> Array:
         """(n, 3) of the welded mesh, on the side from which its faces are counter-clockwise."""
-        return placed_normals(self.completion.mesh.normals, "f+", self.formed.similarity)
+        return placed_normals(self.completion.mesh.normals, "f+", self.shell.similarity)
 
     @property
     def source(self) -> NDArray[np.int32]:
@@ -92,7 +92,7 @@ class Completed:
     @property
     def largest_gap(self) -> float:
         """How far apart neighbours were before their seams were closed, at most; a length in world units."""
-        return self.formed.similarity.scale * max((gap.largest for gap in self.completion.gaps), default=0.0)
+        return self.shell.similarity.scale * max((gap.largest for gap in self.completion.gaps), default=0.0)
 
     @property
     def relative_gap(self) -> float:
@@ -103,14 +103,14 @@ class Completed:
     def largest_offset(self) -> float:
         """How far apart sides came out that are in one plane, at most; a length in world units."""
         apart = [offset.distance for offset in self.completion.offsets]
-        return self.formed.similarity.scale * max(apart, default=0.0)
+        return self.shell.similarity.scale * max(apart, default=0.0)
 
     def polygons(self, plan: Plan, *, triangles: bool = False) -> Polygons:
         """The faces of the welded mesh as the plan was drawn, or its triangles."""
         assert plan.polygons is not None and plan.triangle_polygons is not None
-        pieces, owner = list(self.formed.faces), plan.triangle_polygons
+        pieces, owner = list(self.shell.faces), plan.triangle_polygons
         if not triangles:
-            pieces, owner = sheet_polygons(plan.polygons, plan.triangle_polygons, plan.triangles, self.formed.faces)
+            pieces, owner = sheet_polygons(plan.polygons, plan.triangle_polygons, plan.triangles, self.shell.faces)
         return Polygons.of(self.completion, pieces, np.asarray(owner))
 
     def summary(self) -> str:
@@ -153,15 +153,15 @@ class Polygons:
         return np.split(self.corners.astype(np.int32), self.starts[1:-1])
 
 
-def complete_plan(plan: Plan, formed: Formed, extent: Extent, sheet: str = "f+") -> Completed:
+def complete_plan(plan: Plan, shell: Shell, extent: CopySelection, sheet: str = "f+") -> Completed:
     """The copies of a placed shell across the groups of its plan that it goes on across.
 
     Counts and transforms are cheap; the welded mesh is made where it is asked for. Raises `JobError` where there is no
     such group, `SymmetryError` where the planes contradict each other or the copies have no end.
     """
-    surface = formed.surface
+    surface = shell.surface
     sides = plan_sides(plan, surface.domain, extent.sides)
-    choice = {"copies": extent.copies, "box": extent.box, "around": extent.around, "frame": formed.similarity}
+    choice = {"copies": extent.copies, "box": extent.box, "around": extent.around, "frame": shell.similarity}
     found = complete(surface, sides, sheet=sheet, **choice)  # type: ignore[arg-type]
     if extent.repeat != 1:
         known = len(found.lattice)
@@ -173,4 +173,4 @@ def complete_plan(plan: Plan, formed: Formed, extent: Extent, sheet: str = "f+")
             raise JobError(f"There would be {count} copies, and {MOST_COPIES} are the most; repeat them less often.")
         if max(times, default=1) > 1:
             found = complete(surface, sides, sheet=sheet, repeat=times, **choice)  # type: ignore[arg-type]
-    return Completed(formed, found)
+    return Completed(shell, found)

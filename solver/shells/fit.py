@@ -12,28 +12,28 @@ from numpy.typing import NDArray
 from ..errors import JobError
 from ..fitting.fit import Fit, Progress
 from ..fitting.gauss_map import fit_gauss_map
-from ..fitting.goals import KNOBS
+from ..fitting.goals import HEIGHT_PARAMETERS
 from ..fitting.outline import fit_outline
 from ..surface.placement import Plane, Similarity
 from ..surface.solve import CmcSolver
 from .plan import SHEETS, Plan, Settings, plan_domain
 from .rim_curves import curves_of_loops
-from .shell import Formed, finish
+from .shell import Shell, finish
 
 Array = NDArray[np.float64]
 Anchors = tuple[NDArray[np.integer], Array, Array]
 
 
 @dataclass(frozen=True, eq=False)
-class Wish:
+class Goal:
     """What a shell shall come near to: an outline, anchors, or with `approximate` the mesh of the plan itself.
 
     on_curve: whether the rim shall lie on `curves`, closed polylines (m, 3) given to the loops of the plan as
     `curves_of_loops` says; None is the plan's own outline.
-    knob: of `KNOBS`, with its `value`; None leaves it to `fit_outline`, where free_heights, anchors, tilt (radians),
-    smooth and sheet are explained, too.
-    regularisation, near: see `fit_gauss_map`, which chooses the sheet itself. max_evaluations: None is either's own.
-    Raises `JobError` on a knob or a sheet that is none.
+    height_parameter: of `HEIGHT_PARAMETERS`, with its `value`; None leaves it to `fit_outline`, where free_heights,
+    anchors, tilt (radians), smooth and sheet are explained, too. regularisation, near: see `fit_gauss_map`, which
+    chooses the sheet itself. max_evaluations: None is either's own. Raises `JobError` on a height_parameter or a sheet
+    that is none.
     """
 
     approximate: bool = False
@@ -41,7 +41,7 @@ class Wish:
     near: float = 0.0
     on_curve: bool = True
     curves: Sequence[Array] | None = None
-    knob: str | None = None
+    height_parameter: str | None = None
     value: float = 0.0
     free_heights: bool = False
     anchors: Anchors | None = None
@@ -51,25 +51,26 @@ class Wish:
     max_evaluations: int | None = None
 
     def __post_init__(self) -> None:
-        if self.knob is not None and self.knob not in KNOBS:
-            raise JobError(f'There is no wish for a "{self.knob}"; choose one of {", ".join(KNOBS)}.')
+        if self.height_parameter is not None and self.height_parameter not in HEIGHT_PARAMETERS:
+            known = ", ".join(HEIGHT_PARAMETERS)
+            raise JobError(f'A fit has no "{self.height_parameter}"; choose one of {known}.')
         if self.sheet not in SHEETS:
             raise JobError(f'There is no sheet "{self.sheet}"; choose f+ or f-.')
 
 
 def fit_plan(
     plan: Plan,
-    wish: Wish,
+    wish: Goal,
     *,
     solver: CmcSolver | None = None,
     progress: Progress | None = None,
     intersections: bool = True,
-) -> Formed:
-    """The CMC shell nearest to a wish, where it was wished for, and measured; `Formed.fit` says how near it is.
+) -> Shell:
+    """The CMC shell nearest to a wish, where it was wished for, and measured; `Shell.fit` says how near it is.
 
     solver: one for the plan's domain. progress(evaluation, value) is called every step; False cancels, and the best
     shell until then is the result. Raises `CmcError` on a wish that makes no sense; one that cannot be fulfilled is
-    told by `Formed.converged` and `Formed.message`.
+    told by `Shell.converged` and `Shell.message`.
     """
     positions = np.asarray(plan.positions, dtype=np.float64)
     solver = solver or CmcSolver(plan_domain(plan))
@@ -92,7 +93,7 @@ def fit_plan(
     )
 
 
-def _fit(solver: CmcSolver, positions: Array, lines: list[Array] | None, wish: Wish, progress: Progress | None) -> Fit:
+def _fit(solver: CmcSolver, positions: Array, lines: list[Array] | None, wish: Goal, progress: Progress | None) -> Fit:
     """What is not wished for is left to the fit."""
     call = partial(fit_gauss_map if wish.approximate else fit_outline, solver=solver, progress=progress)
     if wish.max_evaluations is not None:
@@ -101,8 +102,8 @@ def _fit(solver: CmcSolver, positions: Array, lines: list[Array] | None, wish: W
         if wish.near:
             call = partial(call, near=wish.near)
         return call(solver.domain, positions, regularisation=wish.regularisation)
-    if wish.knob is not None:
-        call = partial(call, **{wish.knob: wish.value})
+    if wish.height_parameter is not None:
+        call = partial(call, **{wish.height_parameter: wish.value})
     if wish.tilt is not None:
         call = partial(call, tilt=wish.tilt)
     return call(

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..domain.domain import Domain
 from ..domain.topology import Homology
 from ..surface.cmc_surface import CmcSurface
-from .shell import Formed
+from .shell import Shell
 
 Array = NDArray[np.float64]
 
@@ -46,21 +46,21 @@ class HoleGap:
         }
 
 
-def hole_gaps(formed: Formed) -> list[HoleGap]:
+def hole_gaps(shell: Shell) -> list[HoleGap]:
     """One a hole; on a plan with handles one a period, since not each of those belongs to a hole."""
-    surface, similarity, domain = formed.surface, formed.similarity, formed.surface.domain
+    surface, similarity, domain = shell.surface, shell.similarity, shell.surface.domain
     if not len(surface.periods):
         return []
     size = similarity.scale * float(np.linalg.norm(np.ptp(surface.f_plus, axis=0)))
     periods = similarity.scale * similarity.directions(period_vectors(surface))
-    points = formed.placed[formed.report.sheet]
+    points = shell.placed[shell.report.sheet]
     relative = (np.linalg.norm(periods, axis=1) / size).tolist()
     if _has_handles(domain):
         middle = points.mean(axis=0)
         return [HoleGap(f"period {k + 1}", period, relative[k], middle) for k, period in enumerate(periods)]
     gaps = []
     for k, loop in enumerate(hole_loops(domain)):
-        at, period = _ends(formed, points, domain.boundary_loops[loop], periods[k])
+        at, period = _ends(shell, points, domain.boundary_loops[loop], periods[k])
         gaps.append(HoleGap(f"hole {k + 1}", period, relative[k], at))
     return gaps
 
@@ -101,14 +101,14 @@ def turns_of_loops(homology: Homology) -> NDArray[np.int64]:
     return turns
 
 
-def _ends(formed: Formed, points: Array, loop: NDArray[np.integer], period: Array) -> tuple[Array, Array]:
+def _ends(shell: Shell, points: Array, loop: NDArray[np.integer], period: Array) -> tuple[Array, Array]:
     """Where the gap begins, and the period as it leads from there to its other end."""
     length = np.linalg.norm(period)
     for vertex in loop.tolist():
-        rows = np.flatnonzero(formed.source == vertex)
+        rows = np.flatnonzero(shell.source == vertex)
         for row in rows[1:].tolist():
             jump = points[row] - points[rows[0]]
             for sign in (1.0, -1.0):
                 if np.linalg.norm(jump - sign * period) <= _SAME * length:
                     return points[rows[0]], jump
-    return points[np.isin(formed.source, loop)].mean(axis=0), period
+    return points[np.isin(shell.source, loop)].mean(axis=0), period

@@ -13,7 +13,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
-from .shell import Formed, placed_normals
+from .shell import Shell, placed_normals
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -66,13 +66,13 @@ class PolygonSheet:
         return _winners(_sums(np.repeat(number, 3), self.vertices[rows].ravel(), near, int(drawn.max()) + 1) @ around)
 
 
-def polygon_sheet(formed: Formed, sheet: str, combinatorics: str) -> PolygonSheet:
+def polygon_sheet(shell: Shell, sheet: str, combinatorics: str) -> PolygonSheet:
     """A placed sheet ("f+", "f-", "g", "gauss") as "dual" or "corner" mesh; `formed.placed` has the "primal" one."""
-    surface, similarity = formed.surface, formed.similarity
+    surface, similarity = shell.surface, shell.similarity
     mesh = surface.as_mesh(sheet, combinatorics)
     own = surface.graph.domain is surface.domain
     # the Gauss image is placed by a translation of its own: by that of any of its points
-    moved = formed.placed[sheet][0] - similarity.points(surface.sheet(sheet)[0])
+    moved = shell.placed[sheet][0] - similarity.points(surface.sheet(sheet)[0])
     return PolygonSheet(
         points=similarity.points(mesh.vertices) + moved,
         normals=placed_normals(mesh.normals, sheet, similarity),

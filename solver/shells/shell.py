@@ -33,7 +33,7 @@ _LEAN = 5.0
 
 
 @dataclass(frozen=True, eq=False)
-class Formed:
+class Shell:
     """A shell over its plan, in world units.
 
     surface: what the solver gave, at H = ½. similarity: from its points to the placed ones.
@@ -82,7 +82,7 @@ def form_surface(
     solver: CmcSolver,
     *,
     intersections: bool | Callable[[], bool] = True,
-) -> Formed:
+) -> Shell:
     """Size, place and measure a surface over its plan, as `form` does with what it has solved for."""
     check_shown(surface, settings.sheet)
     plane, similarity = place_over(plan, settings, surface)
@@ -102,7 +102,7 @@ def finish(
     outline: Array | list[Array],
     fit: Fit | None = None,
     intersections: bool | Callable[[], bool] = True,
-) -> Formed:
+) -> Shell:
     """Place a surface and measure it. `plane` has the vertical; `outline`: see `report`."""
     sheets = check_shown(surface, settings.sheet)
     placed, normals = placed_sheets(surface, similarity, plane, sheets)
@@ -119,7 +119,7 @@ def finish(
     notes = plan_warnings(plan, solver.domain) + _warnings(plan, surface, settings, similarity, measured)
     if fit is not None and not fit.met:
         notes.insert(0, fit.message)
-    return Formed(
+    return Shell(
         surface=surface,
         similarity=similarity,
         placed=placed,

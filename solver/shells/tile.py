@@ -11,16 +11,16 @@ from ..errors import JobError
 from ..symmetry.complete import MOST_COPIES, complete
 from .complete import Completed
 from .gaps import period_vectors
-from .shell import Formed
+from .shell import Shell
 
 
-def tile_plan(formed: Formed, repeat: Sequence[int], sheet: str = "f+") -> Completed:
+def tile_plan(shell: Shell, repeat: Sequence[int], sheet: str = "f+") -> Completed:
     """The copies k₁ p₁ + k₂ p₂ + …, 0 ≤ kᵢ < repeatᵢ, of a placed shell that is cut open, pᵢ as in `hole_gaps`.
 
     Holes beyond those that `repeat` names count once. Counts and transforms are cheap; the welded mesh is made where it
     is asked for. Raises `JobError` on a shell that closes and on too many copies.
     """
-    surface = formed.surface
+    surface = shell.surface
     if not surface.is_open:
         raise JobError("The shell closes around the holes of its plan: it has no periods to be repeated by.")
     vectors = period_vectors(surface)
@@ -29,7 +29,7 @@ def tile_plan(formed: Formed, repeat: Sequence[int], sheet: str = "f+") -> Compl
     # around nothing is the shell alone; what generates the copies are the translations
     chosen = [n for n, moves in zip(times, moving.tolist(), strict=True) if moves]
     found = complete(surface, around=[()], translations=vectors[moving], repeat=chosen, sheet=sheet)
-    return Completed(formed, found)
+    return Completed(shell, found)
 
 
 def tile_times(holes: int, repeat: Sequence[int]) -> list[int]:

@@ -29,8 +29,8 @@ _UPHILL = ("saddle", "critical")
 
 
 @dataclass(frozen=True, eq=False)
-class Answer:
-    """A surface, its placing, and points and normals (n, 3) of the placed sheets, as in `pipeline.Formed`."""
+class Update:
+    """A surface, its placing, and points and normals (n, 3) of the placed sheets, as in `pipeline.Shell`."""
 
     surface: CmcSurface
     similarity: Similarity
@@ -38,7 +38,7 @@ class Answer:
     normals: dict[str, Array]
 
 
-def answer(
+def update(
     plan: Plan,
     settings: Settings,
     solver: CmcSolver,
@@ -46,7 +46,7 @@ def answer(
     *,
     steps: int | None = None,
     progress: Progress | None = None,
-) -> Answer:
+) -> Update:
     """The shell that goes on from the normals `last` (S, 3) of the one before, on the plan's own `solver`.
 
     steps: of Newton's method, at most; None: until the residual is `ROUGHLY` zero. The shell keeps to the branch that
@@ -68,4 +68,4 @@ def answer(
         surface = solve_plan(plan, rough, solver, progress=progress)
     sheets = check_shown(surface, rough.sheet)
     plane, similarity = place_over(plan, rough, surface)
-    return Answer(surface, similarity, *placed_sheets(surface, similarity, plane, sheets))
+    return Update(surface, similarity, *placed_sheets(surface, similarity, plane, sheets))

@@ -92,5 +92,5 @@ def lines_on_polygons(sheet: PolygonSheet, lines: Array, source: ArrayLike, vert
     found = np.stack([on_polygons(sheet, column, source, vertex_count) for column in tensors.T], axis=1)
     values, vectors = np.linalg.eigh(np.nan_to_num(found).reshape(-1, 3, 3))
     # where lines cross, the largest part is hardly larger than the next
-    told = values[:, 2] > 2.0 * values[:, 1].clip(min=0.0) + 1e-9
-    return np.where(told[:, None], vectors[:, :, 2], 0.0)
+    reported = values[:, 2] > 2.0 * values[:, 1].clip(min=0.0) + 1e-9
+    return np.where(reported[:, None], vectors[:, :, 2], 0.0)

@@ -68,7 +68,7 @@ class State(Reached):
     periods: Array
 
 
-class Extension:
+class AdjointSolver:
     """The surfaces of one domain as a function of the normals at its fixed boundary vertices.
 
     `solver` has normals at vertices. conditions: `fixed` (n,), sorted, are the vertices whose normals they prescribe,

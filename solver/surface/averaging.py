@@ -33,7 +33,7 @@ from ..gauss.dirichlet import Dirichlet
 from ..gauss.sphere import dot, normalize
 from ..linalg import sum_rows
 from .conjugate import Conjugate, cross
-from .mirror_galerkin import Settling
+from .mirror_galerkin import MirrorGalerkin
 from .plane_projection import VertexPlanes
 from .vertex_fit import face_fit_weights, fit_weights
 
@@ -75,7 +75,7 @@ def galerkin(a: Averaging) -> Array:
     g = a.dirichlet(held).solve(load, _fitted(a, held))
     if len(a.admissible.sides.edges) == 0:
         return g
-    return Settling(a.domain, a.admissible, a.dirichlet(a.admissible.fixed)).run(load, g)
+    return MirrorGalerkin(a.domain, a.admissible, a.dirichlet(a.admissible.fixed)).run(load, g)
 
 
 def _held(a: Averaging) -> Int:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..domain.domain import Domain
 from ..domain.sites import SiteGraph
-from ..errors import Status, chosen
+from ..errors import Status, check_choice
 from ..gauss.harmonic import HarmonicMap
 from .averaging import AVERAGINGS
 from .conjugate import Conjugate
@@ -104,7 +104,7 @@ class CmcSurface:
     def sheet(self, name: str) -> Array:
         """Points (n, 3) of "f+", "f-", "g", or "gauss" (the normals as points of a sphere of radius `scale`)."""
         sheets = {"f+": self.f_plus, "f-": self.f_minus, "g": self.g, "gauss": self.scale * self.normals}
-        chosen(name, sheets, "sheet")
+        check_choice(name, sheets, "sheet")
         return sheets[name]
 
     def as_mesh(self, sheet: str, combinatorics: str = "primal") -> PolygonMesh:
@@ -113,7 +113,7 @@ class CmcSurface:
         Those are of the domain on which the normals were solved for, `graph.domain`. Where the surface is cut open,
         vertices along the seam are repeated so that every polygon is whole.
         """
-        chosen(combinatorics, COMBINATORICS, "combinatorics")
+        check_choice(combinatorics, COMBINATORICS, "combinatorics")
         points = self.sheet(sheet)
         complex_of = COMBINATORICS[combinatorics].complex
         if complex_of is None:

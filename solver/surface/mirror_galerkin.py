@@ -26,7 +26,7 @@ _SETTLED = 1e-3
 _MOST_STEPS = 60
 
 
-class Settling:
+class MirrorGalerkin:
     """The rows of g that mirrors leave free, and how."""
 
     def __init__(self, domain: Domain, admissible: Admissible, dirichlet: Dirichlet) -> None:

@@ -13,7 +13,7 @@ from ..domain.delaunay import carried_cut, intrinsic_delaunay
 from ..domain.domain import Domain
 from ..domain.sites import SiteGraph
 from ..domain.topology import CutSurface
-from ..errors import ConditionError, chosen
+from ..errors import ConditionError, check_choice
 from ..gauss.admissible import resolved
 from ..gauss.boundary_data import Conditions
 from ..gauss.harmonic import HarmonicMap, HarmonicSolver
@@ -80,7 +80,7 @@ class CmcSolver:
     ) -> CmcSurface:
         """See `solve_cmc`."""
         scale = _scale(mean_curvature)
-        chosen(averaging, AVERAGINGS, "average")
+        check_choice(averaging, AVERAGINGS, "average")
         _check_period_tolerance(period_tolerance)
         if self._carried:
             conditions = conditions.carried(self._carried.edges)

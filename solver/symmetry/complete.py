@@ -16,7 +16,7 @@ from ..surface.cmc_surface import CmcSurface
 from ..surface.placement import Similarity
 from .arrangement import arrange
 from .completion import Completion
-from .isometries import Copy, Found, cell, generate, translation
+from .isometries import Found, Isometry, cell, generate, translation
 from .own_symmetry import translation_seams
 from .seams import Seam, cut_seams, side_seams
 from .sides import Side, SymmetryError, surface_size
@@ -102,7 +102,7 @@ def complete(
     return Completion(surface, sheet, made, seams, _neighbours(made, steps, within), own, arrangement)
 
 
-def _check_extent(surface: CmcSurface, sheet: str, made: Sequence[Copy]) -> None:
+def _check_extent(surface: CmcSurface, sheet: str, made: Sequence[Isometry]) -> None:
     other = "f-" if sheet == "f+" else "f+"
     for name, needed in ((sheet, True), (other, any(copy.sheet < 0 for copy in made))):
         if needed and surface.is_degenerate(name):
@@ -130,12 +130,12 @@ def _vectors(translations: ArrayLike) -> Array:
 def _in_box(
     surface: CmcSurface,
     sheet: str,
-    steps: Sequence[Copy],
+    steps: Sequence[Isometry],
     corners: ArrayLike,
     frame: Similarity,
     tolerance: float,
     limit: int,
-) -> list[Copy]:
+) -> list[Isometry]:
     """Copies whose centre is in the box; the way to them may lead through copies one piece beyond."""
     box = as_numbers(corners, "The corners of a box", SymmetryError)
     if box.shape != (2, 3) or not (box[0] < box[1]).all():
@@ -143,7 +143,7 @@ def _in_box(
     middles = _middles(surface, sheet)
     beyond = frame.scale * surface_size(surface)
 
-    def inside(copy: Copy, margin: float) -> bool:
+    def inside(copy: Isometry, margin: float) -> bool:
         centre = frame.points(copy.points(middles[copy.sheet]))
         return bool((centre >= box[0] - margin).all() and (centre <= box[1] + margin).all())
 
@@ -162,12 +162,12 @@ def _middles(surface: CmcSurface, sheet: str) -> dict[int, Array]:
     return {1: surface.sheet(sheet).mean(axis=0), -1: surface.sheet(other).mean(axis=0)}
 
 
-def _seam_sizes(surface: CmcSurface, seams: Sequence[Seam]) -> list[tuple[Copy, float]]:
+def _seam_sizes(surface: CmcSurface, seams: Sequence[Seam]) -> list[tuple[Isometry, float]]:
     """The step across each seam, and how large the seam is."""
     return [(seam.step, float(np.linalg.norm(np.ptp(surface.f_plus[seam.here], axis=0)))) for seam in seams]
 
 
-def _around(seams: Sequence[Seam], groups: Sequence[Sequence[str]], tolerance: float, limit: int) -> list[Copy]:
+def _around(seams: Sequence[Seam], groups: Sequence[Sequence[str]], tolerance: float, limit: int) -> list[Isometry]:
     """The orbit of the piece under the group of the first names, of that orbit under the group of the next, …"""
     steps = {seam.name: seam.step for seam in seams}
     made = [translation(np.zeros(3))]
@@ -188,8 +188,8 @@ def _around(seams: Sequence[Seam], groups: Sequence[Sequence[str]], tolerance: f
 
 
 def _repeated(
-    made: list[Copy], vectors: Array, repeat: int | Sequence[int], tolerance: float, limit: int
-) -> list[Copy]:
+    made: list[Isometry], vectors: Array, repeat: int | Sequence[int], tolerance: float, limit: int
+) -> list[Isometry]:
     times = [repeat] * len(vectors) if isinstance(repeat, (int, np.integer)) else list(repeat)
     if isinstance(repeat, (int, np.integer)) and repeat != 1 and not len(vectors):
         raise SymmetryError("There is no translation to repeat the copies by; give one, or a number of copies.")
@@ -202,8 +202,8 @@ def _repeated(
 
 
 def _distinct(
-    made: Sequence[Copy], images: Sequence[Callable[[Copy], Copy]], tolerance: float, limit: int
-) -> list[Copy]:
+    made: Sequence[Isometry], images: Sequence[Callable[[Isometry], Isometry]], tolerance: float, limit: int
+) -> list[Isometry]:
     found = Found(tolerance)
     for image in images:
         for copy in made:
@@ -215,7 +215,7 @@ def _distinct(
     return found.copies
 
 
-def _neighbours(made: Sequence[Copy], steps: Sequence[Copy], tolerance: float) -> NDArray[np.int64]:
+def _neighbours(made: Sequence[Isometry], steps: Sequence[Isometry], tolerance: float) -> NDArray[np.int64]:
     found = Found(tolerance)
     for copy in made:
         found.add(copy)

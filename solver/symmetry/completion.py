@@ -12,10 +12,10 @@ from ..domain.gluing import Glued, check_glued, glue
 from ..surface.cmc_surface import CmcSurface
 from ..surface.placement import Similarity
 from .arrangement import Arrangement, Corner, Offset
-from .isometries import Copy
+from .isometries import Isometry
 from .seams import Seam
 from .sides import SidePlane, surface_size
-from .weld import CompletedMesh, Gap, seated, welded
+from .weld import CompletedMesh, Gap, snapped_to_planes, welded
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -34,7 +34,7 @@ class Completion:
 
     surface: CmcSurface
     sheet: str
-    copies: list[Copy]
+    copies: list[Isometry]
     seams: list[Seam]
     neighbours: NDArray[np.int64]
     lattice: Array
@@ -92,14 +92,14 @@ class Completion:
 
     def piece(self, sheet: str) -> Array:
         """Points (n, 3) of a sheet with its sides exactly in their planes, so that plain instances of it meet."""
-        return seated(self.surface, sheet, self.planes)
+        return snapped_to_planes(self.surface, sheet, self.planes)
 
     @property
     def _sign(self) -> int:
         return 1 if self.sheet == "f+" else -1
 
     @cached_property
-    def _shown(self) -> list[tuple[Copy, str]]:
+    def _shown(self) -> list[tuple[Isometry, str]]:
         return list(zip(self.copies, self.sheets, strict=True))
 
     @cached_property

@@ -25,7 +25,7 @@ _SAME = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
-class Whole:
+class GluedMap:
     """domain: of all copies. normals: (V, 3) the map on it. members: (K, n) the vertex of each row of each copy."""
 
     domain: Domain
@@ -33,7 +33,7 @@ class Whole:
     members: NDArray[np.int64]
 
 
-def whole(completion: Completion) -> Whole:
+def whole(completion: Completion) -> GluedMap:
     """The domain of the copies of a completion, and the Gauss map on it (paper, Appendix G).
 
     Where no copy is missing and the surface closes the domain is closed; else sides without a neighbour are its
@@ -66,4 +66,4 @@ def whole(completion: Completion) -> Whole:
             f"Copies of the surface do not agree about the normals along their sides, which differ by {off:.1e}; "
             "solve with the conditions that belong to the sides, to a smaller tolerance."
         )
-    return Whole(joined, normals, members)
+    return GluedMap(joined, normals, members)

@@ -22,7 +22,7 @@ _COARSE = 4.0
 
 
 @dataclass(frozen=True, eq=False)
-class Copy:
+class Isometry:
     """x ↦ linear x + translation, applied to the sheet f+ (sheet = 1) or f- (-1), whose normal is sheet × linear N.
 
     linear: (3, 3) orthogonal; faces walk the other way round where its determinant is negative. translation: (3,).
@@ -41,9 +41,9 @@ class Copy:
         """(4, 4), for points as columns (x, y, z, 1)."""
         return np.block([[self.linear, self.translation[:, None]], [np.zeros((1, 3)), np.ones((1, 1))]])
 
-    def then(self, inner: Copy) -> Copy:
+    def then(self, inner: Isometry) -> Isometry:
         """This isometry after `inner`; the sheet switches if either does."""
-        return Copy(
+        return Isometry(
             self.linear @ inner.linear,
             self.linear @ inner.translation + self.translation,
             self.sheet * inner.sheet,
@@ -53,40 +53,40 @@ class Copy:
         """Images (n, 3) of points (n, 3)."""
         return np.asarray(points, dtype=np.float64) @ self.linear.T + self.translation
 
-    def placed(self, similarity: Similarity) -> Copy:
+    def placed(self, similarity: Similarity) -> Isometry:
         """The same copy of a surface that was placed: S C S⁻¹ for the similarity S."""
         linear = similarity.linear @ self.linear @ similarity.linear.T
         moved = similarity.scale * similarity.linear @ self.translation + similarity.translation
-        return Copy(linear, moved - linear @ similarity.translation, self.sheet)
+        return Isometry(linear, moved - linear @ similarity.translation, self.sheet)
 
 
-def identity() -> Copy:
-    return Copy(np.eye(3), np.zeros(3), 1)
+def identity() -> Isometry:
+    return Isometry(np.eye(3), np.zeros(3), 1)
 
 
-def translation(vector: ArrayLike) -> Copy:
-    return Copy(np.eye(3), np.asarray(vector, dtype=np.float64), 1)
+def translation(vector: ArrayLike) -> Isometry:
+    return Isometry(np.eye(3), np.asarray(vector, dtype=np.float64), 1)
 
 
-def across(plane: SidePlane) -> Copy:
+def across(plane: SidePlane) -> Isometry:
     """How a surface goes on across a side: by reflection in its plane, or by inversion in its point."""
     sheet = -1 if plane.switches else 1
     if plane.normal is None:
-        return Copy(-np.eye(3), 2.0 * plane.point, sheet)
+        return Isometry(-np.eye(3), 2.0 * plane.point, sheet)
     n = plane.normal
-    return Copy(np.eye(3) - 2.0 * np.outer(n, n), 2.0 * plane.offset * n, sheet)
+    return Isometry(np.eye(3) - 2.0 * np.outer(n, n), 2.0 * plane.offset * n, sheet)
 
 
 class Found:
     """Copies found so far, each once: equal where turn and sheet are, and translations up to `tolerance`."""
 
     def __init__(self, tolerance: float) -> None:
-        self.copies: list[Copy] = []
+        self.copies: list[Isometry] = []
         self._tolerance = tolerance
         self._turns = np.zeros((0, 3, 3))
         self._cells: dict[tuple[int, ...], list[int]] = {}
 
-    def turn(self, copy: Copy) -> int:
+    def turn(self, copy: Isometry) -> int:
         """The number of its linear part; a new one where there is none like it."""
         if len(self._turns):
             differences = np.abs(self._turns - copy.linear).max(axis=(1, 2))
@@ -96,7 +96,7 @@ class Found:
         self._turns = np.concatenate([self._turns, copy.linear[None]])
         return len(self._turns) - 1
 
-    def index(self, copy: Copy) -> int:
+    def index(self, copy: Isometry) -> int:
         """Of the same copy, -1 if it is new."""
         turn = self.turn(copy)
         x, y, z = np.floor(copy.translation / (2.0 * self._tolerance) - 0.5).astype(np.int64).tolist()
@@ -106,7 +106,7 @@ class Found:
                     return known
         return -1
 
-    def add(self, copy: Copy) -> int:
+    def add(self, copy: Isometry) -> int:
         cell = np.floor(copy.translation / (2.0 * self._tolerance)).astype(np.int64)
         key = (self.turn(copy), copy.sheet, *cell.tolist())
         self._cells.setdefault(key, []).append(len(self.copies))
@@ -115,8 +115,8 @@ class Found:
 
 
 def generate(
-    generators: Sequence[Copy], tolerance: float, wanted: Callable[[Copy], bool], limit: int
-) -> tuple[list[Copy], bool]:
+    generators: Sequence[Isometry], tolerance: float, wanted: Callable[[Isometry], bool], limit: int
+) -> tuple[list[Isometry], bool]:
     """Copies reached from the identity breadth-first, across one generator after the other, while `wanted`.
 
     Returns them, at most `limit`, and whether that was all of them.
@@ -136,7 +136,7 @@ def generate(
     return found.copies, True
 
 
-def cell(generators: Sequence[Copy], tolerance: float, limit: int) -> tuple[list[Copy], Array]:
+def cell(generators: Sequence[Isometry], tolerance: float, limit: int) -> tuple[list[Isometry], Array]:
     """One copy of each turn and sheet, reached breadth-first, and a basis (k, 3) of the translations of the group.
 
     The copies are a unit cell: translated by all integer combinations of the basis they are the whole group (the

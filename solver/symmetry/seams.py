@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..domain.connectivity import after, before
 from ..surface.cmc_surface import CmcSurface
-from .isometries import Copy, across, translation
+from .isometries import Isometry, across, translation
 from .sides import SidePlane
 
 Array = NDArray[np.float64]
@@ -25,7 +25,7 @@ class Seam:
     """Row `here[i]` of a copy C is row `there[i]` of the copy C · `step`: the same row, but for cuts."""
 
     name: str
-    step: Copy
+    step: Isometry
     here: Int
     there: Int
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import CmcError, chosen
+from ..errors import CmcError, check_choice
 from ..gauss.frames import boundary_edges
 from ..linalg import as_numbers
 from ..surface.cmc_surface import CmcSurface
@@ -147,7 +147,7 @@ def side_plane(surface: CmcSurface, side: Side) -> SidePlane:
     not what its kind says (the normal given is wrong, or the condition was not imposed), or do not show the normal,
     and on surfaces that have collapsed to a point.
     """
-    chosen(side.kind, RULES, "kind of side")
+    check_choice(side.kind, RULES, "kind of side")
     rule = RULES[side.kind]
     edges = boundary_edges(surface.domain, side.edges)
     if edges.size == 0:

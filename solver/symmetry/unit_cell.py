@@ -14,7 +14,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from .isometries import Copy, Found
+from .isometries import Found, Isometry
 from .sides import SidePlane
 
 Array = NDArray[np.float64]
@@ -30,13 +30,13 @@ _BETTER = 1e-6
 
 
 def compact(
-    copies: Sequence[Copy],
+    copies: Sequence[Isometry],
     lattice: Array,
-    seams: Sequence[tuple[Copy, float]],
+    seams: Sequence[tuple[Isometry, float]],
     middles: dict[int, Array],
     planes: Sequence[SidePlane],
     tolerance: float,
-) -> list[Copy]:
+) -> list[Isometry]:
     """The same classes of copies, moved by integer combinations of `lattice` (k, 3) so that most of their seams meet.
 
     seams: steps across them, and how much each counts. middles: of the sheets 1 and -1, what is to be near to a point.
@@ -60,7 +60,7 @@ def compact(
     return best
 
 
-def joined(copies: Sequence[Copy], seams: Sequence[tuple[Copy, float]], tolerance: float) -> float:
+def joined(copies: Sequence[Isometry], seams: Sequence[tuple[Isometry, float]], tolerance: float) -> float:
     """How much the seams count across which there is a copy."""
     found = Found(tolerance)
     for copy in copies:

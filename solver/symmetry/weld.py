@@ -112,7 +112,7 @@ def welded(glued: Glued, points: Array, normals: Array, source: Int, gaps: list[
 Array = NDArray[np.float64]
 
 
-def seated(surface: CmcSurface, sheet: str, planes: Sequence[SidePlane]) -> Array:
+def snapped_to_planes(surface: CmcSurface, sheet: str, planes: Sequence[SidePlane]) -> Array:
     """Points (n, 3) of "f+" or "f-" whose rows along sides lie in the planes of these, or on the sphere of a free side.
 
     f± of a mirror lie in the plane of g, those of a tangent side in that plane moved by ± scale along the normal.

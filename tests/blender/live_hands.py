@@ -54,7 +54,7 @@ def solved_anew(addon, plan) -> np.ndarray:
     bpy.context.view_layer.update()
     order = forming.take_order(bpy.context, plan, forming.settings_of(plan.cmc))
     plan_cache.forget()
-    return order.work(lambda *_: True).formed.placed[forming.ROLES[plan.cmc.sheet]]
+    return order.work(lambda *_: True).shell.placed[forming.ROLES[plan.cmc.sheet]]
 
 
 def off_by(addon, plan) -> float:

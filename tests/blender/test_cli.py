@@ -187,9 +187,9 @@ def test_the_same_job_gives_the_same_shell_without_blender(tmp_path):
     from cmc_formfinding.solver.jobs.job import load_job, run_job
 
     shutil.copytree(JOBS, tmp_path / "assets" / "jobs")
-    formed = run_job(load_job(tmp_path / "assets" / "jobs" / "canopy.toml"))
+    shell = run_job(load_job(tmp_path / "assets" / "jobs" / "canopy.toml"))
     assert cli.run([str(tmp_path / "assets" / "jobs" / "canopy.toml"), "--output", str(tmp_path / "out")]) == 0
-    assert_allclose(positions(bpy.data.objects["canopy"].cmc.f_plus), formed.placed["f+"], rtol=0, atol=2e-4)
+    assert_allclose(positions(bpy.data.objects["canopy"].cmc.f_plus), shell.placed["f+"], rtol=0, atol=2e-4)
 
 
 def test_a_mesh_file_with_conditions(tmp_path):

@@ -255,7 +255,7 @@ def test_fitted_and_nearest_shells():
     plan = quad_disc(rings=8, columns=32)
     plan.cmc.colour_by = "DEVIATION"
     activate(plan)
-    assert bpy.ops.cmc.fit_outline(knob="HEIGHT", fit_height=1.5) == {"FINISHED"}
+    assert bpy.ops.cmc.fit_outline(height_parameter="HEIGHT", fit_height=1.5) == {"FINISHED"}
     off = numbers(plan.cmc.fit, "cmc_deviation")
     assert (off >= 0.0).sum() == 32 and off.max() < 0.05
     assert shown(plan.cmc.fit) == ("CMC", True)

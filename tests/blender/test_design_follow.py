@@ -64,7 +64,7 @@ def test_other_settings_count_too(following, plan):
     assert positions(plan.cmc.fit)[:, 2].min() == pytest.approx(-1.6, rel=5e-3)
     plan.cmc.fit_volume = 40.0
     assert run(following) == 1, "a number that is not chosen by does not count"
-    plan.cmc.knob = "VOLUME"
+    plan.cmc.height_parameter = "VOLUME"
     run(following)
     assert report(plan)["distances"]["volume"] < 0.05
 

@@ -1,4 +1,4 @@
-"""Fit to Outline: the knobs, what it is fitted to, which way up."""
+"""Fit to Outline: the height_parameters, what it is fitted to, which way up."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 from .designs import FEET, empties, fitted, nearest, off_line, raised_loop, report, rim_of, small_disc
 from .scenes import positions, quad_disc, values
 
-# --- the knobs ---
+# --- the height_parameters ---
 
 
 @pytest.mark.parametrize("rise", [0.15, 0.5, 1.0])
@@ -45,13 +45,13 @@ def test_rise_keeps_an_oblong_outline_wherever_it_lies():
 def test_height():
     plan = small_disc()
     plan.location.z = 3.0
-    points = fitted(plan, knob="HEIGHT", fit_height=1.5)
+    points = fitted(plan, height_parameter="HEIGHT", fit_height=1.5)
     assert points[:, 2].max() - 3.0 == pytest.approx(1.5, rel=2e-3)
 
 
 def test_volume():
     plan = small_disc()
-    points = fitted(plan, knob="VOLUME", fit_volume=40.0)
+    points = fitted(plan, height_parameter="VOLUME", fit_volume=40.0)
     x, y = points[:, 0], points[:, 1]
     found = 0.0
     for polygon in plan.cmc.fit.data.polygons:
@@ -65,7 +65,7 @@ def test_volume():
 
 def test_mean_curvature():
     plan = small_disc()
-    points = fitted(plan, knob="MEAN_CURVATURE", fit_mean_curvature=0.2)
+    points = fitted(plan, height_parameter="MEAN_CURVATURE", fit_mean_curvature=0.2)
     assert report(plan)["mean_curvature"] == pytest.approx(0.2)
     assert points[:, 2].max() == pytest.approx(2.0, rel=0.02)
     curvature = np.array(values(plan.cmc.fit.data.attributes["cmc_mean_curvature"]))

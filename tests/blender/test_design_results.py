@@ -87,8 +87,8 @@ def test_in_edit_mode(design):
 
 def test_settings_are_the_objects_unless_given():
     plan, other = small_disc("One"), small_disc("Other")
-    fitted(plan, knob="HEIGHT", fit_height=1.0)
-    assert (plan.cmc.knob, plan.cmc.fit_height, other.cmc.knob) == ("HEIGHT", 1.0, "RISE")
+    fitted(plan, height_parameter="HEIGHT", fit_height=1.0)
+    assert (plan.cmc.height_parameter, plan.cmc.fit_height, other.cmc.height_parameter) == ("HEIGHT", 1.0, "RISE")
     assert fitted(plan)[:, 2].max() == pytest.approx(1.0, rel=5e-3)
 
 

@@ -269,18 +269,18 @@ def test_every_setting_of_a_design_can_be_reached(plan) -> None:
     from cmc_formfinding.cmc_addon.properties.design_settings import (
         APPROXIMATE_SETTINGS,
         FIT_SETTINGS,
-        KNOB_PROPERTY,
+        HEIGHT_PROPERTY,
         POINTERS,
     )
 
     drawn = set()
     plan.cmc.limit_tilt, plan.cmc.match = True, "POSITION"
     for target in ("OUTLINE", "CURVE", "ANCHORS"):
-        for knob in KNOB_PROPERTY:
-            plan.cmc.fit_to, plan.cmc.knob = target, knob
+        for height_parameter in HEIGHT_PROPERTY:
+            plan.cmc.fit_to, plan.cmc.height_parameter = target, height_parameter
             record = draw("CMC_PT_design")
             drawn |= set(record.props)
-            assert record.props.count(KNOB_PROPERTY[knob]) == 1
+            assert record.props.count(HEIGHT_PROPERTY[height_parameter]) == 1
     assert {*APPROXIMATE_SETTINGS, *FIT_SETTINGS, *POINTERS.values()} == drawn
     assert record.operators == ["cmc.fit_outline", "cmc.approximate_surface"]
 

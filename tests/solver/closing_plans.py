@@ -8,7 +8,7 @@ import numpy as np
 
 from solver import CmcSurface, Conditions, Domain, Side, close_periods, conditions, shapes
 from solver.catalogue import modules
-from solver.closing.close import Closing
+from solver.closing.close import ClosingResult
 from solver.closing.moduli import tube
 from tests.solver.pieces import unduloid_normals
 
@@ -93,7 +93,7 @@ class Pentagon:
     held: Conditions
     floors: list[Side]
 
-    def close(self, method: str = "critical") -> Closing:
+    def close(self, method: str = "critical") -> ClosingResult:
         shape, axis = self.module.shape, self.module.normals["spoke"][:2]
         across = np.array([-np.sqrt(0.75), 0.5])
         outside = np.flatnonzero(shape.positions[shape.domain.faces].mean(axis=1) @ across > 0.0)
@@ -109,12 +109,12 @@ def pentagon(spoke: float, max_edge: float) -> Pentagon:
     return Pentagon(module, spoke, held, [Side(name, sides[name], "mirror", (0, 0, -1)) for name in ("inner", "outer")])
 
 
-def spoke_of(closing: Closing, plan: Pentagon) -> float:
+def spoke_of(closing: ClosingResult, plan: Pentagon) -> float:
     """The length that closing has found."""
     return _BEGIN + (plan.spoke - _BEGIN) * float(np.exp(closing.moduli[0]))
 
 
-def necks(closing: Closing, plan: Pentagon) -> tuple[float, float]:
+def necks(closing: ClosingResult, plan: Pentagon) -> tuple[float, float]:
     """The radii of the ring's tube and of the spoke at their ends."""
     sides, normals = plan.module.shape.sides, plan.module.normals
     ring, spoke = (neck(closing.surface, sides[name], normals[name]) for name in ("ring", "spoke"))

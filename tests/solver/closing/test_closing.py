@@ -20,7 +20,7 @@ from solver.closing.holes import hole
 from solver.closing.moduli import tube, tubes
 from solver.closing.newton_steps import boundary_product
 from solver.domain.topology import Homology
-from solver.surface.adjoint import Extension
+from solver.surface.adjoint import AdjointSolver
 from solver.surface.periods import harmonic_forms, integrals
 from tests.solver.closing_plans import courtyard
 
@@ -188,7 +188,7 @@ def test_the_derivative_by_moduli_against_differences():
     q = np.array([0.01, -0.02, 0.05, 0.03])
 
     def state(q):
-        extension = Extension(HarmonicSolver(moduli.domain(q)), rim)
+        extension = AdjointSolver(HarmonicSolver(moduli.domain(q)), rim)
         return extension, extension(extension.prescribed, tolerance=1e-12)
 
     extension, here = state(q)

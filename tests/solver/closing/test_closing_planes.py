@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 
 from solver import CmcSolver, ConditionError, Side, close_periods, conditions, shapes, side_plane
 from solver.closing.close import ClosingStatus
-from solver.closing.closing_conditions import Relations
+from solver.closing.closing_conditions import ClosingConditions
 from solver.closing.closing_map import ClosingMap
 from solver.closing.holes import hole
 from solver.closing.moduli import tube
@@ -50,7 +50,7 @@ def test_two_sides_on_one_mirror_close_by_the_length_of_a_tube(columns):
 
 def test_the_distance_of_planes_and_its_derivatives_against_differences():
     plan = half_tube(8)
-    relations = Relations.of(plan.domain, plan.held, sides_of(plan))
+    relations = ClosingConditions.of(plan.domain, plan.held, sides_of(plan))
     closing = ClosingMap(plan.held, relations, length_of(plan))
     surface = CmcSolver(plan.domain).solve(plan.held, tolerance=1e-12)
     at = lambda q, rim=closing.first: closing.at(np.array([q]), rim, None, 1e-12)  # noqa: E731
@@ -125,11 +125,11 @@ def test_feet_come_to_one_floor_by_the_normals_along_the_rest(way):
 def test_pieces_of_one_side_are_brought_together_and_sides_that_touch_are_one():
     shape, held, feet = arches()
     whole = Side("feet", np.concatenate([feet[0].edges, feet[1].edges]))
-    relations = Relations.of(shape.domain, held, [[whole]])
+    relations = ClosingConditions.of(shape.domain, held, [[whole]])
     assert relations.names == ("'feet' to 'feet'",) and relations.directions.shape == (1, 3)
     halves = [Side("left", feet[0].edges[:5]), Side("right", feet[0].edges[5:])]
     with pytest.raises(ConditionError, match="nothing to close"):
-        Relations.of(shape.domain, held, [halves])
+        ClosingConditions.of(shape.domain, held, [halves])
 
 
 def test_sides_that_cannot_lie_in_one_plane_are_refused():
@@ -146,7 +146,7 @@ def test_sides_that_cannot_lie_in_one_plane_are_refused():
     ]
     for domain, conditions_, group, message in cases:
         with pytest.raises(ConditionError, match=message):
-            Relations.of(domain, conditions_, [group])
+            ClosingConditions.of(domain, conditions_, [group])
     with pytest.raises(ConditionError, match="nothing to close"):
         close_periods(shape.domain, held)
     with pytest.raises(ConditionError, match="No normals are prescribed"):

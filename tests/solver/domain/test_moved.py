@@ -8,7 +8,7 @@ import scipy.sparse as sp
 from numpy.testing import assert_allclose
 
 from solver import CmcSolver, Domain, conditions, shapes
-from solver.linalg import Nearby, Patience, factorize
+from solver.linalg import Patience, ReusedFactor, factorize
 
 SITES = [("vertices", "cotan"), ("faces", "mobius"), ("faces_and_rim", "mobius")]
 
@@ -100,14 +100,14 @@ def test_solving_with_a_factor_nearby():
     rng = np.random.default_rng(1)
     A = sp.csr_array(sp.diags_array(rng.uniform(1, 2, 50)) + sp.eye_array(50, k=1) * 0.1 + sp.eye_array(50, k=-1) * 0.1)
     b = rng.normal(size=(50, 3))
-    near = Nearby(A, factorize(sp.csr_array(A + 0.1 * sp.diags_array(rng.uniform(0, 1, 50)))))
+    near = ReusedFactor(A, factorize(sp.csr_array(A + 0.1 * sp.diags_array(rng.uniform(0, 1, 50)))))
     assert_allclose(A @ near.solve(b), b, rtol=0, atol=1e-9)
     assert near.iterations is not None and 0 < near.iterations < 12
     assert_allclose(near.solve(b[:, 0]), near.solve(b)[:, 0], rtol=0, atol=1e-9)
     assert_allclose(near.solve(np.zeros(50)), 0.0, rtol=0, atol=0)
     scale = sp.diags_array(np.geomspace(1e-6, 1e6, 50))
     useless = factorize(sp.csr_array(scale))
-    far = Nearby(A, useless)
+    far = ReusedFactor(A, useless)
     assert_allclose(A @ far.solve(b), b, rtol=0, atol=1e-9)
     assert far.factor is not useless
 

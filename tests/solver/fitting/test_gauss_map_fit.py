@@ -10,7 +10,7 @@ from solver import ConditionError, Domain, conformal_distortion, fit_gauss_map, 
 from solver.fitting.closest_point import Triangles
 from solver.fitting.fit import FitStatus
 from solver.fitting.gauss_map import vertex_normals
-from solver.fitting.shape_similarity import LEAST, Likeness, bending, cosine, dirichlet_matrix
+from solver.fitting.shape_similarity import LEAST, ShapeSimilarity, bending, cosine, dirichlet_matrix
 from solver.fitting.target import Shape
 from tests.solver.exact import rates
 
@@ -210,7 +210,7 @@ def test_the_derivatives_of_likeness(height):
     domain, points = over_the_disc(150, height)
     random = np.random.default_rng(2)
     L = dirichlet_matrix(domain)
-    target = Likeness(points, L)
+    target = ShapeSimilarity(points, L)
     N = vertex_normals(domain, points)
     x, a, b = points + 0.1 * random.normal(size=points.shape), random.normal(size=N.shape), random.normal(size=N.shape)
 

@@ -100,20 +100,20 @@ tilt = 40
 
 def test_gaps_are_those_around_each_hole(tmp_path):
     """Against sums of tau over the edges that a walk along the hole crosses."""
-    formed = run_job(load_job(job_file(tmp_path, "", TWO)))
-    surface, domain = formed.surface, formed.surface.domain
+    shell = run_job(load_job(job_file(tmp_path, "", TWO)))
+    surface, domain = shell.surface, shell.surface.domain
     N, (i, j) = surface.harmonic.normals, domain.edges.T
     tau = domain.cotan_weights[:, None] * np.cross(N[i], N[j])
     tau[domain.boundary_edges] = 0.0
-    gaps, ends = hole_gaps(formed), []
+    gaps, ends = hole_gaps(shell), []
     assert [gap.name for gap in gaps] == ["hole 1", "hole 2"]
     for gap, loop in zip(gaps, hole_loops(domain), strict=True):
         on = np.isin(np.arange(domain.vertex_count), domain.boundary_loops[loop])
         period = tau[on[i]].sum(axis=0) - tau[on[j]].sum(axis=0)
-        world = formed.similarity.scale * formed.similarity.directions(period[None])[0]
+        world = shell.similarity.scale * shell.similarity.directions(period[None])[0]
         assert_allclose(gap.length, np.linalg.norm(world), rtol=1e-6)
         assert min(np.linalg.norm(gap.period - world), np.linalg.norm(gap.period + world)) < 1e-6
-        rim = formed.placed["f+"][on[formed.source]]
+        rim = shell.placed["f+"][on[shell.source]]
         ends.append(max(np.linalg.norm(rim - end, axis=1).min() for end in (gap.at, gap.at + gap.period)))
     assert min(ends) < 1e-6, "from one end of the gap to the other, where one cut ends at the hole"
     assert not turns_of_loops(Homology.of(domain)).sum(axis=0).any(), "all loops together bound"

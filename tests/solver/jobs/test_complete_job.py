@@ -112,7 +112,7 @@ def test_which_copies(tmp_path, choice, count):
 
 def test_the_report_has_the_planes_of_the_sides(tmp_path):
     path = job_file(tmp_path, 'mesh = "tube.stl"')
-    formed = run_job(load_job(path))
+    shell = run_job(load_job(path))
     planes = {plane["name"]: plane for plane in json.loads((tmp_path / "report.json").read_text())["planes"]}
     assert list(planes) == [f"group {name}" for name in TUBE.normals]
     for name, normal in TUBE.normals.items():
@@ -120,19 +120,19 @@ def test_the_report_has_the_planes_of_the_sides(tmp_path):
         assert_allclose(plane["normal"], normal, atol=1e-12)
         assert plane["kind"] == "mirror" and plane["error"] < 1e-6 and plane["relative"] < 1e-6
         edges = TUBE.shape.domain.edges[TUBE.shape.sides[name]]
-        assert_allclose(formed.placed["f+"][np.unique(edges)] @ normal, plane["offset"], atol=1e-6)
-    assert '"group floor" meets the plane (0, 0, -1)' in formed.summary()
+        assert_allclose(shell.placed["f+"][np.unique(edges)] @ normal, plane["offset"], atol=1e-6)
+    assert '"group floor" meets the plane (0, 0, -1)' in shell.summary()
 
 
 def test_a_plane_that_is_touched_is_that_of_the_sheet_shown(tmp_path):
     path = job_file(tmp_path, 'mesh = "tube.stl"', kinds={"bisector": "plane", "end": "plane"})
-    formed = run_job(load_job(path))
-    end = next(plane for plane in formed.report.planes if plane.name == "group end")
+    shell = run_job(load_job(path))
+    end = next(plane for plane in shell.report.planes if plane.name == "group end")
     edges = TUBE.shape.domain.edges[TUBE.shape.sides["end"]]
-    heights = formed.placed["f+"][np.unique(edges)] @ TUBE.normals["end"]
+    heights = shell.placed["f+"][np.unique(edges)] @ TUBE.normals["end"]
     assert_allclose(heights, end.offset, atol=1.0001 * end.error)
-    assert 0.0 < end.error < 0.02 * np.ptp(formed.placed["f+"])
-    assert '"group end" touches the plane (1, 0, 0)' in formed.summary()
+    assert 0.0 < end.error < 0.02 * np.ptp(shell.placed["f+"])
+    assert '"group end" touches the plane (1, 0, 0)' in shell.summary()
 
 
 @pytest.mark.parametrize(("lines", "said"), [
@@ -190,8 +190,8 @@ def test_a_corner_between_two_mirrors_takes_its_other_normal(tmp_path, more, sig
     ends = [np.unique(shape.domain.edges[shape.sides[name]]) for name in ("end", "floor")]
     (vertex,) = np.intersect1d(*ends)
     job = load_job(job_file(tmp_path, 'mesh = "a.stl"', more=more.format(vertex=vertex)))
-    formed = form(job.plan, job.settings, intersections=False)
-    assert_allclose(formed.surface.normals[vertex], sign * np.cross(normals["end"], normals["floor"]), atol=1e-9)
+    shell = form(job.plan, job.settings, intersections=False)
+    assert_allclose(shell.surface.normals[vertex], sign * np.cross(normals["end"], normals["floor"]), atol=1e-9)
 
 
 def test_more_copies_than_are_ever_made_are_refused_at_once(tmp_path):

@@ -41,37 +41,37 @@ def load(folder: Path, text: str) -> Job:
 
 
 @pytest.mark.parametrize(
-    ("knob", "value", "measure"),
+    ("height_parameter", "value", "measure"),
     [
         ("rise", 0.4, lambda f: f.placed["f+"][:, 2].max() / 5),
         ("height", 2.0, lambda f: f.placed["f+"][:, 2].max()),
         ("mean_curvature", 0.12, lambda f: f.report.mean_curvature),
     ],
 )
-def test_a_cap_over_a_circle(folder, knob, value, measure):
-    text = DISC + f'[fit]\n{knob} = {value}\n[output]\nf_plus = "cap.obj"\nreport = "cap.json"\n'
-    formed = run_job(load(folder, text))
-    assert formed.converged, formed.message
-    assert_allclose(measure(formed), value, rtol=5e-3)
-    cap = formed.placed["f+"]
-    rim = np.unique(formed.surface.domain.edges[formed.surface.domain.boundary_edges])
+def test_a_cap_over_a_circle(folder, height_parameter, value, measure):
+    text = DISC + f'[fit]\n{height_parameter} = {value}\n[output]\nf_plus = "cap.obj"\nreport = "cap.json"\n'
+    shell = run_job(load(folder, text))
+    assert shell.converged, shell.message
+    assert_allclose(measure(shell), value, rtol=5e-3)
+    cap = shell.placed["f+"]
+    rim = np.unique(shell.surface.domain.edges[shell.surface.domain.boundary_edges])
     assert_allclose(np.linalg.norm(cap[rim], axis=1), 5, atol=0.025)
-    centre = np.array([0, 0, cap[:, 2].max() - 1 / formed.report.mean_curvature])
-    assert_allclose(np.linalg.norm(cap - centre, axis=1) * formed.report.mean_curvature, 1, atol=0.02)
+    centre = np.array([0, 0, cap[:, 2].max() - 1 / shell.report.mean_curvature])
+    assert_allclose(np.linalg.norm(cap - centre, axis=1) * shell.report.mean_curvature, 1, atol=0.02)
     assert_allclose(read_mesh(folder / "cap.obj").positions, cap, atol=1e-12)
     written = json.loads((folder / "cap.json").read_text())
     assert written["fit"]["met"] is True
-    assert written["fit"]["evaluations"] == len(formed.fit.history)
-    assert written["fit"]["distances"] == {k: pytest.approx(v) for k, v in formed.fit.distances.items()}
-    assert written["message"] == formed.message
+    assert written["fit"]["evaluations"] == len(shell.fit.history)
+    assert written["fit"]["distances"] == {k: pytest.approx(v) for k, v in shell.fit.distances.items()}
+    assert written["message"] == shell.message
 
 
 def test_a_curve_from_a_file(folder):
-    formed = run_job(load(folder, DISC + '[fit]\noutline = "curve.obj"\nrise = 0.3\n'))
-    assert formed.converged, formed.message
-    rim = formed.placed["f+"][formed.surface.domain.boundary_vertices]
+    shell = run_job(load(folder, DISC + '[fit]\noutline = "curve.obj"\nrise = 0.3\n'))
+    assert shell.converged, shell.message
+    rim = shell.placed["f+"][shell.surface.domain.boundary_vertices]
     assert_allclose(rim[:, 2], 1 + 0.02 * rim[:, 0], atol=0.03)
-    assert formed.report.shown.outline.max < 0.05
+    assert shell.report.shown.outline.max < 0.05
 
 
 def test_anchors_draw_the_rim(folder):
@@ -83,9 +83,9 @@ def test_anchors_draw_the_rim(folder):
         for goal in 5.0 * np.array([*np.eye(3)[:2], *-np.eye(3)[:2]])
     ]
     tables = "".join(f"[[fit.anchors]]\nvertex = {k}\nplace = {(1.1 * points[k]).tolist()}\n" for k in feet)
-    formed = run_job(load(folder, DISC + "[fit]\nrise = 0.3\n" + tables))
-    assert formed.converged, formed.message
-    assert_allclose(formed.placed["f+"][feet], 1.1 * points[feet], atol=0.05)
+    shell = run_job(load(folder, DISC + "[fit]\nrise = 0.3\n" + tables))
+    assert shell.converged, shell.message
+    assert_allclose(shell.placed["f+"][feet], 1.1 * points[feet], atol=0.05)
     together = f"[[fit.anchors]]\nvertices = {feet}\nplaces = {(1.1 * points[feet]).tolist()}\n"
     wish = load(folder, DISC + "[fit]\n" + together).wish
     assert wish is not None and wish.anchors is not None and not wish.on_curve
@@ -95,11 +95,11 @@ def test_anchors_draw_the_rim(folder):
 @pytest.mark.parametrize(("least", "met"), [(40, True), (60, False)])
 def test_bounds_on_the_tilt(folder, least, met):
     """Over a circle a cap of rise r leans by 90° - 2 atan r, of 0.4 by 46.4°."""
-    formed = run_job(load(folder, DISC + f"[fit]\nrise = 0.4\ntilt = [{least}, 90]\n"))
-    assert formed.fit is not None and formed.fit.met == met, formed.message
-    off = np.degrees(formed.fit.distances["tilt bounds"])
+    shell = run_job(load(folder, DISC + f"[fit]\nrise = 0.4\ntilt = [{least}, 90]\n"))
+    assert shell.fit is not None and shell.fit.met == met, shell.message
+    off = np.degrees(shell.fit.distances["tilt bounds"])
     if met:
-        assert_allclose(formed.placed["f+"][:, 2].max(), 2.0, rtol=5e-3)
+        assert_allclose(shell.placed["f+"][:, 2].max(), 2.0, rtol=5e-3)
     assert off < 0.6 if met else off > 0.6
 
 
@@ -113,10 +113,10 @@ corner_radius = 1.4
 
 
 def test_a_courtyard_is_closed(folder):
-    formed = run_job(load(folder, COURT + "[fit]\nrise = 0.2\n"))
-    assert formed.fit is not None and not formed.surface.is_open
-    assert formed.fit.distances["period"] < 1e-3 * 15.6
-    assert formed.report.shown.outline.max < 0.06 * 15.6
+    shell = run_job(load(folder, COURT + "[fit]\nrise = 0.2\n"))
+    assert shell.fit is not None and not shell.surface.is_open
+    assert shell.fit.distances["period"] < 1e-3 * 15.6
+    assert shell.report.shown.outline.max < 0.06 * 15.6
 
 
 def test_curves_for_a_courtyard(folder):
@@ -127,10 +127,10 @@ def test_curves_for_a_courtyard(folder):
     first = len(court)
     loops = [[*range(1, first + 1), 1], [*range(first + 1, first + len(outer) + 1), first + 1]]
     (folder / "lines.obj").write_text("\n".join([*lines, *("l " + " ".join(map(str, loop)) for loop in loops)]) + "\n")
-    formed = run_job(load(folder, COURT + "[fit]\noutline = 'lines.obj'\nrise = 0.3\n"))
-    inner = min(formed.surface.domain.boundary_loops, key=lambda loop: np.ptp(plan.positions[loop]))
-    assert not formed.surface.is_open
-    assert_allclose(formed.placed["f+"][inner, 2].mean(), 1.0, atol=0.3)
+    shell = run_job(load(folder, COURT + "[fit]\noutline = 'lines.obj'\nrise = 0.3\n"))
+    inner = min(shell.surface.domain.boundary_loops, key=lambda loop: np.ptp(plan.positions[loop]))
+    assert not shell.surface.is_open
+    assert_allclose(shell.placed["f+"][inner, 2].mean(), 1.0, atol=0.3)
 
 
 def test_wishes_arrive(folder, monkeypatch):
@@ -182,11 +182,11 @@ def cap(folder) -> Path:
 
 
 def test_a_mesh_that_is_a_sphere_is_its_own_approximation(cap):
-    formed = run_job(load(cap, 'mesh = "cap.obj"\n[fit]\napproximate = true\nregularisation = 1e-6\n'))
-    assert formed.converged, formed.message
-    assert_allclose(formed.placed[formed.report.sheet], read_mesh(cap / "cap.obj").positions, atol=0.03)
-    assert_allclose(formed.report.mean_curvature, 1 / 3, rtol=0.02)
-    assert formed.fit is not None and formed.fit.distances["Gauss map"] < 0.02
+    shell = run_job(load(cap, 'mesh = "cap.obj"\n[fit]\napproximate = true\nregularisation = 1e-6\n'))
+    assert shell.converged, shell.message
+    assert_allclose(shell.placed[shell.report.sheet], read_mesh(cap / "cap.obj").positions, atol=0.03)
+    assert_allclose(shell.report.mean_curvature, 1 / 3, rtol=0.02)
+    assert shell.fit is not None and shell.fit.distances["Gauss map"] < 0.02
 
 
 def test_near_brings_an_approximation_nearer(cap):
@@ -196,8 +196,8 @@ def test_near_brings_an_approximation_nearer(cap):
     write_mesh(cap / "wavy.obj", MeshData(mesh.positions + waves[:, None] * [0, 0, 1], mesh.polygons))
     far = []
     for near in ("", "near = 300\n"):
-        formed = run_job(load(cap, f'mesh = "wavy.obj"\n[fit]\napproximate = true\n{near}'))
-        placed = formed.placed[formed.report.sheet]
+        shell = run_job(load(cap, f'mesh = "wavy.obj"\n[fit]\napproximate = true\n{near}'))
+        placed = shell.placed[shell.report.sheet]
         far.append(np.abs(placed - read_mesh(cap / "wavy.obj").positions)[:, 2].mean())
     assert far[1] < 0.9 * far[0]
 

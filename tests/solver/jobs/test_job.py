@@ -74,18 +74,18 @@ def test_a_job_forms_a_shell_with_all_the_plan_carries(folder):
         gauss = "out/gauss.ply"
         report = "out/report.json"
         """
-    formed = run_job(load_job(job(folder, text)))
-    plan, shell = read_mesh(folder / "plan.obj"), read_mesh(folder / "out" / "shell.obj")
-    assert_allclose(shell.positions, formed.placed["f+"], rtol=1e-12, atol=1e-15)
-    assert_array_equal(shell.polygons, plan.polygons)
-    assert_array_equal(shell.uvs, plan.uvs)
-    assert_array_equal(shell.uv_corners, plan.uv_corners)
-    assert shell.materials == plan.materials
-    assert shell.groups == plan.groups
-    assert_array_equal(shell.edge_groups["bottom"], plan.edge_groups["bottom"])
+    shell = run_job(load_job(job(folder, text)))
+    plan, written = read_mesh(folder / "plan.obj"), read_mesh(folder / "out" / "shell.obj")
+    assert_allclose(written.positions, shell.placed["f+"], rtol=1e-12, atol=1e-15)
+    assert_array_equal(written.polygons, plan.polygons)
+    assert_array_equal(written.uvs, plan.uvs)
+    assert_array_equal(written.uv_corners, plan.uv_corners)
+    assert written.materials == plan.materials
+    assert written.groups == plan.groups
+    assert_array_equal(written.edge_groups["bottom"], plan.edge_groups["bottom"])
     written = json.loads((folder / "out" / "report.json").read_text())
     assert written["converged"] is True
-    assert written["message"] == formed.message
+    assert written["message"] == shell.message
     assert_allclose(written["sheets"]["f+"]["span"], 9, rtol=1e-9)
     assert len(read_mesh(folder / "out" / "g.glb").positions) == len(plan.positions)
     assert sorted(p.name for p in (folder / "out").iterdir()) == [
@@ -204,19 +204,19 @@ def test_sides_of_a_rectangle(folder):
 def test_plans_from_other_formats(folder, suffix):
     """The same shell as from the OBJ, to single precision; a quad may be cut along its other diagonal."""
     write_mesh(folder / f"plan{suffix}", quad_plan())
-    formed = run_job(load_job(job(folder, f'mesh = "plan{suffix}"\n[[conditions]]\nloop = 0\ntilt = 30')))
+    shell = run_job(load_job(job(folder, f'mesh = "plan{suffix}"\n[[conditions]]\nloop = 0\ntilt = 30')))
     drawn = run_job(load_job(job(folder, 'mesh = "plan.obj"\n[[conditions]]\nloop = 0\ntilt = 30')))
-    assert len(formed.source) == len(drawn.source)
-    assert_allclose(np.ptp(formed.placed["f+"], axis=0), np.ptp(drawn.placed["f+"], axis=0), rtol=0.02)
+    assert len(shell.source) == len(drawn.source)
+    assert_allclose(np.ptp(shell.placed["f+"], axis=0), np.ptp(drawn.placed["f+"], axis=0), rtol=0.02)
 
 
 def test_up_is_y_on_both_ways(folder):
     write_mesh(folder / "y.obj", quad_plan(), up="y")
     text = 'mesh = "y.obj"\nup = "y"\n[output]\nf_plus = "shell.obj"'
-    formed = run_job(load_job(job(folder, text)))
-    assert formed.placed["f+"][:, 2].max() > 1
+    shell = run_job(load_job(job(folder, text)))
+    assert shell.placed["f+"][:, 2].max() > 1
     assert read_mesh(folder / "shell.obj").positions[:, 1].max() > 1
-    assert_allclose(read_mesh(folder / "shell.obj", up="y").positions, formed.placed["f+"], atol=1e-12)
+    assert_allclose(read_mesh(folder / "shell.obj", up="y").positions, shell.placed["f+"], atol=1e-12)
 
 
 def test_the_example_is_a_job(folder):
@@ -235,9 +235,9 @@ def test_the_example_is_a_job(folder):
 def test_the_jobs_that_come_with_the_project(tmp_path, name):
     shutil.copytree(JOBS, tmp_path / "assets" / "jobs")
     loaded = load_job(tmp_path / "assets" / "jobs" / name)
-    formed = run_job(loaded)
-    assert formed.converged
-    assert formed.report.shown.rise > 0.1 * formed.report.shown.span
+    shell = run_job(loaded)
+    assert shell.converged
+    assert shell.report.shown.rise > 0.1 * shell.report.shown.span
     assert len(loaded.outputs) >= 2
     for file in loaded.outputs.values():
         assert file.parent == tmp_path / "build" / "jobs"
@@ -375,12 +375,12 @@ def test_a_courtyard_with_a_gap_is_written_cut_open(folder):
         [output]
         f_plus = "shell.obj"
         """
-    formed = run_job(load_job(job(folder, text)))
-    assert not formed.converged
-    shell, uv = read_mesh(folder / "shell.obj"), mesh.uvs
-    assert len(shell.positions) == len(formed.source) > len(used)
-    for polygon, rows, material in zip(shell.polygons, shell.uv_corners, shell.materials, strict=True):
-        flat = hole.positions[formed.source[polygon]][:, :2]
+    shell = run_job(load_job(job(folder, text)))
+    assert not shell.converged
+    written, uv = read_mesh(folder / "shell.obj"), mesh.uvs
+    assert len(written.positions) == len(shell.source) > len(used)
+    for polygon, rows, material in zip(written.polygons, written.uv_corners, written.materials, strict=True):
+        flat = hole.positions[shell.source[polygon]][:, :2]
         assert_allclose((uv[rows] - [2.0 if material == "oak" else 0.0, 0.0]) * 9, flat, atol=1e-12)
 
 
@@ -439,25 +439,25 @@ DUAL = """
 def test_polygons_are_written_with_what_the_plan_carries(folder, sites, faces, delaunay):
     """UVs lie where the polygons do: the plan's were drawn as its own coordinates, with a seam in the middle."""
     loaded = load_job(job(folder, DUAL.format(sites, delaunay, faces)))
-    formed = run_job(loaded)
-    assert formed.converged
-    shell = read_mesh(folder / "shell.obj")
+    shell = run_job(loaded)
+    assert shell.converged
+    written = read_mesh(folder / "shell.obj")
     V, E, F, rim = counts(loaded.plan)
     if faces == "dual":
-        assert len(shell.polygons) == V
+        assert len(written.polygons) == V
     elif sites == "vertices":
-        assert len(shell.polygons) == V + E + F
+        assert len(written.polygons) == V + E + F
     else:
-        assert F + E - rim < len(shell.polygons) <= V + E - rim + F
-    assert set(shell.materials) == {"glass", "oak"} and set(shell.groups) == {"west", "east"}
-    assert set(shell.objects) == {"plan"} and not shell.edge_groups
-    assert len(shell.uvs) == len(shell.positions)
-    for polygon, rows, material in zip(shell.polygons, shell.uv_corners, shell.materials, strict=True):
-        uv = shell.uvs[rows]
+        assert F + E - rim < len(written.polygons) <= V + E - rim + F
+    assert set(written.materials) == {"glass", "oak"} and set(written.groups) == {"west", "east"}
+    assert set(written.objects) == {"plan"} and not written.edge_groups
+    assert len(written.uvs) == len(written.positions)
+    for polygon, rows, material in zip(written.polygons, written.uv_corners, written.materials, strict=True):
+        uv = written.uvs[rows]
         assert_array_equal(rows, polygon)
         if np.ptp(uv[:, 0]) < 0.5:  # not across the seam
             assert (uv[:, 0].mean() > 1.5) == (material == "oak")
-    assert -0.2 < shell.uvs[:, 1].min() < 0.2 and 0.8 < shell.uvs[:, 1].max() < 1.2
+    assert -0.2 < written.uvs[:, 1].min() < 0.2 and 0.8 < written.uvs[:, 1].max() < 1.2
     for name in ("g.glb", "twin.stl", "gauss.ply"):
         assert {len(polygon) for polygon in read_mesh(folder / name).polygons} == {3}
 

@@ -164,9 +164,9 @@ def test_vertices_without_a_proper_face():
     points, normals = np.vstack([m.points, [[0, 0, 9]]]), np.vstack([m.normals, [[0, 0, 1]]])
     last = len(m.points)
     faces = np.vstack([m.faces, [[0, last, last]]])
-    found, plain = vertex_principal_curvatures(points, faces, normals), curvatures(m)
+    found, to_plain = vertex_principal_curvatures(points, faces, normals), curvatures(m)
     assert np.isnan(found.k1[last]) and found.strength[last] == 0.0 and not found.direction1[last].any()
-    assert_allclose(found.k1[:last], plain.k1, rtol=1e-12)
+    assert_allclose(found.k1[:last], to_plain.k1, rtol=1e-12)
 
 
 def test_no_faces_and_wrong_shapes():

@@ -13,7 +13,7 @@ from solver import CmcSurface, Domain, conditions, solve_cmc
 from solver.catalogue import shapes
 from solver.errors import CmcError, MeshError
 from solver.measure import report
-from solver.measure.report import plain
+from solver.measure.report import to_plain
 from tests.solver.measure_surfaces import Delaunay
 
 
@@ -234,7 +234,7 @@ def test_plain_values():
         "d": np.bool_(True),
         5: None,
     }
-    assert plain(given) == {"a": 1.5, "b": [[1, 2]], "c": [None, None, 1], "d": True, "5": None}
+    assert to_plain(given) == {"a": 1.5, "b": [[1, 2]], "c": [None, None, 1], "d": True, "5": None}
 
 
 def test_summary_is_short_and_has_units(twisted):

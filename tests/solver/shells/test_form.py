@@ -15,7 +15,7 @@ from solver.io.polygons import triangulate_polygons
 from solver.shells.form import form
 from solver.shells.plan import Group, Plan, Settings, plan_domain
 from solver.shells.polygon_sheets import polygon_sheet
-from solver.shells.shell import Formed, sheet_polygons
+from solver.shells.shell import Shell, sheet_polygons
 from solver.surface.placement import PlacementError, rim_weights
 
 
@@ -65,26 +65,26 @@ def test_a_disc_becomes_the_hemisphere_over_it():
     errors = []
     for rings in (6, 12):
         plan = disc(rings, radius=5.0, centre=(10, -3, 2))
-        formed = form(plan)
-        assert formed.converged
-        dome = formed.placed["f+"] - [10, -3, 2]
+        shell = form(plan)
+        assert shell.converged
+        dome = shell.placed["f+"] - [10, -3, 2]
         errors.append(np.abs(np.linalg.norm(dome, axis=1) - 5).max())
         assert_allclose(dome[:, 2].min(), 0, atol=1e-12)
-        assert_allclose(formed.report.mean_curvature, 0.2, rtol=0.02)
-        assert_allclose(formed.normals["f+"], dome / 5, atol=0.06)
+        assert_allclose(shell.report.mean_curvature, 0.2, rtol=0.02)
+        assert_allclose(shell.normals["f+"], dome / 5, atol=0.06)
     assert errors[1] < 0.3 * errors[0]
-    assert "f-" not in formed.placed
-    assert any("f- degenerates to a point" in note for note in formed.warnings)
-    assert_allclose(formed.mean_curvature, 0.2, rtol=0.02)
-    assert formed.message == Status.CONVERGED.sentence
+    assert "f-" not in shell.placed
+    assert any("f- degenerates to a point" in note for note in shell.warnings)
+    assert_allclose(shell.mean_curvature, 0.2, rtol=0.02)
+    assert shell.message == Status.CONVERGED.sentence
 
 
 def test_match_plan_brings_the_boundary_to_the_outline():
     plan = disc(10, centre=(1, 2, 3))
-    formed = form(plan, Settings(default_tilt=0.4))
+    shell = form(plan, Settings(default_tilt=0.4))
     rim = np.unique(boundary_pairs(plan))
-    assert_allclose(formed.placed["f+"][rim], plan.positions[rim], atol=0.01)
-    assert formed.report.shown.outline.max < 0.01
+    assert_allclose(shell.placed["f+"][rim], plan.positions[rim], atol=0.01)
+    assert shell.report.shown.outline.max < 0.01
 
 
 @pytest.mark.parametrize(
@@ -97,9 +97,9 @@ def test_match_plan_brings_the_boundary_to_the_outline():
     ],
 )
 def test_sizes_are_what_the_report_says(settings, measure, value):
-    formed = form(disc(), settings)
-    assert_allclose(measure(formed), value, rtol=1e-9)
-    assert_allclose(formed.report.shown.mean_curvature.mean, formed.report.mean_curvature, rtol=0.02)
+    shell = form(disc(), settings)
+    assert_allclose(measure(shell), value, rtol=1e-9)
+    assert_allclose(shell.report.shown.mean_curvature.mean, shell.report.mean_curvature, rtol=0.02)
 
 
 def test_flip_and_ground():
@@ -107,10 +107,10 @@ def test_flip_and_ground():
     assert_allclose(down.placed["f+"], up.placed["f+"] * [1, 1, -1], atol=1e-12)
     assert_allclose(down.mean_curvature, up.mean_curvature, rtol=1e-9)
     assert down.placed["f+"][0, 2] < -4
-    for formed in (up, down):  # normals on the side from which faces are counter-clockwise
-        a, b, c = (formed.placed["f+"][formed.faces[:, k]] for k in range(3))
+    for shell in (up, down):  # normals on the side from which faces are counter-clockwise
+        a, b, c = (shell.placed["f+"][shell.faces[:, k]] for k in range(3))
         of_faces = np.cross(b - a, c - a)
-        assert (np.einsum("fi,fi->f", of_faces, formed.normals["f+"][formed.faces[:, 0]]) > 0).all()
+        assert (np.einsum("fi,fi->f", of_faces, shell.normals["f+"][shell.faces[:, 0]]) > 0).all()
     standing = form(disc(), Settings(flip=True))
     assert_allclose(standing.placed["f+"][:, 2].min(), 0, atol=1e-12)
     assert_allclose(standing.placed["f+"][0, 2], 0, atol=1e-12)
@@ -153,34 +153,34 @@ def test_groups_and_the_default_on_the_rest():
 def test_a_free_group_leaves_the_others():
     plan = disc()
     pairs = boundary_pairs(plan)
-    formed = form(replace(plan, groups=[Group("open", pairs[:12], "free"), Group("none", np.empty((0, 2)))]))
-    assert formed.surface.harmonic.status is Status.CONVERGED
-    assert 'Group "none" has no edges.' in formed.warnings
+    shell = form(replace(plan, groups=[Group("open", pairs[:12], "free"), Group("none", np.empty((0, 2)))]))
+    assert shell.surface.harmonic.status is Status.CONVERGED
+    assert 'Group "none" has no edges.' in shell.warnings
 
 
 def test_both_sheets_where_there_are_two():
-    formed = form(disc(10), Settings(default_kind="twisted"))
-    assert set(formed.placed) == {"f+", "f-", "g", "gauss"}
-    middle = 0.5 * (formed.placed["f+"] + formed.placed["f-"])
-    assert_allclose(formed.placed["g"], middle, atol=1e-12)
-    radius = 0.5 / formed.report.mean_curvature
-    half = 0.5 * (formed.placed["f+"] - formed.placed["f-"])
+    shell = form(disc(10), Settings(default_kind="twisted"))
+    assert set(shell.placed) == {"f+", "f-", "g", "gauss"}
+    middle = 0.5 * (shell.placed["f+"] + shell.placed["f-"])
+    assert_allclose(shell.placed["g"], middle, atol=1e-12)
+    radius = 0.5 / shell.report.mean_curvature
+    half = 0.5 * (shell.placed["f+"] - shell.placed["f-"])
     assert_allclose(np.linalg.norm(half, axis=1), radius, rtol=1e-9)
-    gauss = formed.placed["gauss"] - formed.placed["gauss"].mean(axis=0)
+    gauss = shell.placed["gauss"] - shell.placed["gauss"].mean(axis=0)
     assert_allclose(gauss - gauss[0], half - half[0], atol=1e-9)
-    assert_allclose(formed.normals["f-"], -formed.normals["f+"], atol=0)
-    assert set(formed.report.sheets) == {"f+", "f-"}
-    assert any("does not follow the drawn outline" in note for note in formed.warnings)
+    assert_allclose(shell.normals["f-"], -shell.normals["f+"], atol=0)
+    assert set(shell.report.sheets) == {"f+", "f-"}
+    assert any("does not follow the drawn outline" in note for note in shell.warnings)
 
 
 def test_the_sheet_that_is_shown_is_the_one_that_is_placed():
     plan = disc(10)
-    formed = form(plan, Settings(default_kind="twisted", sheet="f-", size="span", value=7, ground="lowest"))
-    assert formed.report.sheet == "f-"
-    assert_allclose(formed.report.shown.span, 7, rtol=1e-9)
-    assert_allclose(formed.placed["f-"][:, 2].min(), 0, atol=1e-12)
+    shell = form(plan, Settings(default_kind="twisted", sheet="f-", size="span", value=7, ground="lowest"))
+    assert shell.report.sheet == "f-"
+    assert_allclose(shell.report.shown.span, 7, rtol=1e-9)
+    assert_allclose(shell.placed["f-"][:, 2].min(), 0, atol=1e-12)
     inside = np.setdiff1d(np.arange(len(plan.positions)), boundary_pairs(plan))
-    assert_allclose(np.median(formed.mean_curvature[inside]), formed.report.mean_curvature, rtol=0.05)
+    assert_allclose(np.median(shell.mean_curvature[inside]), shell.report.mean_curvature, rtol=0.05)
 
 
 def test_a_degenerate_sheet_is_not_blown_up():
@@ -205,10 +205,10 @@ def test_progress_and_cancel():
     form(disc(), progress=lambda iteration, residual: seen.append((iteration, residual)))
     assert [s[0] for s in seen] == sorted(s[0] for s in seen)
     assert seen
-    formed = form(disc(), Settings(default_tilt=0.3), progress=lambda iteration, residual: False)
-    assert formed.surface.status is Status.CANCELLED
-    assert not formed.converged
-    assert any("cancelled" in note for note in formed.warnings)
+    shell = form(disc(), Settings(default_tilt=0.3), progress=lambda iteration, residual: False)
+    assert shell.surface.status is Status.CANCELLED
+    assert not shell.converged
+    assert any("cancelled" in note for note in shell.warnings)
 
 
 def test_an_initial_map_is_where_it_starts():
@@ -219,7 +219,7 @@ def test_an_initial_map_is_where_it_starts():
     assert_allclose(again.placed["f+"], first.placed["f+"], atol=1e-6)
 
 
-def courtyard() -> Formed:
+def courtyard() -> Shell:
     plan = grid(9, 9, hole=True)
     pairs = boundary_pairs(plan)
     inner = pairs[np.all(np.abs(plan.positions[pairs][:, :, :2] - 4.5) < 2, axis=(1, 2))]
@@ -227,25 +227,25 @@ def courtyard() -> Formed:
 
 
 def test_a_courtyard_that_does_not_close_is_cut_and_says_so():
-    plan, formed = grid(9, 9, hole=True), courtyard()
-    assert formed.surface.status is Status.GAP
-    assert not formed.converged
-    assert any("gap" in note for note in formed.warnings)
-    assert len(formed.source) > len(plan.positions)
-    assert_array_equal(formed.source[formed.faces], plan.triangles)
+    plan, shell = grid(9, 9, hole=True), courtyard()
+    assert shell.surface.status is Status.GAP
+    assert not shell.converged
+    assert any("gap" in note for note in shell.warnings)
+    assert len(shell.source) > len(plan.positions)
+    assert_array_equal(shell.source[shell.faces], plan.triangles)
     vertices, weights = rim_weights(plan.positions, boundary_pairs(plan))
-    assert np.bincount(formed.source)[vertices].max() > 1
-    centres = np.array([formed.placed["f+"][formed.source == vertex].mean(axis=0) for vertex in vertices])
+    assert np.bincount(shell.source)[vertices].max() > 1
+    centres = np.array([shell.placed["f+"][shell.source == vertex].mean(axis=0) for vertex in vertices])
     moved = np.average(centres - plan.positions[vertices], axis=0, weights=weights)
     assert_allclose(moved[:2], 0, atol=1e-12)
-    polygons, index = sheet_polygons(plan.polygons, plan.triangle_polygons, plan.triangles, formed.faces)
+    polygons, index = sheet_polygons(plan.polygons, plan.triangle_polygons, plan.triangles, shell.faces)
     assert_array_equal(np.bincount(index) >= 1, True)
     assert sum(len(p) - 2 for p in polygons) == len(plan.triangles)
     for polygon, owner in zip(polygons, index, strict=True):
         drawn = plan.polygons[owner].tolist()
-        assert set(formed.source[polygon].tolist()) <= set(drawn)
+        assert set(shell.source[polygon].tolist()) <= set(drawn)
         if len(polygon) == 4:
-            assert formed.source[polygon].tolist() == drawn
+            assert shell.source[polygon].tolist() == drawn
 
 
 def test_polygons_of_a_closed_surface_are_the_plans():
@@ -447,18 +447,18 @@ def test_a_start_is_on_the_sites_that_are_solved():
 def test_other_faces_lie_over_the_plan(faces, sites, flip):
     """Between plan and hemisphere, like the triangles: points, normals and sides; g lies half-way between f±."""
     plan = disc(10, centre=(1, 2, 3))
-    formed = form(plan, Settings(default_tilt=0.2, ground="rim", flip=flip, sites=sites))
-    assert formed.converged
-    sheets = {name: polygon_sheet(formed, name, faces) for name in formed.placed}
+    shell = form(plan, Settings(default_tilt=0.2, ground="rim", flip=flip, sites=sites))
+    assert shell.converged
+    sheets = {name: polygon_sheet(shell, name, faces) for name in shell.placed}
     f, g, gauss = sheets["f+"], sheets["g"], sheets["gauss"]
-    tree = KDTree(formed.placed["f+"])
+    tree = KDTree(shell.placed["f+"])
     distance, nearest = tree.query(f.points)
     assert distance.max() < 0.75
-    assert np.einsum("ni,ni->n", f.normals, formed.normals["f+"][nearest]).min() > 0.9
-    radius = 0.5 / formed.report.mean_curvature
+    assert np.einsum("ni,ni->n", f.normals, shell.normals["f+"][nearest]).min() > 0.9
+    radius = 0.5 / shell.report.mean_curvature
     assert_allclose(np.linalg.norm(f.points - g.points, axis=1).max(), radius, rtol=0.02)
     # g + N is f+, and the Gauss image is N, beside the plan as the triangles' is
-    centre = (formed.placed["gauss"] - formed.placed["f+"] + formed.placed["g"])[0]
+    centre = (shell.placed["gauss"] - shell.placed["f+"] + shell.placed["g"])[0]
     assert_allclose(gauss.points, centre + f.points - g.points, rtol=0, atol=1e-9)
     flat = f.from_vertices(plan.positions)
     assert np.linalg.norm(flat[:, :2] - [1, 2], axis=1).max() < 5.01
@@ -500,9 +500,9 @@ def sheared_grid() -> Plan:
 def test_what_the_plan_carries_comes_through_other_triangles(faces):
     """Where the triangles are not the plan's, corner values without seams are those of the vertices."""
     plan = sheared_grid()
-    formed = form(plan, Settings(default_tilt=0.3, delaunay=True))
-    assert formed.surface.graph.domain is not formed.surface.domain
-    sheet = polygon_sheet(formed, "f+", faces)
+    shell = form(plan, Settings(default_tilt=0.3, delaunay=True))
+    assert shell.surface.graph.domain is not shell.surface.domain
+    sheet = polygon_sheet(shell, "f+", faces)
     drawn = plan.positions[:, :2]
     flat = sheet.from_vertices(drawn)
     assert_allclose(sheet.from_corners(drawn[plan.triangles], plan.triangles), flat, rtol=0, atol=1e-12)

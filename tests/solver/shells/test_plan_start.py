@@ -40,21 +40,21 @@ def noisy(normals: np.ndarray, seed: int = 0) -> np.ndarray:
 
 def test_a_closed_plan_is_solved_from_its_start(torus):
     plan = Plan(torus.positions, torus.triangles, lengths=torus.lengths, initial=noisy(torus.initial))
-    formed = form(plan, Settings(method="critical", tolerance=1e-9), intersections=False)
-    assert formed.converged and formed.report.residual <= 1e-9
-    assert_allclose(np.linalg.norm(formed.surface.periods, axis=1), 0, rtol=0, atol=1e-6)
-    assert formed.surface.domain.genus == 1 and not formed.surface.is_open
-    assert_allclose(formed.report.degree, 0, rtol=0, atol=1e-6)
-    assert formed.report.index > 20
-    shown = formed.report.shown
+    shell = form(plan, Settings(method="critical", tolerance=1e-9), intersections=False)
+    assert shell.converged and shell.report.residual <= 1e-9
+    assert_allclose(np.linalg.norm(shell.surface.periods, axis=1), 0, rtol=0, atol=1e-6)
+    assert shell.surface.domain.genus == 1 and not shell.surface.is_open
+    assert_allclose(shell.report.degree, 0, rtol=0, atol=1e-6)
+    assert shell.report.index > 20
+    shown = shell.report.shown
     assert shown.outline is None and shown.overhang is None and shown.boundary_length == 0.0
     assert shown.span > 0.0 and shown.rise > 0.0
 
 
 @pytest.mark.parametrize("ground", ["lowest", "rim"])
 def test_a_closed_shell_has_the_size_and_place_of_its_plan(torus, ground):
-    formed = form(torus, Settings(method="critical", ground=ground), intersections=False)
-    weights = formed.surface.domain.vertex_areas
+    shell = form(torus, Settings(method="critical", ground=ground), intersections=False)
+    weights = shell.surface.domain.vertex_areas
 
     def centre(points):
         return np.average(points, axis=0, weights=weights)
@@ -62,7 +62,7 @@ def test_a_closed_shell_has_the_size_and_place_of_its_plan(torus, ground):
     def radius(points):
         return np.sqrt(np.average(((points - centre(points)) ** 2).sum(axis=1), weights=weights))
 
-    points = formed.placed["f+"]
+    points = shell.placed["f+"]
     assert_allclose(radius(points), radius(torus.positions), rtol=1e-9, atol=0)
     assert_allclose(centre(points)[:2], centre(torus.positions)[:2], rtol=0, atol=1e-9)
     if ground == "lowest":
@@ -138,18 +138,18 @@ def test_the_large_bubble_is_the_other_shell_over_a_rim():
 @pytest.mark.parametrize("n", [300, 700, 1500])
 def test_a_bubble_is_found_on_any_mesh_that_carries_it(n, tilt):
     settings = Settings(shell="bubble", sheet="f-")
-    formed = form(disc_plan(tilt, n), settings, intersections=False)
-    assert formed.converged and formed.report.iterations <= 10
-    assert_allclose(formed.report.degree, -0.5 * (1.0 + np.sin(tilt)), rtol=0, atol=0.01)
+    shell = form(disc_plan(tilt, n), settings, intersections=False)
+    assert shell.converged and shell.report.iterations <= 10
+    assert_allclose(shell.report.degree, -0.5 * (1.0 + np.sin(tilt)), rtol=0, atol=0.01)
 
 
 @pytest.mark.parametrize("n", [300, 1000])
 def test_a_degree_is_reached_or_its_absence_told(n):
     wanted = -0.5 * (1.0 + np.sin(0.35))
-    formed = form(disc_plan(0.35, n), Settings(degree=wanted, sheet="f-"), intersections=False)
-    assert formed.converged and abs(formed.report.degree - wanted) < 0.01
-    formed = form(disc_plan(0.8, 60), Settings(degree=7.0), intersections=False)
-    assert any("not 7 as asked for" in note for note in formed.warnings)
+    shell = form(disc_plan(0.35, n), Settings(degree=wanted, sheet="f-"), intersections=False)
+    assert shell.converged and abs(shell.report.degree - wanted) < 0.01
+    shell = form(disc_plan(0.8, 60), Settings(degree=7.0), intersections=False)
+    assert any("not 7 as asked for" in note for note in shell.warnings)
 
 
 def test_no_large_bubble_is_said():
@@ -160,10 +160,10 @@ def test_no_large_bubble_is_said():
 
 def test_modes_are_counted_where_they_are_asked_for():
     plan = disc_plan(0.5, 200)
-    formed = form(plan, intersections=False)
-    assert formed.report.index is None and "unstable" not in formed.summary()
-    assert json.loads(formed.report.to_json())["index"] is None
-    counted = count_modes(plan, Settings(), formed)
+    shell = form(plan, intersections=False)
+    assert shell.report.index is None and "unstable" not in shell.summary()
+    assert json.loads(shell.report.to_json())["index"] is None
+    counted = count_modes(plan, Settings(), shell)
     assert (counted.report.index, counted.report.nullity) == (0, 0)
     assert "0 unstable modes" in counted.summary()
     assert form(plan, Settings(method="saddle"), intersections=False).report.index == 0
@@ -176,8 +176,8 @@ def test_a_start_on_faces_is_the_mean_of_its_corners():
     plan = disc_plan(0.5, 300)
     plan.initial = form(plan, intersections=False).surface.normals
     for sites in ("faces", "faces_and_rim"):
-        formed = form(plan, Settings(sites=sites), intersections=False)
-        assert formed.converged
+        shell = form(plan, Settings(sites=sites), intersections=False)
+        assert shell.converged
 
 
 def write_torus(torus: Plan, folder) -> None:
@@ -200,8 +200,8 @@ def test_a_job_has_a_start(torus, tmp_path):
         },
         tmp_path / "job.toml",
     )
-    formed = run_job(job)
-    assert formed.converged
+    shell = run_job(job)
+    assert shell.converged
     told = json.loads((tmp_path / "wente.json").read_text())
     assert told["index"] > 20 and told["residual"] <= 1e-9 and abs(told["degree"]) < 1e-6
     assert told["mean_curvature"] == pytest.approx(1.0)
@@ -229,8 +229,8 @@ def test_a_job_chooses_the_large_bubble(tmp_path):
         "solver": {"shell": "bubble", "count_modes": True},
         "output": {"report": "bubble.json"},
     }
-    formed = run_job(make_job(tables, tmp_path / "job.toml"))
-    assert formed.converged and formed.report.degree < -0.8 and formed.report.index == 0
+    shell = run_job(make_job(tables, tmp_path / "job.toml"))
+    assert shell.converged and shell.report.degree < -0.8 and shell.report.index == 0
     with pytest.raises(JobError, match="degree"):
         make_job(tables | {"solver": {"shell": "bubble", "degree": 1.0}}, tmp_path / "job.toml")
     with pytest.raises(JobError, match="bubbles"):

@@ -13,7 +13,7 @@ from solver.errors import Interrupted, Status
 from solver.measure import self_intersections
 from solver.shells.form import form
 from solver.shells.plan import Group, Plan, Settings
-from solver.shells.update import answer
+from solver.shells.update import update
 
 
 @pytest.fixture(scope="module")
@@ -29,12 +29,12 @@ def tilted(plan: Plan, tilt: float) -> Plan:
 
 
 def test_it_goes_on_from_the_last_map(plan):
-    formed = form(plan, intersections=False)
-    assert formed.solver is not None
-    last = formed.surface.harmonic.normals
+    shell = form(plan, intersections=False)
+    assert shell.solver is not None
+    last = shell.surface.harmonic.normals
     for tilt in (0.35, 0.4, 0.5):
         expected = form(tilted(plan, tilt), intersections=False)
-        found = answer(tilted(plan, tilt), Settings(), formed.solver, last)
+        found = update(tilted(plan, tilt), Settings(), shell.solver, last)
         for sheet in ("f+", "f-", "g", "gauss"):
             assert_allclose(found.placed[sheet], expected.placed[sheet], rtol=0, atol=1e-3)
         for sheet, normals in expected.normals.items():
@@ -43,24 +43,24 @@ def test_it_goes_on_from_the_last_map(plan):
 
 
 def test_one_step_is_nearly_there(plan):
-    formed = form(plan, intersections=False)
-    assert formed.solver is not None
+    shell = form(plan, intersections=False)
+    assert shell.solver is not None
     changed = tilted(plan, 0.45)
     expected = form(changed, intersections=False)
-    found = answer(changed, Settings(), formed.solver, formed.surface.harmonic.normals, steps=1)
+    found = update(changed, Settings(), shell.solver, shell.surface.harmonic.normals, steps=1)
     assert found.surface.harmonic.iterations == 1 and found.surface.status is Status.ITERATION_LIMIT
-    far = np.abs(formed.placed["f+"] - expected.placed["f+"]).max()
+    far = np.abs(shell.placed["f+"] - expected.placed["f+"]).max()
     assert np.abs(found.placed["f+"] - expected.placed["f+"]).max() < 0.1 * far
 
 
 def test_where_a_branch_ends_it_begins_anew(plan):
     """From normals all over the place there is no way back."""
     nowhere = np.random.default_rng(0).normal(size=(len(plan.positions), 3))
-    formed = form(plan, intersections=False)
-    assert formed.solver is not None
-    found = answer(plan, Settings(), formed.solver, nowhere)
+    shell = form(plan, intersections=False)
+    assert shell.solver is not None
+    found = update(plan, Settings(), shell.solver, nowhere)
     assert found.surface.status is Status.CONVERGED
-    assert_allclose(found.placed["f+"], formed.placed["f+"], rtol=0, atol=1e-3)
+    assert_allclose(found.placed["f+"], shell.placed["f+"], rtol=0, atol=1e-3)
 
 
 def test_measuring_asks_whether_it_is_wanted():

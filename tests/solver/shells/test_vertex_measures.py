@@ -37,54 +37,54 @@ def hall():
     return formed_on(shapes.polygon(RECTANGLE, max_edge=0.2, corner_radius=0.6), 0.4)
 
 
-def measures(formed, sheet="f+", names=(*MEASURES, DIRECTION)):
-    return row_measures(formed.surface, formed.similarity, formed.placed[sheet], sheet, names)
+def measures(shell, sheet="f+", names=(*MEASURES, DIRECTION)):
+    return row_measures(shell.surface, shell.similarity, shell.placed[sheet], sheet, names)
 
 
 @pytest.mark.parametrize("flip", [False, True])
 @pytest.mark.parametrize("sheet", ["f+", "f-"])
 def test_both_sheets_standing_and_hanging(sheet, flip):
-    _, formed = formed_on(shapes.polygon(RECTANGLE, max_edge=0.3, corner_radius=0.6), 0.4, flip=flip)
-    found = measures(formed, sheet)
+    _, shell = formed_on(shapes.polygon(RECTANGLE, max_edge=0.3, corner_radius=0.6), 0.4, flip=flip)
+    found = measures(shell, sheet)
     assert_allclose(
-        found["mean_curvature"], row_curvature(formed.surface, formed.similarity, formed.placed, sheet), rtol=1e-9
+        found["mean_curvature"], row_curvature(shell.surface, shell.similarity, shell.placed, sheet), rtol=1e-9
     )
-    assert np.median(found["mean_curvature"]) == pytest.approx(formed.report.mean_curvature, rel=0.05)
+    assert np.median(found["mean_curvature"]) == pytest.approx(shell.report.mean_curvature, rel=0.05)
     assert (found["gauss_curvature"] <= 1.2 * found["mean_curvature"].clip(0.0) ** 2 + 1e-9).mean() > 0.8
     assert (found["distortion"] >= 1.0).all()
 
 
 def test_means_at_rows_are_those_of_the_report(hall):
-    _, formed = hall
-    found, shown = measures(formed), formed.report.shown
-    areas = face_areas_in_space(formed.placed["f+"], formed.faces)
-    weights = np.bincount(formed.faces.ravel(), np.repeat(areas, 3))
+    _, shell = hall
+    found, shown = measures(shell), shell.report.shown
+    areas = face_areas_in_space(shell.placed["f+"], shell.faces)
+    weights = np.bincount(shell.faces.ravel(), np.repeat(areas, 3))
     assert np.average(found["mean_curvature"], weights=weights) == pytest.approx(shown.mean_curvature.mean, rel=2e-3)
     assert np.average(found["distortion"], weights=weights) == pytest.approx(shown.distortion.mean, rel=2e-3)
 
 
 def test_a_hemisphere():
-    plan, formed = formed_on(shapes.disc(500), 0.0)
-    found, H = measures(formed), formed.report.mean_curvature
+    plan, shell = formed_on(shapes.disc(500), 0.0)
+    found, H = measures(shell), shell.report.mean_curvature
     assert_allclose(found["mean_curvature"], H, rtol=2e-2)
     assert_allclose(found["gauss_curvature"], H * H, rtol=4e-2)
     assert not found[DIRECTION].any()
-    assert np.nanmax(rim_distances(formed.surface, formed.placed["f+"], plan.positions)) < 0.01
+    assert np.nanmax(rim_distances(shell.surface, shell.placed["f+"], plan.positions)) < 0.01
 
 
 def test_the_rim_is_as_far_off_as_the_report_says(hall):
-    plan, formed = hall
-    off = rim_distances(formed.surface, formed.placed["f+"], plan.positions)
+    plan, shell = hall
+    off = rim_distances(shell.surface, shell.placed["f+"], plan.positions)
     rim = np.flatnonzero(np.isfinite(off))
-    assert np.nanmax(off) == pytest.approx(formed.report.shown.outline.max)
-    drawn = formed.surface.domain.edges[formed.surface.domain.boundary_edges]
-    assert set(formed.source[rim].tolist()) == set(np.unique(drawn).tolist())
+    assert np.nanmax(off) == pytest.approx(shell.report.shown.outline.max)
+    drawn = shell.surface.domain.edges[shell.surface.domain.boundary_edges]
+    assert set(shell.source[rim].tolist()) == set(np.unique(drawn).tolist())
 
 
 def test_a_longer_hall_bends_across_it(hall):
     """In its middle a hall is steeper across than along."""
-    _, formed = hall
-    found, points = measures(formed), formed.placed["f+"]
+    _, shell = hall
+    found, points = measures(shell), shell.placed["f+"]
     middle = np.argmin(np.linalg.norm(points[:, :2] - [3.0, 1.5], axis=1))
     assert abs(found[DIRECTION][middle, 1]) > 0.95
 
@@ -95,17 +95,17 @@ def test_only_what_is_asked_for(hall):
 
 @pytest.mark.parametrize("combinatorics", ["dual", "corner"])
 def test_on_other_meshes(hall, combinatorics):
-    plan, formed = hall
-    sheet = polygon_sheet(formed, "f+", combinatorics)
-    found, count = measures(formed), len(plan.positions)
-    height = on_polygons(sheet, formed.placed["f+"][:, 2], formed.source, count)
+    plan, shell = hall
+    sheet = polygon_sheet(shell, "f+", combinatorics)
+    found, count = measures(shell), len(plan.positions)
+    height = on_polygons(sheet, shell.placed["f+"][:, 2], shell.source, count)
     assert_allclose(height, sheet.points[:, 2], atol=0.1)
-    H = on_polygons(sheet, found["mean_curvature"], formed.source, count)
-    assert np.median(H) == pytest.approx(formed.report.mean_curvature, rel=0.02)
-    off = rim_distances(formed.surface, formed.placed["f+"], plan.positions)
-    rim = np.isfinite(on_polygons(sheet, off, formed.source, count))
+    H = on_polygons(sheet, found["mean_curvature"], shell.source, count)
+    assert np.median(H) == pytest.approx(shell.report.mean_curvature, rel=0.02)
+    off = rim_distances(shell.surface, shell.placed["f+"], plan.positions)
+    rim = np.isfinite(on_polygons(sheet, off, shell.source, count))
     assert 0 < rim.sum() < 0.5 * len(rim)
-    lines = lines_on_polygons(sheet, found[DIRECTION], formed.source, count)
+    lines = lines_on_polygons(sheet, found[DIRECTION], shell.source, count)
     told = lines.any(axis=1)
     assert told.mean() > 0.9
     assert_allclose(np.linalg.norm(lines[told], axis=1), 1.0)
@@ -118,22 +118,22 @@ def test_a_cut_open_surface():
     angle = np.linspace(0, 2 * np.pi, 40, endpoint=False)
     circle = np.column_stack([np.cos(angle), np.sin(angle)])
     court = shapes.polygon(4.0 * circle, holes=[1.2 * circle + [0.8, 0.0]], max_edge=0.5)
-    plan, formed = formed_on(court, 0.7)
-    assert formed.surface.is_open
-    found = measures(formed)
-    assert all(len(values) == len(formed.source) > len(plan.positions) for values in found.values())
-    off = rim_distances(formed.surface, formed.placed["f+"], plan.positions)
+    plan, shell = formed_on(court, 0.7)
+    assert shell.surface.is_open
+    found = measures(shell)
+    assert all(len(values) == len(shell.source) > len(plan.positions) for values in found.values())
+    off = rim_distances(shell.surface, shell.placed["f+"], plan.positions)
     assert np.isfinite(off).sum() < len(angle) * 3
 
 
 def test_a_row_without_a_proper_face(hall):
-    _, formed = hall
-    points = formed.placed["f+"].copy()
-    face = formed.faces[np.argmax((formed.faces == 100).any(axis=1))]
-    around = np.unique(formed.faces[(formed.faces == face[0]).any(axis=1)])
+    _, shell = hall
+    points = shell.placed["f+"].copy()
+    face = shell.faces[np.argmax((shell.faces == 100).any(axis=1))]
+    around = np.unique(shell.faces[(shell.faces == face[0]).any(axis=1)])
     points[around] = points[face[0]]
-    found = row_measures(formed.surface, formed.similarity, points, "f+", (*MEASURES, DIRECTION))
-    H = formed.report.mean_curvature
+    found = row_measures(shell.surface, shell.similarity, points, "f+", (*MEASURES, DIRECTION))
+    H = shell.report.mean_curvature
     assert found["mean_curvature"][face[0]] == pytest.approx(H)
     assert found["gauss_curvature"][face[0]] == pytest.approx(H * H)
     assert found["distortion"][face[0]] == 1.0

@@ -22,7 +22,7 @@ from solver.fitting.targets import (
     Volume,
 )
 from solver.gauss import sphere
-from solver.surface.adjoint import Extension
+from solver.surface.adjoint import AdjointSolver
 from tests.solver.exact import rates
 
 PLANS = {
@@ -43,7 +43,7 @@ def extension(request):
     shape = PLANS[request.param]()
     rim = conditions.binormal(shape.domain, shape.positions, shape.domain.boundary_edges, 0.4)
     _, normals = rim.resolve()
-    return Extension(HarmonicSolver(shape.domain), rim), normals
+    return AdjointSolver(HarmonicSolver(shape.domain), rim), normals
 
 
 def test_the_conjugate_is_that_of_the_solver_at_second_order():
@@ -52,7 +52,7 @@ def test_the_conjugate_is_that_of_the_solver_at_second_order():
         shape = shapes.disc(n)
         rim = conditions.twisted(shape.domain, shape.positions, shape.domain.boundary_edges, 1)
         _, normals = rim.resolve()
-        state = Extension(HarmonicSolver(shape.domain), rim)(normals)
+        state = AdjointSolver(HarmonicSolver(shape.domain), rim)(normals)
         misses.append(np.abs(state.g - solve_cmc(shape.domain, rim).g).max())
     assert rates(misses).min() > 1.5
 
@@ -79,7 +79,7 @@ def test_periods_are_the_sums_along_the_loops():
     sides = [conditions.binormal(shape.domain, shape.positions, e, 0.2 * k) for k, e in enumerate(shape.sides.values())]
     rim = sides[0] + sides[1] + sides[2] + sides[3]
     _, normals = rim.resolve()
-    state = Extension(HarmonicSolver(shape.domain), rim)(normals, tolerance=1e-12)
+    state = AdjointSolver(HarmonicSolver(shape.domain), rim)(normals, tolerance=1e-12)
     surface = CmcSolver(shape.domain).solve(rim, tolerance=1e-12)
     assert state.periods.shape == (3, 3) and np.abs(state.periods).max() > 0.5
     assert_allclose(state.periods, surface.conjugate.periods, rtol=0, atol=1e-10)
@@ -90,7 +90,7 @@ def test_the_adjoint_at_a_saddle():
     shape = shapes.disc(250)
     rim = conditions.binormal(shape.domain, shape.positions, shape.domain.boundary_edges)
     _, normals = rim.resolve()
-    extend = Extension(HarmonicSolver(shape.domain), rim)
+    extend = AdjointSolver(HarmonicSolver(shape.domain), rim)
     flat = np.column_stack([shape.positions[:, :2] + [0.013, 0.007], np.zeros(len(shape.positions))])
     saddle = extend.solver.solve(rim, initial=flat, method="lagrange", tolerance=1e-11)
     state = extend.at(saddle)

@@ -19,7 +19,7 @@ from solver import (
     solve_cmc,
 )
 from solver.domain.gluing import check_glued, doubled, glue, glued_domain
-from solver.symmetry.isometries import Copy, across, cell, generate, lattice, translation
+from solver.symmetry.isometries import Isometry, across, cell, generate, lattice, translation
 from solver.symmetry.sides import SidePlane, SymmetryError
 from tests.solver import pieces
 
@@ -30,7 +30,7 @@ def plane(normal, offset: float, kind: str = "mirror") -> SidePlane:
     return SidePlane("p", kind, n, offset, offset * n, 0.0, 0.0, 0.0, none, np.zeros(0))
 
 
-def everything(copy: Copy) -> bool:
+def everything(copy: Isometry) -> bool:
     return True
 
 
