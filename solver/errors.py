@@ -1,4 +1,4 @@
-"""What can go wrong: errors for bad input, a status for a solve that did not converge.
+"""How work ends: errors for bad input, a status for a solve that did not converge, and how work is cancelled.
 
 Bad input raises a `CmcError` whose message names the offender and the way out. A solve that does not reach
 its tolerance is not an error: its result carries a `Status`.
@@ -6,7 +6,7 @@ its tolerance is not an error: its result carries a `Status`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from enum import Enum
 
 _LISTED = 8
@@ -72,6 +72,10 @@ _SENTENCES = {
     Status.CANCELLED: "The solve was cancelled; the map is the last one reached.",
     Status.GAP: "The surface does not close around the holes of the plan: it is cut open and has a gap.",
 }
+
+
+Progress = Callable[[int, float], bool | None]
+"""Called as progress(step, residual) while long work runs; returning False cancels it."""
 
 
 class Interrupted(Exception):  # noqa: N818  nothing is wrong

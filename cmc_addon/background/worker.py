@@ -15,12 +15,11 @@ from typing import TypeVar
 
 import bpy
 
-from ...solver.errors import CmcError
+from ...solver.errors import CmcError, Progress
 from ...solver.linalg import Patience
 from .plan_cache import forget
 
 T = TypeVar("T")
-Progress = Callable[[int, float], bool]
 
 # Unknowns whose factorisation by cholespy would hold up a window for about a tenth of a second.
 _PATIENT = 20_000

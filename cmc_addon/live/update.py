@@ -15,11 +15,10 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...solver.errors import CmcError
-from ...solver.shells.plan import SHEETS
+from ...solver.errors import CmcError, Progress
 from ...solver.shells.update import Update, update
-from ...solver.surface.cmc_surface import CmcSurface
-from ..background import plan_cache, solve_cache, worker
+from ...solver.surface.cmc_surface import SHEETS, CmcSurface
+from ..background import plan_cache, solve_cache
 from ..bridges.mesh_bridge import PlanMesh, read_plan
 from ..bridges.numbering import in_plan_numbers
 from ..properties.links import copies_of, result_of, wanted_roles
@@ -107,7 +106,7 @@ class GoingOn:
     def settings(self) -> SimpleNamespace:
         return self.reading.order.settings
 
-    def work(self, progress: worker.Progress) -> Answered:
+    def work(self, progress: Progress) -> Answered:
         """Solve. Raises `CmcError` in the plan's own numbering."""
         order, settings, last = self.reading.order, solver_settings(self.settings), self.memory.reading.order.mesh
         prepared = plan_cache.prepare_near(order.mesh, settings.solver_choice, last, self.memory.prepared)
@@ -178,7 +177,7 @@ class Anew:
         settings = self.reading.order.settings
         return SimpleNamespace(**{**vars(settings), "intersections": settings.intersections and self.grade == FINAL})
 
-    def work(self, progress: worker.Progress) -> Outcome:
+    def work(self, progress: Progress) -> Outcome:
         """Solve, if that was not done just now. Raises `CmcError` in the plan's own numbering."""
         order = replace(self.reading.order, settings=self.settings)
         return solve_cache.recall(order) or order.work(progress)

@@ -7,11 +7,12 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from ...solver.errors import Progress
 from ...solver.fitting.fit import Fit, FitStatus
 from ...solver.fitting.gauss_map import fit_gauss_map
 from ..background import plan_cache
 from ..results.deviation import deviation_from
-from .design import LIMIT, DesignOrder, Progress, counted
+from .design import LIMIT, DesignOrder, counted
 from .design_frame import Frame
 
 Array = NDArray[np.float64]

@@ -14,12 +14,12 @@ import numpy as np
 from bpy.app.handlers import persistent
 from numpy.typing import NDArray
 
-from ...solver.errors import CmcError
+from ...solver.errors import CmcError, Progress
 from ...solver.shells.close import ClosedShell, close_plan, closing_report
 from ...solver.shells.complete import Completed, CopySelection
 from ...solver.shells.plan import Plan
 from ...solver.shells.tile import tile_plan, tile_times
-from ..background import plan_cache, solve_cache, worker
+from ..background import plan_cache, solve_cache
 from ..bridges.mesh_bridge import read_plan
 from ..bridges.numbering import in_plan_numbers
 from ..bridges.periods_bridge import check_movable, move_vertices
@@ -50,7 +50,7 @@ class CloseOrder:
     def settings(self) -> SimpleNamespace:
         return self.solve.settings
 
-    def work(self, progress: worker.Progress) -> CloseOutcome:
+    def work(self, progress: Progress) -> CloseOutcome:
         """Close. Raises `CmcError` in the plan's own numbering."""
         settings, mesh = solver_settings(self.settings), self.solve.mesh
         prepared = plan_cache.prepare(mesh, settings.solver_choice)
@@ -135,7 +135,7 @@ def take_closing(context: bpy.types.Context, plan: bpy.types.Object, wanted: Sim
 class TileOrder(CompleteOrder):
     """Copies by periods; wanted has `TILE_SETTINGS`, and what they are as `complete_as`."""
 
-    def work(self, progress: worker.Progress) -> TileOutcome:
+    def work(self, progress: Progress) -> TileOutcome:
         found = super().work(progress)
         return TileOutcome(found.outcome, found.completed, found.report, found.cut)
 

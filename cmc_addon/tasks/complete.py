@@ -16,14 +16,14 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...solver.errors import CmcError
+from ...solver.errors import CmcError, Progress
 from ...solver.jobs.outputs import completed_report
 from ...solver.shells.complete import Completed, CopySelection, complete_plan
 from ...solver.shells.plan import Group, Plan
 from ...solver.shells.plan_sides import goes_on
 from ...solver.symmetry.complete import TooManyError
 from ...solver.symmetry.sides import surface_size
-from ..background import solve_cache, worker
+from ..background import solve_cache
 from ..bridges.mesh_bridge import set_attribute
 from ..bridges.numbering import in_plan_numbers
 from ..bridges.result_bridge import Cut, corners_of
@@ -68,7 +68,7 @@ class CompleteOrder:
     def settings(self) -> SimpleNamespace:
         return self.solve.settings
 
-    def work(self, progress: worker.Progress) -> CompleteOutcome:
+    def work(self, progress: Progress) -> CompleteOutcome:
         """Solve if need be, find the copies, and weld them if one mesh is wanted. Raises `CmcError`."""
         outcome = self.known or self.solve.work(progress)
         prepared, mesh = outcome.prepared, self.solve.mesh

@@ -8,9 +8,9 @@ from types import SimpleNamespace
 
 import bpy
 
-from ...solver.errors import CmcError
+from ...solver.errors import CmcError, Progress
 from ...solver.shells import form
-from ..background import solve_cache, worker
+from ..background import solve_cache
 from ..bridges.numbering import in_plan_numbers
 from ..properties.links import result_of
 from .solve import (
@@ -44,7 +44,7 @@ class CountOrder:
     def settings(self) -> SimpleNamespace:
         return self.solve.settings
 
-    def work(self, progress: worker.Progress) -> CountOutcome:
+    def work(self, progress: Progress) -> CountOutcome:
         """Solve if need be, and count. Raises `CmcError` in the plan's own numbering."""
         outcome = self.known or self.solve.work(progress)
         mesh, prepared = self.solve.mesh, outcome.prepared

@@ -15,7 +15,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...solver.errors import CmcError
+from ...solver.errors import CmcError, Progress
 from ...solver.fitting.fit import Fit
 from ...solver.fitting.targets import SmoothRim
 from ...solver.measure import report
@@ -34,7 +34,6 @@ from .design_frame import Frame
 from .solve import check_unchanged, plan_depsgraph
 
 Array = NDArray[np.float64]
-Progress = Callable[[int, float], bool | None]
 
 # Evaluations of a fit at most.
 LIMIT = 300

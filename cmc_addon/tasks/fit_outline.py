@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...solver.errors import CmcError
+from ...solver.errors import CmcError, Progress
 from ...solver.fitting.fit import Fit, FitStatus
 from ...solver.fitting.outline import fit_outline
 from ...solver.meshing.wires import chain
@@ -21,7 +21,7 @@ from ...solver.shells.rim_curves import curves_of_loops
 from ..background import plan_cache
 from ..bridges import outline_bridge
 from ..properties.design_settings import POINTERS
-from .design import LIMIT, DesignOrder, DesignOutcome, Progress, counted, read_order
+from .design import LIMIT, DesignOrder, DesignOutcome, counted, read_order
 from .design_frame import Frame
 
 Array = NDArray[np.float64]

@@ -14,13 +14,14 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...solver.errors import CmcError
+from ...solver.errors import CmcError, Progress
 from ...solver.shells import form
 from ...solver.shells.gaps import hole_gaps
-from ...solver.shells.plan import SHEETS, Group, Plan, Settings
+from ...solver.shells.plan import Group, Plan, Settings
 from ...solver.shells.polygon_sheets import PolygonSheet, polygon_sheet
 from ...solver.shells.shell import Shell
-from ..background import plan_cache, solve_cache, worker
+from ...solver.surface.cmc_surface import SHEETS
+from ..background import plan_cache, solve_cache
 from ..bridges.mesh_bridge import PlanMesh, read_plan
 from ..bridges.numbering import in_plan_numbers
 from ..bridges.result_bridge import Cut, find_cut
@@ -44,7 +45,7 @@ class Order:
     warnings: list[str]
     measured: tuple[str, ...] = USUAL
 
-    def work(self, progress: worker.Progress) -> Outcome:
+    def work(self, progress: Progress) -> Outcome:
         """Solve. Raises `CmcError` in the plan's own numbering."""
         settings = solver_settings(self.settings)
         prepared = plan_cache.prepare(self.mesh, settings.solver_choice)
@@ -82,7 +83,7 @@ class Order:
         return deliver(context, plan, self, outcome)
 
 
-def asking(progress: worker.Progress) -> Callable[[], bool]:
+def asking(progress: Progress) -> Callable[[], bool]:
     """Whether work without steps is still wanted: its progress is that of the last of the steps before it."""
     return lambda: progress(-1, 0.0)
 

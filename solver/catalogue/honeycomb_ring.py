@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 
 from ..domain.domain import Domain
 from ..domain.topology import Homology
-from ..errors import MeshError
+from ..errors import MeshError, Progress
 from ..gauss import conditions as ways
 from ..gauss.boundary_data import Conditions
-from ..gauss.newton import Progress
 from ..surface.cmc_surface import CmcSurface
 from ..surface.solve import solve_cmc
 from ..symmetry.complete import complete

@@ -14,10 +14,10 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..closing.close import ClosingResult, Progress, close_periods
+from ..closing.close import ClosingResult, close_periods
 from ..closing.moduli import tube
 from ..domain.domain import Domain
-from ..errors import ConditionError
+from ..errors import ConditionError, Progress
 from ..gauss import conditions as ways
 from ..gauss.boundary_data import Conditions
 from ..gauss.modes import flat_axis

@@ -6,7 +6,7 @@ type of the domain, given by a few moduli (`closing_map`); Newton's method makes
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
-from ..errors import ConditionError, check_choice
+from ..errors import ConditionError, Progress, check_choice
 from ..gauss.boundary_data import Conditions
 from ..gauss.methods import METHODS
 from ..linalg import check_number
@@ -27,7 +27,6 @@ from .moduli import Moduli
 from .newton_steps import ClosingSteps, Step, boundary_tangents
 
 Array = NDArray[np.float64]
-Progress = Callable[[int, float], bool | None]
 
 # Part of the first surface's area below which there is none to speak of.
 _COLLAPSED = 0.05

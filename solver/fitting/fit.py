@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Any
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from ..domain.domain import Domain
-from ..errors import CmcError, ConditionError
+from ..errors import CmcError, ConditionError, Progress
 from ..gauss.boundary_data import Conditions
 from ..surface.adjoint import AdjointSolver
 from ..surface.cmc_surface import CmcSurface
@@ -23,7 +23,6 @@ from .response import Response
 from .target import Target
 
 Array = NDArray[np.float64]
-Progress = Callable[[int, float], bool | None]
 
 _SIDES = {"f+": 1.0, "f-": -1.0}
 # Evaluations for which one model serves, and how many steps' gain such a run has to bring to be followed by another.

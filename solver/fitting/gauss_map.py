@@ -9,7 +9,7 @@ import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
-from ..errors import ConditionError
+from ..errors import ConditionError, Progress
 from ..gauss.boundary_data import Conditions
 from ..gauss.conditions import gauss_map
 from ..gauss.frames import area_vectors, in_space, unit_rows
@@ -19,7 +19,7 @@ from ..surface.placement import procrustes
 from ..surface.solve import CmcSolver
 from .closest_point import Triangles
 from .curves import Curve
-from .fit import Fit, FitStatus, Progress, Start, fit
+from .fit import Fit, FitStatus, Start, fit
 from .shape_similarity import LEAST, ShapeSimilarity, bending, cosine, dirichlet_matrix
 from .target import Target
 from .targets import GaussMap, NearSurface, RimOnCurve, SmoothRim

@@ -13,11 +13,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
+from ..errors import Progress
 from ..gauss.conditions import binormal
 from ..gauss.frames import in_space
 from ..linalg import check_number
 from ..surface.solve import CmcSolver
-from .fit import Fit, FitStatus, Progress, Start, fit
+from .fit import Fit, FitStatus, Start, fit
 from .goals import Goals
 
 Array = NDArray[np.float64]

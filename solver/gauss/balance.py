@@ -17,8 +17,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import ConditionError, Status
-from .newton import Minimum, Progress, Step, descend, longest
+from ..errors import ConditionError, Progress, Status
+from .newton import Minimum, Step, descend, longest
 from .problem import EnergyProblem, Point
 from .saddles import climb
 from .sphere import dot, exp, inner

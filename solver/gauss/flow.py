@@ -6,7 +6,8 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from .newton import Minimum, Progress, Step, conjugate_gradients, descend, line_search
+from ..errors import Progress
+from .newton import Minimum, Step, conjugate_gradients, descend, line_search
 from .problem import EnergyProblem, Point
 
 Array = NDArray[np.float64]

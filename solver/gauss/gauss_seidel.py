@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..domain.sites import LinkSubset, SiteGraph
+from ..errors import Progress
 from ..linalg import sum_rows
-from .newton import Minimum, Progress, Step, descend
+from .newton import Minimum, Step, descend
 from .problem import EnergyProblem, Point
 from .sphere import dot, normalize
 

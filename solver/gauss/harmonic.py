@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
 from ..domain.sites import SiteGraph
-from ..errors import ConditionError, Status, check_choice
+from ..errors import ConditionError, Progress, Status, check_choice
 from ..linalg import Factor, ReusedFactor, as_numbers, check_number
 from . import sphere
 from .admissible import Admissible, resolved
@@ -24,7 +24,7 @@ from .energies import energy_on
 from .initial_map import harmonic_start, leaning, wound_start
 from .methods import BALANCED, METHODS, Method
 from .mirror_start import side_normals
-from .newton import Iterate, Progress
+from .newton import Iterate
 from .problem import EnergyProblem, equal_laplacian
 
 Array = NDArray[np.float64]

@@ -19,7 +19,8 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
-from .newton import Minimum, Progress, Step, descend
+from ..errors import Progress
+from .newton import Minimum, Step, descend
 from .problem import EnergyProblem, Point
 from .sphere import dot, normalize
 

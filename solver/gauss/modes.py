@@ -8,12 +8,11 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import ConditionError, Status
+from ..errors import ConditionError, Progress, Status
 from .admissible import resolved
 from .boundary_data import Conditions
 from .harmonic import HarmonicMap, HarmonicSolver
 from .methods import Method
-from .newton import Progress
 from .null_directions import Fields, drifts, free_rotations
 from .problem import EnergyProblem
 from .saddles import climb

@@ -14,12 +14,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import Status
+from ..errors import Progress, Status
 from .problem import EnergyProblem, Point
 from .sphere import dot, exp, inner
 
 Array = NDArray[np.float64]
-Progress = Callable[[int, float], bool | None]
 
 # A longer step of a normal, in radians, can jump to another homotopy class.
 _LARGEST_ROTATION = 0.5

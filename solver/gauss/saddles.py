@@ -15,7 +15,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .newton import Minimum, Progress, Step, descend, longest
+from ..errors import Progress
+from .newton import Minimum, Step, descend, longest
 from .null_directions import Fields, drifts, free_rotations
 from .problem import EnergyProblem, Point
 from .sphere import exp

@@ -11,8 +11,8 @@ from ..domain.domain import Domain
 from ..errors import ConditionError
 from ..fitting.goals import HEIGHT_PARAMETERS
 from ..shells.fit import Anchors, Goal
-from ..shells.plan import SHEETS
 from ..shells.rim_curves import check_count, read_curves
+from ..surface.cmc_surface import SHEETS
 from .tables import Table
 
 Array = NDArray[np.float64]

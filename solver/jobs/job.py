@@ -31,10 +31,10 @@ from ..shells.complete import Completed, complete_plan
 from ..shells.fit import Goal, fit_plan
 from ..shells.form import form
 from ..shells.gaps import hole_gaps
-from ..shells.plan import SHEETS, SHELLS, Group, Plan, Settings, plan_conditions, plan_domain, usual_sheet
+from ..shells.plan import SHELLS, Group, Plan, Settings, plan_conditions, plan_domain, usual_sheet
 from ..shells.shell import Shell
 from ..surface.averaging import AVERAGINGS
-from ..surface.cmc_surface import COMBINATORICS
+from ..surface.cmc_surface import COMBINATORICS, SHEETS
 from ..surface.placement import GROUNDS, SIZES
 from .close_table import read_close
 from .complete_table import Completing, read_complete

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import CmcError, MeshError, Status, listed
+from ..surface.cmc_surface import SHEETS
 from .arrays import Array
 from .planes import PlaneReport
 from .sheet import SheetReport, measure_sheet
@@ -21,7 +22,6 @@ from .summary import count, measure_lines, number, size_line
 if TYPE_CHECKING:
     from ..surface.cmc_surface import CmcSurface
 
-SHEETS = ("f+", "f-")
 # Largest deviation of placed points from a similarity image of the sheet, as a fraction of its size; single
 # precision far from the origin leaves about 1e-5.
 _SIMILAR = 1e-3

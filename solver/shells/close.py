@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..closing.close import ClosingResult, Progress, close_periods
+from ..closing.close import ClosingResult, close_periods
 from ..closing.holes import MOTIONS, MovingHoles
 from ..domain.domain import Domain
-from ..errors import JobError
+from ..errors import JobError, Progress
 from ..measure.report import to_plain
 from ..surface.placement import plan_plane, rim_weights
 from ..surface.solve import CmcSolver

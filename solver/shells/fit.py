@@ -9,14 +9,15 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import JobError
-from ..fitting.fit import Fit, Progress
+from ..errors import JobError, Progress
+from ..fitting.fit import Fit
 from ..fitting.gauss_map import fit_gauss_map
 from ..fitting.goals import HEIGHT_PARAMETERS
 from ..fitting.outline import fit_outline
+from ..surface.cmc_surface import SHEETS
 from ..surface.placement import Plane, Similarity
 from ..surface.solve import CmcSolver
-from .plan import SHEETS, Plan, Settings, plan_domain
+from .plan import Plan, Settings, plan_domain
 from .rim_curves import curves_of_loops
 from .shell import Shell, finish
 

@@ -8,14 +8,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import Status
+from ..errors import Progress, Status
 from ..surface.solve import CmcSolver
 from .plan import Group, Plan, Settings, plan_conditions
 from .shell import Shell, form_surface, solver_for
 from .solve import modes_on, solve_plan
 
 Array = NDArray[np.float64]
-Progress = Callable[[int, float], bool | None]
 
 __all__ = ["Group", "Plan", "Settings", "Shell", "count_modes", "form"]
 

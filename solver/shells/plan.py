@@ -18,14 +18,13 @@ from ..gauss.energies import ENERGIES, energy_on
 from ..gauss.frames import boundary_edges, moving_average
 from ..gauss.methods import METHODS
 from ..gauss.mirrors import MirrorSides
-from ..surface.cmc_surface import COMBINATORICS
+from ..surface.cmc_surface import COMBINATORICS, SHEETS
 from ..surface.placement import Rule
 from .plan_metric import metric_domain, start_map
 
 Array = NDArray[np.float64]
 Int = NDArray[np.int32]
 
-SHEETS = ("f+", "f-")
 
 SHELLS = {
     "first": "First Found",

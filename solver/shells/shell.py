@@ -15,16 +15,15 @@ from ..gauss.energies import ENERGIES
 from ..gauss.methods import METHODS
 from ..measure.curvature import mean_curvature_of
 from ..measure.report import Report, report
-from ..surface.cmc_surface import CmcSurface
+from ..surface.cmc_surface import SHEETS, CmcSurface
 from ..surface.placement import ALIKE, PlacementError, Plane, Similarity, place, plan_frame
 from ..surface.solve import CmcSolver
-from .plan import SHEETS, Plan, Settings, matches, plan_domain, plan_warnings
+from .plan import Plan, Settings, matches, plan_domain, plan_warnings
 from .plan_sides import measured_planes
 from .solve import off_degree
 
 Array = NDArray[np.float64]
 Int = NDArray[np.int32]
-Progress = Callable[[int, float], bool | None]
 
 # Share of the shell's area that may overhang, and degrees by which it may, before it is worth a warning: next to a
 # vertical rim the faces of an ordinary mesh lean by a degree or two.

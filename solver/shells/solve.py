@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import ConditionError, Status
+from ..errors import ConditionError, Progress, Status
 from ..gauss.boundary_data import Conditions
 from ..gauss.initial_map import over_the_other_pole
 from ..surface.cmc_surface import CmcSurface
@@ -16,7 +16,6 @@ from .plan import Plan, Settings, plan_conditions
 from .plan_metric import at_sites, start_map
 
 Array = NDArray[np.float64]
-Progress = Callable[[int, float], bool | None]
 
 # A bubble changes the degree by one; a map is of another class where it changed by more than this.
 _OTHER_CLASS = 0.5

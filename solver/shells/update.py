@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import Status
+from ..errors import Progress, Status
 from ..surface.cmc_surface import CmcSurface
 from ..surface.placement import Similarity
 from ..surface.solve import CmcSolver
@@ -17,7 +16,6 @@ from .shell import check_shown, place_over, placed_sheets
 from .solve import solve_plan
 
 Array = NDArray[np.float64]
-Progress = Callable[[int, float], bool | None]
 
 ROUGHLY = 1e-4
 """Residual at which an answer is good enough for the eye."""

@@ -20,7 +20,7 @@ from .polygon_mesh import PolygonMesh
 
 Array = NDArray[np.float64]
 
-SHEETS = ("f+", "f-", "g", "gauss")
+SHEETS = ("f+", "f-")
 # A sheet smaller than this part of the other one is a point or a curve up to discretisation.
 _DEGENERATE = 0.02
 

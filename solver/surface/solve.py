@@ -13,12 +13,11 @@ from ..domain.delaunay import carried_cut, intrinsic_delaunay
 from ..domain.domain import Domain
 from ..domain.sites import SiteGraph
 from ..domain.topology import CutSurface
-from ..errors import ConditionError, check_choice
+from ..errors import ConditionError, Progress, check_choice
 from ..gauss.admissible import resolved
 from ..gauss.boundary_data import Conditions
 from ..gauss.harmonic import HarmonicMap, HarmonicSolver
 from ..gauss.modes import index_of
-from ..gauss.newton import Progress
 from .averaging import AVERAGINGS, Averaging
 from .cmc_surface import CmcSurface
 from .conjugate import Conjugate, Conjugation
