@@ -1,6 +1,6 @@
-"""Arrays and sparse linear algebra, in one place: the factorisation of symmetric positive definite matrices.
+"""Arrays and sparse linear algebra: checked numbers, graph Laplacians, factors of positive definite matrices.
 
-cholespy (a supernodal Cholesky factorisation) is used where it is installed; SciPy's SuperLU otherwise.
+Matrices are factored by cholespy (supernodal Cholesky) where it is installed, and by SciPy's SuperLU elsewhere.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Factor(Protocol):
 
 
 def as_numbers(values: ArrayLike, what: str, error: type[CmcError]) -> Array:
-    """The values as a float64 array; `error`, naming `what`, where they are ragged or no numbers."""
+    """The values as a float64 array; raises `error`, naming `what`, where they are ragged or not numbers."""
     try:
         return np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError):
@@ -38,7 +38,7 @@ def as_numbers(values: ArrayLike, what: str, error: type[CmcError]) -> Array:
 
 
 def check_number(value: Any, what: str, least: float = 0.0, *, positive: bool = False) -> None:
-    """Raise `ConditionError`, naming `what`, on what is no finite number, below `least`, or zero where `positive`."""
+    """Raise `ConditionError`, naming `what`, on a value not finite, below `least`, or zero if `positive`."""
     is_number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
     if not is_number or not np.isfinite(value) or value < least or (positive and value <= 0.0):
         kind = "positive number" if positive else "finite number" if least < 0.0 else f"number of {least:g} or more"
@@ -53,7 +53,7 @@ def sum_rows(rows: NDArray[np.integer], values: Array, count: int) -> Array:
 
 
 def graph_laplacian(links: NDArray[np.integer], weights: Array, count: int) -> sp.csr_array:
-    """L (count, count) of the `links` (K, 2): `<Lu, u> = Σ weight (u_i - u_j)²`; one from i to i adds nothing."""
+    """L (count, count) of the `links` (K, 2): `<Lu, u> = Σ weight (u_i - u_j)²`; a link from i to i adds nothing."""
     i, j = links.T
     diagonal = np.bincount(i, weights, count) + np.bincount(j, weights, count)
     every = np.arange(count, dtype=np.int32)
@@ -63,77 +63,103 @@ def graph_laplacian(links: NDArray[np.integer], weights: Array, count: int) -> s
 
 
 class Patience:
-    """Unknowns from which on `factorize` leaves cholespy alone.
+    """The number of unknowns above which `factorize` avoids cholespy.
 
-    It lets no other thread of the process run meanwhile, which a window does not bear for long. SuperLU does, and takes
-    a third longer.
+    cholespy blocks all other threads of the process, so a window would freeze. SuperLU does not, and takes a third
+    longer.
     """
 
     largest: float = math.inf
 
 
 def factorize(A: Sparse, backend: str = "auto") -> Factor:
-    """Factor the symmetric positive definite sparse matrix A (n, n).
+    """Factor the symmetric positive definite sparse matrix A (n, n); a matrix of size zero has a factor, too.
 
     `backend` is "cholespy", "superlu" or "auto" (cholespy where it is installed, and A not too large for `Patience`).
-    Raises `ImportError` when cholespy is asked for by name and missing. A matrix of size zero has a factor, too.
+    Raises `ImportError` when cholespy is chosen by name and missing. A factor can be pickled and copied: the copy
+    holds A alone and factors it at its first solve.
     """
     if backend == "superlu" or A.shape[0] == 0 or (backend == "auto" and A.shape[0] >= Patience.largest):
         return _SuperLU(A)
     try:
-        cholespy = importlib.import_module("cholespy")
+        importlib.import_module("cholespy")
     except ImportError:
         if backend == "cholespy":
             raise
         return _SuperLU(A)
-    return _Cholespy(A, cholespy)
+    return _Cholespy(A)
 
 
-class _Cholespy:
-    def __init__(self, A: Sparse, cholespy: Any) -> None:
-        coo = A.tocoo()
-        self._solver = cholespy.CholeskySolverD(
-            A.shape[0],
+class _Factored:
+    """Holds A beside its factor, which belongs to a library and can be neither pickled nor copied."""
+
+    def __init__(self, A: Sparse) -> None:
+        self.A = A
+        self._solve: Callable[[Array], Array] | None = self._factored()
+
+    def _factored(self) -> Callable[[Array], Array]:
+        """A⁻¹, applied to (n,) or (n, k)."""
+        raise NotImplementedError
+
+    def solve(self, b: Array) -> Array:
+        if self._solve is None:
+            self._solve = self._factored()
+        return self._solve(np.asarray(b, dtype=np.float64))
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"A": self.A, "_solve": None}
+
+
+class _SuperLU(_Factored):
+    """The ordering and the symmetric mode matter: with SciPy's defaults this takes minutes, not seconds."""
+
+    def _factored(self) -> Callable[[Array], Array]:
+        if not self.A.shape[0]:
+            return lambda b: b
+        return splu(
+            sp.csc_matrix(self.A),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        ).solve
+
+
+class _Cholespy(_Factored):
+    """Falls back on SuperLU where a pickle is opened without cholespy."""
+
+    def _factored(self) -> Callable[[Array], Array]:
+        try:
+            cholespy = importlib.import_module("cholespy")
+        except ImportError:  # it was installed where this factor was pickled
+            return _SuperLU(self.A).solve
+        coo = self.A.tocoo()
+        factor = cholespy.CholeskySolverD(
+            self.A.shape[0],
             coo.row.astype(np.int32),
             coo.col.astype(np.int32),
             coo.data.astype(np.float64),
             cholespy.MatrixType.COO,
         )
 
-    def solve(self, b: Array) -> Array:
-        b = np.ascontiguousarray(b, dtype=np.float64)
-        x = np.zeros_like(b)
-        self._solver.solve(b, x)
-        return x
+        def solve(b: Array) -> Array:
+            b = np.ascontiguousarray(b)
+            x = np.zeros_like(b)
+            factor.solve(b, x)
+            return x
+
+        return solve
 
 
-class _SuperLU:
-    """The ordering and the symmetric mode matter: with SciPy's defaults this takes minutes, not seconds."""
-
-    def __init__(self, A: Sparse) -> None:
-        self._solve: Callable[[Array], Array] = lambda b: b
-        if A.shape[0]:
-            self._solve = splu(
-                sp.csc_matrix(A),
-                permc_spec="MMD_AT_PLUS_A",
-                diag_pivot_thresh=0.0,
-                options={"SymmetricMode": True},
-            ).solve
-
-    def solve(self, b: Array) -> Array:
-        return self._solve(np.asarray(b, dtype=np.float64))
-
-
-# Of the right-hand side, what is left at most; and the iterations that are worth it: a factor costs about sixty.
-_NEARBY_TOLERANCE = 1e-11
-_NEARBY_LIMIT = 40
+# The residual, as a part of the right-hand side; and the most iterations: a factorisation costs about sixty.
+_TOLERANCE = 1e-11
+_LIMIT = 40
 
 
 class ReusedFactor:
-    """A matrix A (n, n) solved with by the factor of another one nearby, as a preconditioner of conjugate gradients.
+    """Solves with A (n, n) by conjugate gradients, preconditioned with the factor of a nearby matrix.
 
-    Where that takes more than a few dozen iterations A itself is factored, so that a solution is always one.
-    factor: the one that is used. iterations: the most that a solve has taken so far, None before the first.
+    Where that takes more than a few dozen iterations A itself is factored, so a solution is always exact.
+    factor: the one in use. iterations: the most that a solve has taken so far, None before the first.
     """
 
     def __init__(self, A: Sparse, factor: Factor) -> None:
@@ -145,20 +171,20 @@ class ReusedFactor:
         """A x = b; b is (n,) or (n, k), and x has its shape."""
         columns = np.asarray(b, dtype=np.float64).reshape(len(b), -1)
         x, count = self._iterate(columns)
-        if count > _NEARBY_LIMIT:
+        if count > _LIMIT:
             self.factor, count = factorize(self.A), 0
             x = self.factor.solve(columns)
         self.iterations = max(count, self.iterations or 0)
         return x.reshape(b.shape)
 
     def _iterate(self, b: Array) -> tuple[Array, int]:
-        """All columns at once, each with its own step lengths."""
-        enough = _NEARBY_TOLERANCE**2 * _column_squares(b, b)
+        """x and the number of iterations; all columns at once, each with its own step lengths."""
+        enough = _TOLERANCE**2 * _column_squares(b, b)
         x = self.factor.solve(b)
         rest = b - self.A @ x
         z = self.factor.solve(rest)
         p, slope = z, _column_squares(rest, z)
-        for count in range(_NEARBY_LIMIT + 1):
+        for count in range(_LIMIT + 1):
             if (_column_squares(rest, rest) <= enough).all():
                 return x, count
             curved = self.A @ p
@@ -168,7 +194,7 @@ class ReusedFactor:
             z = self.factor.solve(rest)
             slope, last = _column_squares(rest, z), slope
             p = z + slope / np.maximum(last, np.finfo(float).tiny) * p
-        return x, _NEARBY_LIMIT + 1
+        return x, _LIMIT + 1
 
 
 def _column_squares(a: Array, b: Array) -> Array:

@@ -1,7 +1,9 @@
-"""Factors with and without cholespy, and sums over rows."""
+"""Factors with and without cholespy, pickled and copied, and sums over rows."""
 
 from __future__ import annotations
 
+import copy
+import pickle
 import sys
 
 import numpy as np
@@ -43,6 +45,36 @@ def test_without_cholespy_everything_still_works(monkeypatch):
 def test_an_empty_matrix_has_a_factor():
     A = laplacian()[:0][:, :0]
     assert linalg.factorize(A).solve(np.zeros((0, 3))).shape == (0, 3)
+
+
+def pickled(value):
+    return pickle.loads(pickle.dumps(value))
+
+
+@pytest.mark.parametrize("duplicate", [pickled, copy.deepcopy])
+@pytest.mark.parametrize("backend", ["superlu", "cholespy"])
+def test_a_copied_factor_factors_again(backend, duplicate):
+    if backend == "cholespy":
+        pytest.importorskip("cholespy")
+    A = laplacian()
+    factor = linalg.factorize(A, backend)
+    b = np.random.default_rng(0).normal(size=(A.shape[0], 3))
+    duplicated = duplicate(factor)
+    assert type(duplicated) is type(factor)
+    assert duplicated._solve is None
+    assert_allclose(duplicated.solve(b), factor.solve(b), rtol=0, atol=1e-12)
+    assert duplicated._solve is not None
+    nearby = linalg.ReusedFactor(1.01 * A, factor)
+    assert_allclose(duplicate(nearby).solve(b), nearby.solve(b), rtol=0, atol=1e-12)
+
+
+def test_a_factor_of_cholespy_opens_without_it(monkeypatch):
+    pytest.importorskip("cholespy")
+    A = laplacian()
+    data = pickle.dumps(linalg.factorize(A, "cholespy"))
+    monkeypatch.setitem(sys.modules, "cholespy", None)
+    b = np.ones(A.shape[0])
+    assert_allclose(A @ pickle.loads(data).solve(b), b, rtol=0, atol=1e-10)
 
 
 def test_rows_are_summed():
