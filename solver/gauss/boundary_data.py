@@ -52,6 +52,18 @@ class Conditions:
     up: Array = field(default_factory=lambda: np.zeros(3))
     is_balanced: bool = False
 
+    def __repr__(self) -> str:
+        counts = {
+            "fixed edges": self.edges,
+            "fixed vertices": self.only_vertices,
+            "fixed faces": self.faces,
+            "mirror edges": self.mirrors,
+            "corners": self.corners,
+        }
+        parts = [f"{len(np.unique(items))} {noun}" for noun, items in counts.items() if len(items)]
+        parts += ["balanced"] if self.is_balanced else []
+        return f"Conditions({', '.join(parts) or 'free'})"
+
     def __add__(self, other: Conditions) -> Conditions:
         names = [item.name for item in fields(self) if item.name not in ("up", "is_balanced")]
         joined = {name: np.concatenate([getattr(self, name), getattr(other, name)]) for name in names}

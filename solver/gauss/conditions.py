@@ -1,15 +1,19 @@
 """Boundary conditions: what the tangent planes do along the boundary.
 
-A condition fixes the normals N at some sites, or holds them to a plane with normal ν (a mirror, N · ν = 0; paper, Sec.
+A condition fixes the normals N at some sites, or holds them in a plane with normal ν (a mirror, N · ν = 0; paper, Sec.
 5.1.1). Conditions are combined with `+`. Where kinds meet at a site, fixed goes before mirror before free: two normals
 that fix it blend to their normalised sum, as a normal does with its reflection; two mirrors leave N = ±ν₁ × ν₂. Sites
-of which nothing is said are free: there the natural condition ∂N/∂ν = 0 holds by itself (paper, Sec. 5.1).
+without a condition are free: there the natural condition ∂N/∂ν = 0 holds by itself (paper, Sec. 5.1).
+
+Every condition takes a domain or a shape. `edges` are indices into `domain.edges`, (K, 2) vertex pairs or, of a shape,
+the name of a side or a list of names; a shape brings its positions, too, so they may be left out:
+`binormal(shape, "outer", tilt=0.6)`. Angles are radians.
 
 Conditions along boundary edges serve every kind of site. With normals at vertices they hold at the vertices of the
-edges. With normals at faces an edge fixes the normal of the face behind it, to what holds in the middle of the edge:
-half a triangle further in (paper, Fig. 7, bottom). The shell then answers to a plan that is narrower by that much, a
-first-order change, and a rough one where the triangles are irregular. With "faces_and_rim" the condition holds in the
-middle of the edge itself, half-way between the face and its mirror image, and the face is free.
+edges. With normals at faces an edge fixes the normal of the face behind it, to the value in the middle of the edge:
+half a triangle too far inside (paper, Fig. 7, bottom). The shell is then that of a narrower plan, a first-order error,
+and a rough one where the triangles are irregular. With "faces_and_rim" the condition holds in the middle of the edge
+itself, half-way between the face and its mirror image, and the face is free.
 """
 
 from __future__ import annotations
@@ -20,7 +24,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..domain.domain import Domain
+from ..domain.shape import DomainLike, Shape, as_domain, is_names
 from ..errors import ConditionError
 from ..linalg import as_numbers, sum_rows
 from .boundary_data import Conditions
@@ -64,26 +68,26 @@ class Kind:
     make: Callable[..., Conditions] = field(repr=False)
 
 
-def fixed(domain: Domain, edges: ArrayLike, normal: ArrayLike) -> Conditions:
+def fixed(domain: DomainLike, edges: ArrayLike, normal: ArrayLike) -> Conditions:
     """A constant normal (3,) along boundary edges, or one an edge (K, 3): the surface touches a plane there.
 
-    `edges` are indices into `domain.edges` or (K, 2) vertex pairs. A vertex between two edges gets the
-    normalised sum.
+    A vertex between two edges gets the normalised sum. Raises `ConditionError` on edges inside, on unknown names of
+    sides and on normals that are zero, not finite or opposite at a vertex.
     """
-    chosen = boundary_edges(domain, edges)
+    chosen, domain = boundary_edges(domain, edges), as_domain(domain)
     normals = unit(normal, chosen, "edge")
     return Conditions(*at_ends(domain, chosen, normals, np.ones(len(chosen))), chosen, normals)
 
 
-def fixed_at(domain: Domain, vertices: ArrayLike, normals: ArrayLike) -> Conditions:
-    """Normals (n, 3), or one for all (3,), at vertices (n,), inside or on the boundary; not for normals on faces."""
-    sites = _indices(vertices, domain.vertex_count, "vertex", "Vertices")
+def fixed_at(domain: DomainLike, vertices: ArrayLike, normals: ArrayLike) -> Conditions:
+    """Normals (n, 3), or one for all (3,), at vertices (n,), inside or on the boundary; not for normals at faces."""
+    sites = _indices(vertices, as_domain(domain).vertex_count, "vertex", "Vertices")
     return Conditions(sites, unit(normals, sites, "vertex"), only_vertices=sites)
 
 
-def fixed_at_faces(domain: Domain, faces: ArrayLike, normals: ArrayLike) -> Conditions:
-    """Normals (n, 3), or one for all (3,), at faces (n,), inside or on the boundary, where normals live on faces."""
-    sites = _indices(faces, len(domain.faces), "face", "Faces")
+def fixed_at_faces(domain: DomainLike, faces: ArrayLike, normals: ArrayLike) -> Conditions:
+    """Normals (n, 3), or one for all (3,), at faces (n,), inside or on the boundary, where normals live at faces."""
+    sites = _indices(faces, len(as_domain(domain).faces), "face", "Faces")
     return Conditions(faces=sites, face_normals=unit(normals, sites, "face"))
 
 
@@ -99,37 +103,78 @@ def _indices(given: ArrayLike, count: int, noun: str, what: str) -> Int:
     return indices
 
 
-def binormal(domain: Domain, positions: ArrayLike, edges: ArrayLike, tilt: ArrayLike = 0.0) -> Conditions:
+def binormal(
+    domain: DomainLike, positions: ArrayLike | None = None, edges: ArrayLike | None = None, tilt: ArrayLike | None = 0.0
+) -> Conditions:
     """The outward conormal of the surface `positions` (V, 2|3) along boundary edges, tilted by `tilt` radians.
 
     N = cos(tilt) t × n + sin(tilt) n with t the edge direction and n the normal of the face behind the edge (paper,
     Fig. 2 and 3): 0 makes the new surface meet the old one at a right angle, +π/2 makes it tangent. `tilt` is one
     angle, or one an edge (K,). At a vertex between edges of length a and b, t × n, n and the tilts are first blended
     with weights 1/a and 1/b, which is second order where the boundary is smooth; one tilt for all is exact everywhere.
+    With a shape: `binormal(shape, "outer", tilt=0.6)`. Raises `ConditionError` on edges inside, on unknown names of
+    sides, and on tilts beyond π, which are degrees.
     """
+    domain, positions, edges, tilt = _placed(domain, positions, edges, tilt)
     chosen = boundary_edges(domain, edges)
-    tilts = as_numbers(tilt, "Tilts", ConditionError)
+    domain = as_domain(domain)
+    tilts = as_numbers(0.0 if tilt is None else tilt, "Tilts", ConditionError)
     if tilts.shape not in ((), chosen.shape) or not np.isfinite(tilts).all():
         raise ConditionError(f"The tilt must be a finite angle, or {len(chosen)} of them, one for each edge.")
+    _check_radians(tilts, "tilt")
     tilts = np.broadcast_to(tilts, chosen.shape)
     along = edge_frames(domain, positions, chosen)
     frames = vertex_frames(domain, chosen, along)
     return _tilted(chosen, along, tilts, frames, frames.mean(tilts))
 
 
-def twisted(domain: Domain, positions: ArrayLike, edges: ArrayLike, m: float) -> Conditions:
-    """The outward conormal turned by m θ around the boundary tangent (paper, Fig. 3), towards the surface
-    normal.
+def twisted(
+    domain: DomainLike, positions: ArrayLike | None = None, edges: ArrayLike | None = None, m: float | None = None
+) -> Conditions:
+    """The outward conormal turned by m θ around the boundary tangent (paper, Fig. 3), towards the surface normal.
 
-    θ = 2π × arc length along the loop from its first listed vertex, as a part of the loop's length.
+    θ = 2π × arc length along the loop from its first listed vertex, as a part of the loop's length. `m`, the number of
+    turns, is required. With a shape: `twisted(shape, "outer", m=1)`.
     """
-    if not np.isfinite(m):
-        raise ConditionError(f"The number of twists must be finite, not {m}.")
+    domain, positions, edges, turns = _placed(domain, positions, edges, m)
+    if turns is None:
+        raise ConditionError("A twisted boundary needs m, the number of turns.")
+    count = as_numbers(turns, "The number of twists", ConditionError)
+    if count.ndim or not np.isfinite(count):
+        raise ConditionError(f"The number of twists must be finite, not {turns}.")
     chosen = boundary_edges(domain, edges)
+    domain = as_domain(domain)
     along = edge_frames(domain, positions, chosen)
     frames = vertex_frames(domain, chosen, along)
     angles, middles = loop_angles(domain)
-    return _tilted(chosen, along, m * middles[chosen], frames, m * angles[frames.vertices])
+    return _tilted(chosen, along, count * middles[chosen], frames, count * angles[frames.vertices])
+
+
+def _placed(
+    given: DomainLike, positions: ArrayLike | None, edges: ArrayLike | None, parameter: ArrayLike | None = None
+) -> tuple[DomainLike, ArrayLike, ArrayLike, ArrayLike | None]:
+    """The arguments of a condition in their order; with a shape the positions may be left out, also by place."""
+    if isinstance(given, Shape) and positions is not None and (edges is None or is_names(positions)):
+        if edges is not None:
+            parameter = edges
+        positions, edges = None, positions
+    if positions is None and isinstance(given, Shape):
+        positions = given.positions
+    if positions is None:
+        raise ConditionError("A Domain has no positions; pass those of its vertices (V, 2|3), or a Shape.")
+    if edges is None:
+        raise ConditionError("The edges are missing; pass boundary edges, or names of a shape's sides.")
+    return given, positions, edges, parameter
+
+
+def _check_radians(angles: Array, name: str, most: float = np.pi) -> None:
+    """Raise `ConditionError` on angles beyond `most`, which were meant as degrees."""
+    largest = float(angles.flat[np.argmax(np.abs(angles))]) if angles.size else 0.0
+    if abs(largest) > most * (1.0 + 1e-9):
+        raise ConditionError(
+            f"The {name} {largest:g} is more than half a turn: angles are in radians. For {largest:g}° write "
+            f"np.radians({largest:g})."
+        )
 
 
 def _tilted(edges: Int, along: EdgeFrames, tilts: Array, frames: Frames, angles: Array) -> Conditions:
@@ -147,12 +192,17 @@ def _turned(conormals: Array, normals: Array, angles: Array) -> Array:
     return np.cos(angles)[:, None] * conormals + np.sin(angles)[:, None] * normals
 
 
-def gauss_map(domain: Domain, positions: ArrayLike, edges: ArrayLike) -> Conditions:
+def gauss_map(
+    domain: DomainLike, positions: ArrayLike | None = None, edges: ArrayLike | None = None
+) -> Conditions:
     """The normals of the surface `positions` (V, 2|3) itself along boundary edges.
 
-    At a vertex the mean over its faces, weighted by their angles there; at a face its own.
+    At a vertex the mean over its faces, weighted by their angles there; at a face its own. With a shape:
+    `gauss_map(shape, "outer")`.
     """
+    domain, positions, edges, _ = _placed(domain, positions, edges)
     chosen = boundary_edges(domain, edges)
+    domain = as_domain(domain)
     points = in_space(domain, positions)
     faces = domain.faces
     face_normals = unit_rows(area_vectors(points, faces), "face", "has no area in these positions")
@@ -164,22 +214,22 @@ def gauss_map(domain: Domain, positions: ArrayLike, edges: ArrayLike) -> Conditi
     return Conditions(sites, normals, chosen, behind, up=area_vectors(points, faces).sum(axis=0))
 
 
-def mirror(domain: Domain, edges: ArrayLike, plane_normal: ArrayLike, winding: float = 0) -> Conditions:
+def mirror(domain: DomainLike, edges: ArrayLike, plane_normal: ArrayLike, winding: float = 0) -> Conditions:
     """Along boundary edges the surface meets a plane with this normal ν (3,) at right angles: N · ν = 0 (paper,
     Sec. 5.1.1), while N is free to turn within the plane.
 
-    The surface goes on as its own reflection (Schwarz). Where two mirrors meet, N = ±ν₁ × ν₂. The sign is that of an
-    `initial` map where there is one. If not, it is the one on the upper side of the plan, if other conditions know one
-    and it is not in its plane; else the one that belongs to plane normals which point out of f+: around a corner of
-    less than 180°, the product of ν of the edges that arrive and of those that leave, the domain being on their left.
-    `side=-1` is the other one. `corner` overrides it all. Where a mirror meets a condition that fixes the normals along
-    edges, that one wins; at their common vertex it blends with its reflection, unless it is nearer to ν than to the
-    plane.
+    The surface continues as its own reflection (Schwarz). Where two mirrors meet, N = ±ν₁ × ν₂. The sign is that of an
+    `initial` map if one is given. If not, N points to the upper side of the plan, where other conditions know one and
+    N is not in the plan's plane; else to the side for which the plane normals point out of f+: around a corner of less
+    than 180°, the product of ν of the edges that arrive and of those that leave, with the domain on their left.
+    `side=-1` takes the other sign. `corner` overrides all this. Where a mirror meets a condition that fixes the normals
+    along edges, that condition wins; at their common vertex it blends with its reflection, unless it is nearer to ν
+    than to the plane.
 
-    winding: of the start. Along a side N turns about ν from the normal at its first end to that at its last by the
-    smaller angle (where they are opposite, over the upper side, or else as on a convex side if ν points outwards), and
-    by so many full turns more; around a whole loop, by so many.
-    With normals at faces the constraint is on the face behind the edge, first order as it is for fixed normals; with
+    winding: full turns of the start. Along a side N turns about ν from the normal at its first end to that at its last
+    by the smaller angle (where they are opposite, over the upper side, or else as on a convex side if ν points
+    outwards) and by `winding` full turns more; around a whole loop, by `winding` full turns.
+    With normals at faces the constraint is on the face behind the edge, first order as for fixed normals; with
     "faces_and_rim" it is on the edge's own site, and as exact as at vertices.
     """
     chosen = boundary_edges(domain, edges)
@@ -190,15 +240,14 @@ def mirror(domain: Domain, edges: ArrayLike, plane_normal: ArrayLike, winding: f
     return Conditions(mirrors=chosen, mirror_normals=normals, windings=turns)
 
 
-def corner(domain: Domain, vertices: ArrayLike, normals: ArrayLike) -> Conditions:
-    """Which of ±ν₁ × ν₂ is the normal at vertices (n,) between two mirrors: the one nearer to `normals` (n, 3), or
-    (3,)."""
-    sites = _indices(vertices, domain.vertex_count, "vertex", "Vertices")
+def corner(domain: DomainLike, vertices: ArrayLike, normals: ArrayLike) -> Conditions:
+    """Choose between ±ν₁ × ν₂ at vertices (n,) between two mirrors: the one nearer to `normals` (n, 3) or (3,)."""
+    sites = _indices(vertices, as_domain(domain).vertex_count, "vertex", "Vertices")
     return Conditions(corners=sites, corner_normals=unit(normals, sites, "vertex"))
 
 
-def free(domain: Domain, edges: ArrayLike) -> Conditions:
-    """Nothing is prescribed along boundary edges: the natural condition ∂N/∂ν = 0, as where nothing is said.
+def free(domain: DomainLike, edges: ArrayLike) -> Conditions:
+    """No condition along boundary edges but the natural one, ∂N/∂ν = 0, as on edges in no condition.
 
     Ends of the edges that another condition holds stay held. (Edges are checked all the same.)
     """
@@ -206,14 +255,14 @@ def free(domain: Domain, edges: ArrayLike) -> Conditions:
     return Conditions()
 
 
-def balanced(domain: Domain) -> Conditions:
+def balanced(domain: DomainLike) -> Conditions:
     """∫ N μ = 0 on a closed domain, μ = <dN ∧ *dN> (paper, Sec. 5.3.4): among such maps descent does not end at a
     constant one. An initial map is needed.
 
-    Every harmonic map of a closed domain is balanced (Theorem E.2); along a boundary there is a flux, so a domain that
-    has one is refused with `ConditionError`.
+    Every harmonic map of a closed domain is balanced (Theorem E.2). Raises `ConditionError` on a domain with a
+    boundary, since there is a flux through it.
     """
-    if len(domain.boundary_edges):
+    if len(as_domain(domain).boundary_edges):
         raise ConditionError("Maps balance on closed domains only, and this one has a boundary; leave the balance out.")
     return Conditions(is_balanced=True)
 
@@ -268,7 +317,13 @@ KINDS: dict[str, Kind] = {
 }
 
 
-def build(kind: str, domain: Domain, positions: ArrayLike, edges: ArrayLike, **parameters: object) -> Conditions:
+def build(
+    kind: str,
+    domain: DomainLike,
+    positions: ArrayLike | None = None,
+    edges: ArrayLike | None = None,
+    **parameters: object,
+) -> Conditions:
     """The condition named `kind` in `KINDS`, with that kind's parameters (angles in radians)."""
     if kind not in KINDS:
         raise ConditionError(f"There is no boundary condition called {kind!r}; known are {', '.join(KINDS)}.")
@@ -279,4 +334,5 @@ def build(kind: str, domain: Domain, positions: ArrayLike, edges: ArrayLike, **p
             f"The boundary condition {kind!r} has no parameter {', '.join(unknown)}; "
             f"it has {', '.join(sorted(known)) or 'none'}."
         )
+    _, positions, edges, _ = _placed(domain, positions, edges)
     return KINDS[kind].make(domain, positions, edges, **parameters)

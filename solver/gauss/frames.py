@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
+from ..domain.shape import DomainLike, as_domain, is_names, side_edges
 from ..errors import ConditionError, listed, plural
 from ..linalg import as_numbers, sum_rows
 
@@ -19,9 +21,14 @@ Int = NDArray[np.integer]
 _OPPOSITE = 1e-6
 
 
-def boundary_edges(domain: Domain, edges: ArrayLike) -> Int:
-    """Indices (K,) of boundary edges, from indices or from (K, 2) vertex pairs; `ConditionError` on any other."""
-    given = np.asarray(edges)
+def boundary_edges(domain: DomainLike, edges: ArrayLike) -> Int:
+    """Indices (K,) of boundary edges, from indices, (K, 2) vertex pairs or names of a shape's sides.
+
+    Raises `ConditionError` on anything else, and on edges inside.
+    """
+    if is_names(edges):
+        edges = side_edges(domain, cast("str | Sequence[str]", edges))
+    domain, given = as_domain(domain), np.asarray(edges)
     if given.size == 0:
         return np.zeros(0, dtype=np.int64)
     if not np.issubdtype(given.dtype, np.integer) or not (given.ndim == 1 or given.shape[1:] == (2,)):
@@ -220,12 +227,6 @@ def check_range(indices: Int, count: int, noun: str) -> None:
 
 def _is(items: Int) -> str:
     return "is" if len(items) == 1 else "are"
-
-
-Array = NDArray[np.float64]
-
-
-Int = NDArray[np.integer]
 
 
 def moving_average(domain: Domain, edges: Int, values: Array, width: float) -> Array:

@@ -11,7 +11,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
-from ..domain.domain import Domain
+from ..domain.shape import DomainLike, as_domain
 from ..domain.sites import SiteGraph
 from ..errors import ConditionError, Progress, Status, check_choice
 from ..linalg import Factor, ReusedFactor, as_numbers, check_number
@@ -62,23 +62,45 @@ class HarmonicMap:
     admissible: Admissible
     imbalance: float | None = None
 
+    @property
+    def ok(self) -> bool:
+        """Whether the map is harmonic to the tolerance."""
+        return self.status is Status.CONVERGED
+
+    @property
+    def message(self) -> str:
+        """How the solve ended, in a sentence."""
+        return self.status.sentence
+
+    def __repr__(self) -> str:
+        steps = f"{self.iterations} step{'' if self.iterations == 1 else 's'}"
+        return (
+            f"HarmonicMap({len(self.normals)} normals, energy {self.energy:.6g}, degree {self.degree:.3g}, "
+            f"{self.status.value} after {steps}, residual {self.residual:.1e})"
+        )
+
 
 class HarmonicSolver:
     """Solves on one domain for many boundary conditions; factors are kept, keyed by the set of fixed sites.
 
-    sites: a name in `SITES`. energy: a name in `ENERGIES` that is defined there.
+    sites: a name in `SITES`. energy: a name in `ENERGIES` that is defined there. A used solver can be pickled and
+    copied: the copy factors again.
     """
 
-    def __init__(self, domain: Domain, sites: str = "vertices", energy: str = "cotan") -> None:
-        self.domain = domain
-        self.graph = SiteGraph.of(domain, sites)
+    def __init__(self, domain: DomainLike, sites: str = "vertices", energy: str = "cotan") -> None:
+        self.domain = as_domain(domain)
+        self.graph = SiteGraph.of(self.domain, sites)
         self.energy = energy_on(energy, sites)
         self._factors: OrderedDict[bytes, Dirichlet] = OrderedDict()
         self._near: dict[bytes, Factor] = {}
 
-    def moved(self, domain: Domain) -> HarmonicSolver:
-        """The same on another domain. Where that has the same faces and nearly the same edge lengths the factors
-        at hand go on serving; at vertices only, where all weights are then nearly the same, too."""
+    def moved(self, domain: DomainLike) -> HarmonicSolver:
+        """The same solver on another domain.
+
+        Where that has the same faces and nearly the same edge lengths, and normals live at vertices, the factors are
+        reused as preconditioners.
+        """
+        domain = as_domain(domain)
         moved = copy(self)
         for name in ("_weights", "_laplacian"):
             moved.__dict__.pop(name, None)

@@ -1,4 +1,4 @@
-"""Saddles as maps: found by name, counted, and told when they have collapsed."""
+"""Saddle maps and the modes of critical maps: Morse index, nullity, null directions."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .boundary_data import Conditions
 from .harmonic import HarmonicMap, HarmonicSolver
 from .methods import Method
 from .null_directions import Fields, drifts, free_rotations
-from .problem import EnergyProblem
+from .problem import EnergyProblem, Point
 from .saddles import climb
 from .tangent import TangentSystem
 
@@ -24,15 +24,17 @@ Array = NDArray[np.float64]
 _FLAT = 1e-6
 # |λ| in the H¹ product up to which a mode counts as null.
 _NULL = 5e-3
+# Residual up to which a map counts as critical.
+_CRITICAL = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
 class Modes:
-    """The second order of the energy at a critical map.
+    """The lowest modes of the energy at a critical map: its Morse index, nullity and eigenvectors.
 
     index: negative modes that are not null. nullity: modes with |λ| at most the tolerance, or mostly along free
-    rotations and the null fields asked about. negative: modes with λ < 0, null or not. values: (k,) the lowest λ,
-    sorted, of H v = λ K v in the H¹ product K; fields: (k, S, 3) their v.
+    rotations and the given null fields. negative: modes with λ < 0, null or not. values: (k,) the lowest λ, sorted, of
+    H v = λ K v in the H¹ product K; fields: (k, S, 3) their v. residual: of the map; modes count at critical maps only.
     """
 
     index: int
@@ -40,6 +42,24 @@ class Modes:
     negative: int
     values: Array
     fields: Array
+    residual: float
+
+    @property
+    def ok(self) -> bool:
+        """Whether the map is critical, so that its index means something."""
+        return self.residual <= _CRITICAL
+
+    @property
+    def message(self) -> str:
+        """Index and nullity, or why they do not count."""
+        if not self.ok:
+            return f"The map is not critical (residual {self.residual:.2g}), so its index means nothing; solve first."
+        return f"Index {self.index}, nullity {self.nullity}."
+
+    def __repr__(self) -> str:
+        lowest = ", ".join(f"{value:.4g}" for value in self.values[:4])
+        more = ", …" if len(self.values) > 4 else ""
+        return f"Modes(index {self.index}, nullity {self.nullity}, lowest λ: {lowest}{more})"
 
 
 def saddle(
@@ -56,15 +76,15 @@ def saddle(
     """A harmonic map that is no minimiser, near `initial` (S, 3): up along the `index` lowest unstable modes and down
     along all others, then Newton's method with a direct factorisation (paper, Sec. 5.3.3 and 5.3.4).
 
-    index: the most negative modes that the map may have; with None, Newton's method alone, to the nearest critical
-    map of any index. null: fields along which nothing should change; free rotations of the sphere and translations of a
-    flat domain are found. The status is COLLAPSED where the map fell into a plane that the
-    initial one was not in.
+    index: the largest number of negative modes that the map may have; with None, Newton's method alone, to the nearest
+    critical map of any index. null: fields along which the energy hardly changes; `null_directions.drifts` unless
+    given, and free rotations of the sphere in any case. The status is COLLAPSED where the map fell into a plane that
+    the initial one was not in. Raises `ConditionError` on an index that is not a whole number.
     """
     if index is not None and not (isinstance(index, (int, np.integer)) and index >= 0):
         raise ConditionError(f"The index of a saddle must be a whole number, 0 or more, not {index!r}.")
     method = Method("Saddle", "", partial(climb, index=index, null=null))
-    found = solver.solve(
+    reached = solver.solve(
         conditions,
         initial,
         method=method,
@@ -72,15 +92,15 @@ def saddle(
         max_iterations=max_iterations,
         progress=progress,
     )
-    if flat_axis(found.normals) is not None and flat_axis(np.asarray(initial, dtype=np.float64)) is None:
-        return replace(found, status=Status.COLLAPSED)
-    return found
+    if flat_axis(reached.normals) is not None and flat_axis(np.asarray(initial, dtype=np.float64)) is None:
+        return replace(reached, status=Status.COLLAPSED)
+    return reached
 
 
 def flat_axis(normals: Array) -> Array | None:
     """The axis a (3,) with N · a = 0 everywhere, for normals (S, 3) that lie in one plane; else None.
 
-    Such a map is one of lines, a geodesic: f± are cylinders, or nothing.
+    The image of such a map lies on a great circle: f± are cylinders, or degenerate.
     """
     axis = np.linalg.eigh(normals.T @ normals)[1][:, 0]
     return axis if np.abs(normals @ axis).max() <= _FLAT else None
@@ -97,11 +117,13 @@ def modes_of(
 ) -> Modes:
     """Index and null modes of a map (S, 3), which should be critical, under its boundary conditions.
 
-    How many modes there are to look at say the signs of the pivots of H - tolerance · K (Sylvester's law of inertia);
-    Lanczos' method finds them. null: fields along which the energy hardly changes; `symmetries.drifts` unless given.
-    Modes that are mostly along these, or along free rotations, are null whatever the sign of their λ.
+    The signs of the pivots of H - tolerance · K count the modes (Sylvester's law of inertia), Lanczos' method finds
+    them. null: fields along which the energy hardly changes; `null_directions.drifts` unless given. Modes mostly along
+    these, or along free rotations, are null whatever the sign of their λ.
     """
-    system, gauge = _at(solver, conditions, normals, null)
+    problem = problem_of(solver, conditions)
+    point = problem.at(np.asarray(normals, dtype=np.float64))
+    system, gauge = _second_order(problem, point, null)
     values, vectors = system.lowest(max(count, system.below(tolerance)), np.zeros((len(system.gradient), 0)))
     known = np.sum((gauge.T @ (system.K @ vectors)) ** 2, axis=0) > 0.5
     is_null = known | (np.abs(values) <= tolerance)
@@ -111,6 +133,7 @@ def modes_of(
         negative=int((values < 0.0).sum()),
         values=values,
         fields=np.stack([system.in_space(v) for v in vectors.T]),
+        residual=point.residual,
     )
 
 
@@ -122,26 +145,24 @@ def index_of(
     null: Fields | None = None,
     tolerance: float = _NULL,
 ) -> tuple[int, int]:
-    """Index and nullity of a map (S, 3) alone, as `modes_of` has them, at the price of two factorisations.
+    """Index and nullity of a map (S, 3), as in `modes_of`, at the cost of two factorisations.
 
     Raises `ArithmeticError` where a mode has |λ| equal to the tolerance to all digits.
     """
-    system, gauge = _at(solver, conditions, normals, null)
+    problem = problem_of(solver, conditions)
+    system, gauge = _second_order(problem, problem.at(normals), null)
     if np.abs(np.linalg.eigvalsh(gauge.T @ (system.H @ gauge))).max(initial=0.0) < tolerance:
         gauge = gauge[:, :0]  # null by themselves; a border would be filled by the factorisation
     index, above = (system.below(shift, gauge) for shift in (-tolerance, tolerance))
     return index, above - index + gauge.shape[1]
 
 
-def _at(
-    solver: HarmonicSolver, conditions: Conditions, normals: Array, null: Fields | None
-) -> tuple[TangentSystem, Array]:
-    """The second order at a map, and the directions (n, k) along which nothing should change."""
-    problem = problem_of(solver, conditions)
-    system = TangentSystem.of(problem, problem.at(normals))
-    turns = np.cross(free_rotations(problem, normals)[:, None, :], normals)
-    null = null or drifts(problem, normals)
-    fields = turns if null is None else np.concatenate([turns, null(normals)])
+def _second_order(problem: EnergyProblem, point: Point, null: Fields | None) -> tuple[TangentSystem, Array]:
+    """Hessian and H¹ product at a map, and the null directions (n, k), orthonormal."""
+    system, N = TangentSystem.of(problem, point), point.N
+    turns = np.cross(free_rotations(problem, N)[:, None, :], N)
+    null = null or drifts(problem, N)
+    fields = turns if null is None else np.concatenate([turns, null(N)])
     return system, system.orthonormal(system.coordinates(fields))
 
 

@@ -43,10 +43,20 @@ class Iterate:
 
 @dataclass(frozen=True)
 class Minimum:
+    """The map N (S, 3) that a minimiser reached, and how it ended."""
+
     N: Array
     residual: float
     status: Status
     history: list[Iterate]
+
+    @property
+    def ok(self) -> bool:
+        return self.status is Status.CONVERGED
+
+    @property
+    def message(self) -> str:
+        return self.status.sentence
 
 
 @dataclass(frozen=True)
