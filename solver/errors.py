@@ -1,4 +1,4 @@
-"""How work ends: errors for bad input, a status for a solve that did not converge, and how work is cancelled.
+"""Errors for bad input, the status of a solve, and how long work reports progress and is cancelled.
 
 Bad input raises a `CmcError` whose message names the offender and the way out. A solve that does not reach
 its tolerance is not an error: its result carries a `Status`.
@@ -13,10 +13,10 @@ _LISTED = 8
 
 
 class CmcError(Exception):
-    """Bad input. The message is one sentence or two; the offending indices are attributes.
+    """Bad input. The message is one or two sentences; the offending indices are attributes.
 
-    `vertices`, `edges` and `faces` hold the offenders as tuples of ints, in the numbering of the input
-    that raised, so that a user interface can select them or translate them to its own numbering.
+    `vertices`, `edges` and `faces` hold the offenders as tuples of ints, numbered as in the input, so that a user
+    interface can select them or translate them to its own numbering.
     """
 
     def __init__(
@@ -42,11 +42,11 @@ class ConditionError(CmcError):
 
 
 class JobError(CmcError):
-    """A job file, a mesh file or a setting of a run cannot be used."""
+    """A job file, a mesh file or a setting cannot be used."""
 
 
 class Status(Enum):
-    """How a solve ended. The value is the name in reports; `sentence` says it to a person."""
+    """How a solve ended. The value is the name in reports; `sentence` is for people."""
 
     CONVERGED = "converged"
     STALLED = "stalled"
@@ -62,8 +62,8 @@ class Status(Enum):
 
 
 _SENTENCES = {
-    Status.CONVERGED: "The normals are harmonic to the tolerance asked for.",
-    Status.STALLED: "No step lowers the energy any more, though the tolerance is not reached; "
+    Status.CONVERGED: "Converged: the normals are harmonic to the tolerance.",
+    Status.STALLED: "No step lowers the energy any further, but the tolerance is not reached; "
     "refine or improve the mesh.",
     Status.ITERATION_LIMIT: "The iteration limit was reached before the tolerance; allow more iterations.",
     Status.UNDER_RESOLVED: "Neighbouring normals differ by more than 90°, so the mesh does not resolve the map; "
@@ -75,15 +75,15 @@ _SENTENCES = {
 
 
 Progress = Callable[[int, float], bool | None]
-"""Called as progress(step, residual) while long work runs; returning False cancels it."""
+"""Called as progress(step, residual) while long work runs; returning False cancels the work."""
 
 
 class Interrupted(Exception):  # noqa: N818  nothing is wrong
-    """Raised by work that has asked whether it is still wanted, and is not."""
+    """Raised inside long work that was cancelled."""
 
 
 def listed(indices: Iterable[int]) -> str:
-    """Write indices for a message: all of a few, the first ones of many."""
+    """Indices as a message lists them: all of a few, the first of many."""
     items = [str(int(i)) for i in indices]
     if len(items) <= _LISTED:
         return ", ".join(items)
@@ -91,14 +91,14 @@ def listed(indices: Iterable[int]) -> str:
 
 
 def check_choice(name: object, known: Iterable[str], what: str) -> None:
-    """Raise `ConditionError` unless `name` is one of the names `known` of that kind of thing."""
+    """Raise `ConditionError` unless `name` is among the `known` names; `what` is the noun for them."""
     names = list(known)
     if name not in names:
-        raise ConditionError(f"There is no {what} {name!r}; known are {', '.join(names)}.")
+        raise ConditionError(f"There is no {what} {name!r}; choose one of {', '.join(names)}.")
 
 
 def plural(noun: str, indices: Iterable[int]) -> str:
-    """Noun and indices for a message: "vertex 3", "vertices 3, 5", "face 0", "edges 1, 2"."""
+    """Noun and indices as a message names them: "vertex 3", "vertices 3, 5", "face 0", "edges 1, 2"."""
     items = list(indices)
     many = {"vertex": "vertices"}.get(noun, noun + "s")
     return f"{noun if len(items) == 1 else many} {listed(items)}"

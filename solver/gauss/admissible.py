@@ -1,7 +1,7 @@
-"""What boundary conditions leave free: at each site the normal moves over the sphere, along a great circle, or not.
+"""The maps that boundary conditions admit: at each site the normal moves on the sphere, on a great circle, or not.
 
 The degrees of freedom are 2 at a free site, 1 on a mirror and 0 where the normal is fixed, by a condition or by two
-mirrors that meet. Great circles are geodesics of the sphere, so on a mirror all that changes is the projection.
+mirrors that meet. Great circles are geodesics of the sphere, so on a mirror only the projection changes.
 """
 
 from __future__ import annotations
@@ -21,17 +21,17 @@ from .sphere import dot, normalize
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
-# A normal that is so nearly that of its mirror's plane does not say where on the mirror it belongs.
+# A normal whose part in the mirror's plane is shorter than this has no direction there.
 _SHORTEST = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class Admissible:
-    """The maps that boundary conditions allow on a graph.
+    """The maps that boundary conditions admit on a graph.
 
-    fixed: (n,) sorted sites, data: (n, 3) their normals. mirrors: sites held to a plane. corners: (k,) those of
-    the fixed sites that two mirrors fix, up to sign, and decided (k,) where the caller has chosen the sign.
-    sides: the mirrors along the boundary, whatever the sites.
+    fixed: (n,) sorted sites, data: (n, 3) their normals. mirrors: sites held in a plane. corners: (k,) the fixed sites
+    that two mirrors fix, up to sign; decided: (k,) whether the caller has chosen the sign. sides: the mirrors along
+    the boundary, for every kind of site.
     """
 
     fixed: Int
@@ -47,7 +47,7 @@ class Admissible:
         return self.data[np.searchsorted(self.fixed, self.corners)]
 
     def facing(self, N: Array) -> Admissible:
-        """With the normal at each undecided corner on the side on which the map N (S, 3) has it."""
+        """The same with the normal at each undecided corner on the side of the map N (S, 3) there."""
         normals = self.corner_normals
         cosine = dot(normals, N[self.corners])[:, 0]
         data = self.data.copy()
@@ -55,7 +55,7 @@ class Admissible:
         return replace(self, data=data)
 
     def pin(self, N: Array) -> Array:
-        """The admissible map nearest to N (S, 3), whose rows are units."""
+        """The admissible map nearest to N (S, 3), whose rows are unit vectors."""
         pinned = self.mirrors.flatten(N)
         at, axes = self.mirrors.sites, self.mirrors.normals
         if len(at):
@@ -69,10 +69,10 @@ class Admissible:
 
 
 def resolved(conditions: Conditions, graph: SiteGraph, side: int = +1) -> Admissible:
-    """What the conditions leave free on a graph; corner normals that nothing decides are on that `side`.
+    """The maps that the conditions admit on a graph; undecided corner normals are on that `side`.
 
-    Faces that turn as one (halves of a rectangle) get one normal: the normalised sum of what is prescribed on them;
-    the mirrors of all of them hold those that are on one. Raises `ConditionError` naming sites with three mirrors.
+    Faces that turn as one (halves of a rectangle) get one normal: the normalised sum of the prescribed ones; a mirror
+    on one of them holds the others on mirrors, too. Raises `ConditionError` naming sites with three mirrors.
     """
     fixed, data = _fixed(conditions, graph)
     sides = MirrorSides.of(graph.domain, conditions, side)
@@ -95,8 +95,8 @@ def resolved(conditions: Conditions, graph: SiteGraph, side: int = +1) -> Admiss
 
 @dataclass(frozen=True, eq=False)
 class _Held:
-    """Sites (m,) on mirrors, sorted, none twice, and the planes of their bodies: first and second (m, 3), the second
-    zero where there is one. vertices: of each site's body, the ends of the edges that put it on a mirror."""
+    """Sites (m,) on mirrors, sorted and unique, and the planes of their bodies: first and second (m, 3), the second
+    zero at sites on one plane. vertices: of each site's body, the ends of the edges that put it on a mirror."""
 
     sites: Int
     first: Array
@@ -126,7 +126,7 @@ class _Held:
     def corners(self, sides: MirrorSides, rows: Int, up: Array, side: int) -> tuple[Array, NDArray[np.bool_]]:
         """Normals (k, 3) where two planes meet, and whether the caller chose them (k,).
 
-        They are those of the corner between the mirrors; with normals at faces there may be none that fits.
+        They are those of the corner between the mirrors; with normals at faces, none may fit.
         """
         normals = on_side(normalize(np.cross(self.first[rows], self.second[rows])), up, side)
         decided = np.zeros(len(rows), dtype=bool)
@@ -139,13 +139,13 @@ class _Held:
 
 
 def _two_planes(graph: SiteGraph, sites: Int, bodies: Int, planes: Array) -> tuple[Array, Array]:
-    """For each entry the first plane of its body, and the first that differs from it or zero."""
+    """For each entry the first plane of its body, and the first other one, or zero."""
     _, at, body = np.unique(bodies, return_index=True, return_inverse=True)
     first = planes[at][body]
     other = np.flatnonzero(~parallel(planes, first))
-    found, at = np.unique(body[other], return_index=True)
+    with_second, at = np.unique(body[other], return_index=True)
     seconds = np.zeros((int(body.max(initial=-1)) + 1, 3))
-    seconds[found] = planes[other[at]]
+    seconds[with_second] = planes[other[at]]
     second = seconds[body]
     third = other[~parallel(planes[other], second[other])]
     if third.size:
@@ -158,7 +158,7 @@ def _two_planes(graph: SiteGraph, sites: Int, bodies: Int, planes: Array) -> tup
 
 
 def _fixed(conditions: Conditions, graph: SiteGraph) -> tuple[Int, Array]:
-    """Sorted fixed sites (n,) of a graph and their normals (n, 3), mirrors aside."""
+    """Sorted fixed sites (n,) of a graph and their normals (n, 3), without those fixed by mirrors."""
     if graph.at_vertices:
         fixed, data = conditions.resolve(graph.name)
         _check_sites(fixed, graph.count, "vertex")

@@ -5,9 +5,9 @@
 on a closed domain; along a boundary it is the flux out of it.
 
 `balanced` descends among balanced maps; at a harmonic map of a closed domain its three multipliers vanish. From near
-the map of a Wente torus plain descent ends at a constant, this one at a harmonic map onto a great circle, that of a
-round cylinder (a test has both). The constraint does not take away the unstable modes of the Wente map itself: that is
-for `saddle_maps.saddle`. A constant map is balanced, too.
+the map of a Wente torus plain descent ends at a constant map, this one at a harmonic map onto a great circle, that of a
+round cylinder (a test has both). The constraint keeps the unstable modes of the Wente map itself: for those use
+`modes.saddle`. A constant map is balanced, too.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from .sphere import dot, exp, inner
 
 Array = NDArray[np.float64]
 
-# Energy up to which a map is constant, and balanced.
+# Energy up to which a map counts as constant.
 _CONSTANT = 1e-12
 _LARGEST_ROTATION = 0.5
 _HALVINGS = 20
@@ -35,7 +35,7 @@ _NEAR = 1e-3
 
 
 def imbalance(problem: EnergyProblem, N: Array) -> Array:
-    """Σ N_i μ_i (3,) of a map N (S, 3), as a part of its energy; zero at critical maps of closed domains."""
+    """Σ N_i μ_i (3,) of a map N (S, 3), relative to its energy; zero at critical maps of closed domains."""
     point = problem.at(N)
     if point.energy <= _CONSTANT:
         return np.zeros(3)
@@ -54,10 +54,10 @@ def balanced(
 
     A step d = -K⁻¹ (G + Aᵀ β) solves A d = -C, A being the derivative of C; its length lowers E + ρ |C| with ρ > |β|.
     Near a critical map, where the multipliers vanish, Newton's method takes over (`saddles.climb`).
-    Raises `ConditionError` for other energies than quadratic ones.
+    Raises `ConditionError` for energies that are not quadratic.
     """
     if not problem.energy.quadratic:
-        raise ConditionError('Balanced maps are descended to with the energy "cotan" at vertices only.')
+        raise ConditionError('Balanced maps need the energy "cotan", with normals at vertices.')
 
     def take_step(point: Point) -> Step | int:
         direction, force = _direction(problem, point)
@@ -77,8 +77,8 @@ def balanced(
     near = descend(problem, N, take_step, tolerance=max(tolerance, _NEAR), **options)
     if near.status is not Status.CONVERGED or near.residual <= tolerance:
         return near
-    found = climb(problem, near.N, index=None, tolerance=tolerance, **options)
-    return replace(found, history=near.history[:-1] + found.history)
+    critical = climb(problem, near.N, index=None, tolerance=tolerance, **options)
+    return replace(critical, history=near.history[:-1] + critical.history)
 
 
 def _moment(point: Point) -> Array:

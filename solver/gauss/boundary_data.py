@@ -1,4 +1,4 @@
-"""Boundary conditions as data: what is said where, added up, and resolved into one normal a site."""
+"""Boundary conditions as data: prescribed normals and mirrors, added up and resolved into one normal a site."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ def _no_normals() -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Conditions:
-    """Prescribed unit normals and mirrors, not yet combined: owners (n,) may repeat.
+    """Prescribed unit normals and mirrors, not yet combined: owners (n,) may repeat. Sums by `+`.
 
     vertices, vertex_normals: at vertices. edges, edge_normals: the same conditions in the middle of boundary edges.
     faces, face_normals: at faces, prescribed one by one. only_vertices: those of `vertices` that were prescribed one
-    by one and so say nothing about faces.
-    mirrors, mirror_normals, windings: boundary edges with the unit normal of the plane that mirrors them, and how many
-    full turns more than it must the normal makes along their side. corners, corner_normals: vertices between two
-    mirrors, and the side that the normal there is on.
-    up: (3,) the oriented area vector of the positions the conditions were made from, zero if there were none: the
-    side to which data that lie in one plane bulge (see `initial`).
-    is_balanced: whether the map is sought among those whose normals balance (see `balance`).
+    by one and so hold no faces.
+    mirrors, mirror_normals, windings: boundary edges, the unit normal of their mirror's plane, and the extra full turns
+    of the normal along their side. corners, corner_normals: vertices between two mirrors, and vectors on the chosen
+    side of the normals there.
+    up: (3,) the oriented area vector of the positions the conditions were made from, zero without positions: the side
+    to which coplanar data bulge (see `initial_map`).
+    is_balanced: whether the map is sought among balanced ones (see `balance`).
     """
 
     vertices: Int = field(default_factory=_none)
@@ -67,7 +67,7 @@ class Conditions:
     def __add__(self, other: Conditions) -> Conditions:
         names = [item.name for item in fields(self) if item.name not in ("up", "is_balanced")]
         joined = {name: np.concatenate([getattr(self, name), getattr(other, name)]) for name in names}
-        # conditions on one surface all say the same; a sum would only change the length
+        # conditions on one surface share their area vector; a sum would only change its length
         up = self.up if self.up.any() else other.up
         return Conditions(**joined, up=up, is_balanced=self.is_balanced or other.is_balanced)
 
@@ -77,25 +77,25 @@ class Conditions:
         return not (self.vertices.size or self.edges.size or self.faces.size or self.mirrors.size)
 
     def resolve(self, sites: str = "vertices", owners: Int | None = None) -> tuple[Int, Array]:
-        """Sorted fixed sites (n,) and the one unit normal (n, 3) of each, with normals at vertices or at faces.
+        """Sorted fixed sites (n,) and the unit normal (n, 3) of each, with normals at vertices or at faces.
 
-        Sites that only mirrors hold are not among them (see `admissible.resolved`). owners: (E,) the site that each
-        boundary edge fixes, needed where they are not at vertices. Raises `ConditionError` naming the sites whose
-        normals cancel, or normals prescribed one by one at the other kind of site.
+        Sites that only mirrors hold are left out (see `admissible.resolved`). owners: (E,) the site that each boundary
+        edge fixes, needed unless sites are vertices. Raises `ConditionError` naming the sites whose normals cancel, or
+        normals prescribed one by one at the other kind of site.
         """
         if sites == "vertices":
             self._refuse(self.faces, "face", "faces", "vertices")
             return blend(self.vertices, self.vertex_normals, np.ones(len(self.vertices)), "conditions")
         self._refuse(self.only_vertices, "vertex", "vertices", sites)
         if owners is None:
-            raise ConditionError("Where normals live on faces, the sites that boundary edges fix are needed.")
+            raise ConditionError("With normals at faces, resolve needs owners: the site that each boundary edge fixes.")
         edges, edge_normals = blend(self.edges, self.edge_normals, np.ones(len(self.edges)), "conditions", "edge")
         fixed = np.concatenate([of_boundary(edges, owners), self.faces])
         normals = np.concatenate([edge_normals, self.face_normals])
         return blend(fixed, normals, np.ones(len(fixed)), "conditions", "face")
 
     def carried(self, edges: Int) -> Conditions:
-        """The same on another triangulation of the domain, `edges` (E,) being the boundary edges there.
+        """The same conditions on another triangulation of the domain; `edges` (E,) are the boundary edges there.
 
         Raises `ConditionError` for normals prescribed at faces one by one, since those faces are gone.
         """
@@ -110,7 +110,7 @@ class Conditions:
     def _refuse(self, single: Int, noun: str, given: str, wanted: str) -> None:
         if single.size:
             raise ConditionError(
-                f"Normals are prescribed at {plural(noun, np.unique(single))}, but live on {wanted} here; solve with "
+                f"Normals are prescribed at {plural(noun, np.unique(single))}, but live at {wanted} here; solve with "
                 f"sites={given!r}, or prescribe them along boundary edges.",
                 **{given: single},
             )

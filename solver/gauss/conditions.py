@@ -49,7 +49,7 @@ Int = NDArray[np.integer]
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number or vector of a kind of condition, as a user interface shows it."""
+    """A number or vector that a kind of condition takes, as a user interface shows it."""
 
     name: str
     label: str
@@ -60,7 +60,7 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of condition, as a user interface offers it."""
+    """A kind of boundary condition, as a user interface offers it."""
 
     label: str
     description: str
@@ -276,9 +276,9 @@ def _vector(value: ArrayLike) -> Array:
 
 KINDS: dict[str, Kind] = {
     "binormal": Kind(
-        "Outward, tilted",
-        "The tangent plane leans by an angle: 0° stands vertically on the plan, 90° lies flat in it",
-        (Parameter("tilt", "Angle", "0° is a vertical rim that leans neither way, 90° is flat", 0.0, "radians"),),
+        "Outward, leaning",
+        "The rim leans by an angle: 0° stands upright on the plan, 90° lies flat in it",
+        (Parameter("tilt", "Lean", "The rim leans by this angle; 0° stands upright, 90° lies flat", 0.0, "radians"),),
         lambda domain, positions, edges, tilt=0.0: binormal(domain, positions, edges, tilt),
     ),
     "plane": Kind(
@@ -289,8 +289,8 @@ KINDS: dict[str, Kind] = {
     ),
     "twisted": Kind(
         "Twisted",
-        "The tangent plane turns around the boundary as one walks along it",
-        (Parameter("m", "Turns", "Full turns of the tangent plane in one walk around the loop", 1.0),),
+        "The tangent plane turns about the rim, along the rim",
+        (Parameter("m", "Turns", "Full turns of the tangent plane on the way around the loop", 1.0),),
         lambda domain, positions, edges, m=1.0: twisted(domain, positions, edges, m),
     ),
     "gauss_map": Kind(
@@ -301,16 +301,16 @@ KINDS: dict[str, Kind] = {
     ),
     "mirror": Kind(
         "Mirror",
-        "The surface meets a plane at right angles, and goes on as its own reflection",
+        "The surface meets a plane at a right angle and continues as its own reflection",
         (
             Parameter("normal", "Normal", "Normal of the plane, pointing out of the surface", (0.0, 0.0, 1.0)),
-            Parameter("winding", "Extra Turns", "Full turns that the tangent plane makes along the mirror", 0.0),
+            Parameter("winding", "Extra Turns", "Extra full turns of the tangent plane along the mirror", 0.0),
         ),
         lambda domain, positions, edges, normal=(0.0, 0.0, 1.0), winding=0: mirror(domain, edges, normal, winding),
     ),
     "free": Kind(
         "Free",
-        "Nothing is prescribed; the normals settle by themselves",
+        "Nothing is prescribed; the rim finds its own tangent planes",
         (),
         lambda domain, positions, edges: free(domain, edges),
     ),
@@ -326,7 +326,7 @@ def build(
 ) -> Conditions:
     """The condition named `kind` in `KINDS`, with that kind's parameters (angles in radians)."""
     if kind not in KINDS:
-        raise ConditionError(f"There is no boundary condition called {kind!r}; known are {', '.join(KINDS)}.")
+        raise ConditionError(f"There is no boundary condition {kind!r}; choose one of {', '.join(KINDS)}.")
     known = {parameter.name for parameter in KINDS[kind].parameters}
     unknown = sorted(set(parameters) - known)
     if unknown:

@@ -1,4 +1,4 @@
-"""Linear problems of a graph Laplacian with values given at some sites: factored once, solved often."""
+"""Dirichlet problems of a graph Laplacian: values given at some sites, factored once, solved often."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ Int = NDArray[np.integer]
 
 
 class Dirichlet:
-    """`L u = f` at the unknown sites, u given at the `fixed` ones.
+    """`L u = f` at the unknown sites, with u given at the `fixed` ones. Can be pickled and copied.
 
     L is the Laplacian of the graph with the `weights` (K,) of its links, positive semidefinite; unknown boundary
-    sites get the natural condition. Where no site is fixed L is singular and L + M takes its place, with the areas of
-    the sites, as parts of the whole, for M (the H¹ product). laplacian: the one with these weights, if it is at hand.
-    near: the factor for the same sites on a domain with nearly the same edge lengths, which then serves here, too.
+    sites get the natural condition. With no site fixed L is singular, and L + M takes its place (the H¹ product); M is
+    the diagonal of the sites' areas, as parts of the whole. laplacian: L of all sites, if it is already known. near:
+    the factor for the same sites on a domain with nearly the same edge lengths, reused as a preconditioner.
     """
 
     def __init__(
@@ -46,7 +46,7 @@ class Dirichlet:
 
     @property
     def rough(self) -> Factor:
-        """The factor of L, or of what stands in for it: enough to precondition with."""
+        """The factor of L or of a nearby matrix: enough to precondition with."""
         return self.factor.factor if isinstance(self.factor, ReusedFactor) else self.factor
 
     def solve(self, source: Array, values: Array) -> Array:
@@ -61,7 +61,7 @@ class Dirichlet:
         return self.solve(np.zeros((len(self.unknown) + len(self.fixed), values.shape[1])), values)
 
     def precondition(self, X: Array) -> Array:
-        """L⁻¹ X (S, k), or nearly that, at the unknown sites; zero at the fixed ones."""
+        """L⁻¹ X (S, k), exactly or nearly, at the unknown sites; zero at the fixed ones."""
         if len(self.fixed) == 0:
             return self.rough.solve(X)
         Y = np.zeros_like(X)

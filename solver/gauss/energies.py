@@ -29,9 +29,10 @@ _OPPOSITE = 1e-14
 
 
 class EdgeEnergy(Protocol):
-    """`c` (K,) belongs to the links of a graph, of which only `weights` and `angles` are read; results are (K,).
+    """An energy of a link: `value`, `star` = -d value / dc and `dstar` at `c` (K,), as arrays (K,).
 
-    sites: where the normals may live. quadratic: whether the star is constant.
+    Only `weights` and `angles` of the links are read. sites: the kinds of site it is defined on. quadratic: whether
+    the star is constant.
     """
 
     label: str
@@ -71,7 +72,7 @@ class DualCotan(Cotan):
     """ε = ½ w* |N_f - N_h|² across the edge between two faces, w* = 1 / w (paper, Sec. 4.1)."""
 
     label = "Dual Cotangent"
-    description = "Inverse cotangent weights; brittle: needs a Delaunay triangulation"
+    description = "Inverse cotangent weights; brittle: it needs a Delaunay triangulation"
     sites: tuple[str, ...] = _ON_FACES
 
 
@@ -101,7 +102,7 @@ class Mobius:
         return np.where(r < _OPPOSITE, np.inf, 2.0 * (beta + k + ell - np.pi))
 
     def star(self, c: Array, links: Links) -> Array:
-        """2 p dβ/dt with p = sin θ_k sin θ_l and dβ/dt = 1 / sin β, since t = 1 - cos β falls by p with c."""
+        """2 p dβ/dt with p = sin θ_k sin θ_l and dβ/dt = 1 / sin β, since dt/dc = -p for t = 1 - cos β."""
         p, t, r = _circles(c, links)
         with np.errstate(divide="ignore"):
             slope = 1.0 / np.sqrt(np.maximum(t, _T0) * r)
@@ -146,7 +147,7 @@ class Shell:
     """
 
     label = "Shell"
-    description = "Square of the bending angle, with inverse cotangent weights; brittle as they are"
+    description = "Square of the bending angle, with inverse cotangent weights; as brittle as these"
     sites: tuple[str, ...] = _ON_FACES
     quadratic = False
 
@@ -191,7 +192,7 @@ class Tan:
     """
 
     label = "Tangent"
-    description = "Keeps neighbouring normals from becoming opposite; inverse cotangent weights, brittle as they are"
+    description = "Keeps neighbouring normals from becoming opposite; inverse cotangent weights, as brittle as these"
     sites: tuple[str, ...] = _ON_FACES
     quadratic = False
 
@@ -216,7 +217,7 @@ ENERGIES: dict[str, EdgeEnergy] = {
 
 
 def energy_on(name: str, sites: str) -> EdgeEnergy:
-    """The energy of that name on that kind of site; on faces "cotan" is the dual one.
+    """The energy of that name on that kind of site; at faces "cotan" is the dual one.
 
     Raises `ConditionError` for an unknown name, and for an energy that is not defined there.
     """

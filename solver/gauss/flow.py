@@ -12,7 +12,7 @@ from .problem import EnergyProblem, Point
 
 Array = NDArray[np.float64]
 
-# The direction is solved for to this accuracy.
+# Relative accuracy of the linear solve for a direction.
 _FORCING = 1e-3
 
 
@@ -26,8 +26,8 @@ def flow(
 ) -> Minimum:
     """Gradient flow: N ← exp_N(h δ) with `<δ, φ>_H¹ = -<grad E, φ>` for all tangent φ, h halved until E falls.
 
-    The H¹ product is that of the mass (areas as parts of the whole, so that units do not matter) plus the Laplacian
-    with the weights of the energy at equal normals, made positive. Linear convergence.
+    The H¹ product is the mass (areas as parts of the whole, so that units do not matter) plus the Laplacian with the
+    weights of the energy at equal normals, made positive. Linear convergence.
     """
     graph, energy = problem.graph, problem.energy
     weights = np.abs(energy.star(np.ones(len(graph.links)), graph))

@@ -1,4 +1,4 @@
-"""Boundary edges, the right angles along them, and how directions of edges are blended at their vertices."""
+"""Frames along boundary edges (tangent, conormal, normal) and how they are blended at vertices."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ..linalg import as_numbers, sum_rows
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
-# Directions whose (weighted) sum is shorter than this part of their weights count as opposite.
+# Directions count as opposite when their weighted sum is shorter than this part of their weights.
 _OPPOSITE = 1e-6
 
 
@@ -85,9 +85,9 @@ def _pair_keys(pairs: NDArray, n: int) -> Int:
 
 @dataclass(frozen=True)
 class Frames:
-    """Right angles at boundary vertices (n,): outward conormals and surface normals, (n, 3) each.
+    """Frames at boundary vertices (n,): outward conormals and surface normals, (n, 3) each.
 
-    ends (K, 2): the place among `vertices` of the ends of each edge; weights (K,): how much the edge counts there.
+    ends (K, 2): the place among `vertices` of the ends of each edge; weights (K,): of the edge in the blend there.
     """
 
     vertices: Int
@@ -105,7 +105,7 @@ class Frames:
 
 @dataclass(frozen=True)
 class EdgeFrames:
-    """Right angles along boundary edges (K,): outward conormals t × n and the normals n of the faces behind."""
+    """Frames of boundary edges (K,): outward conormals t × n and the normals n of the faces behind."""
 
     conormals: Array
     normals: Array
@@ -114,7 +114,7 @@ class EdgeFrames:
 
 
 def edge_frames(domain: Domain, positions: ArrayLike, edges: Int) -> EdgeFrames:
-    """At the midpoints of boundary edges, from the `positions` (V, 2|3)."""
+    """Frames at the midpoints of boundary edges, from the `positions` (V, 2|3)."""
     points = in_space(domain, positions)
     vectors = points[domain.edges[edges, 1]] - points[domain.edges[edges, 0]]
     faces = domain.edge_faces[edges, 0]
@@ -125,7 +125,7 @@ def edge_frames(domain: Domain, positions: ArrayLike, edges: Int) -> EdgeFrames:
 
 
 def vertex_frames(domain: Domain, edges: Int, along: EdgeFrames) -> Frames:
-    """Blend the frames of edges at their ends, each edge with the inverse of its length."""
+    """The frames of edges blended at their ends; each edge weighs as the inverse of its length."""
     weights = 1.0 / along.lengths
     vertices, conormals = at_ends(domain, edges, along.conormals, weights)
     _, normals = at_ends(domain, edges, along.normals, weights)
@@ -156,7 +156,7 @@ def at_ends(domain: Domain, edges: Int, normals: Array, weights: Array) -> tuple
 def blend(
     sites: Int, normals: Array, weights: Array, of_what: str, noun: str = "vertex"
 ) -> tuple[Int, Array]:
-    """Normalised weighted sum of the normals at each site; refuses sums that vanish."""
+    """Sites (n,) and the normalised weighted sum (n, 3) of their normals; `ConditionError` where a sum vanishes."""
     unique, inverse = np.unique(sites, return_inverse=True)
     sums = sum_rows(inverse, weights[:, None] * normals, len(unique))
     length = np.linalg.norm(sums, axis=1)
@@ -171,6 +171,7 @@ def blend(
 
 
 def in_space(domain: Domain, positions: ArrayLike) -> Array:
+    """Positions (V, 2|3) as points (V, 3); `ConditionError` on another shape and on numbers that are not finite."""
     points = as_numbers(positions, "Positions", ConditionError)
     if points.ndim != 2 or points.shape[0] != domain.vertex_count or points.shape[1] not in (2, 3):
         raise ConditionError(f"Positions must be ({domain.vertex_count}, 2) or (…, 3), not {points.shape}.")
@@ -183,18 +184,19 @@ def in_space(domain: Domain, positions: ArrayLike) -> Array:
 
 
 def area_vectors(points: Array, faces: Int) -> Array:
+    """(F, 3): the normal of each face, as long as its area."""
     a, b, c = points[faces[:, 0]], points[faces[:, 1]], points[faces[:, 2]]
     return 0.5 * np.cross(b - a, c - a)
 
 
 def whole_area(domain: Domain, points: Array) -> Array:
-    """Σ of the area vectors (3,) of all faces, ½ ∮ p × dp along the boundary by Stokes' theorem."""
+    """The sum (3,) of the area vectors of all faces: ½ ∮ p × dp along the boundary, by Stokes' theorem."""
     tail, head = (points - points.mean(axis=0))[domain.edges[domain.boundary_edges].T]
     return 0.5 * np.cross(tail, head).sum(axis=0)
 
 
 def unit(normals: ArrayLike, owners: Int, noun: str) -> Array:
-    """Unit vectors (n, 3) from one vector or one an owner."""
+    """Unit vectors (n, 3) from one vector, or from one an owner."""
     given = as_numbers(normals, "Normals", ConditionError)
     if given.shape not in ((3,), (len(owners), 3)):
         raise ConditionError(
@@ -204,6 +206,7 @@ def unit(normals: ArrayLike, owners: Int, noun: str) -> Array:
 
 
 def unit_rows(vectors: Array, noun: str, complaint: str, owners: Iterable[int] | None = None) -> Array:
+    """Rows divided by their lengths; `ConditionError`, naming the first owner, where a length is zero or not finite."""
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     bad = np.flatnonzero(~(np.isfinite(length[:, 0]) & (length[:, 0] > 0.0)))
     if bad.size:
@@ -232,8 +235,8 @@ def _is(items: Int) -> str:
 def moving_average(domain: Domain, edges: Int, values: Array, width: float) -> Array:
     """Mean (K,) of `values` (K,) on boundary `edges` (K,) over the arc of length `width` around each edge's midpoint.
 
-    Windows run along connected runs of the given edges; beyond the end of a run its last value goes on, around a
-    whole loop they go round. A width of zero, or below an edge length, changes (almost) nothing.
+    The window stays within a connected run of the given edges: the last value continues beyond the end of a run, and
+    around a whole loop the window wraps. A width of zero, or below an edge length, changes (almost) nothing.
     """
     given = np.full(len(domain.edges), np.nan)
     given[edges] = values
@@ -247,7 +250,7 @@ def moving_average(domain: Domain, edges: Int, values: Array, width: float) -> A
 
 
 def _runs(loop: Int, chosen: NDArray[np.bool_]) -> list[tuple[Int, bool]]:
-    """Maximal runs of chosen edges in a closed walk, and whether a run is all of it."""
+    """Maximal runs of chosen edges in a closed walk, and whether a run is the whole walk."""
     if chosen.all():
         return [(loop, True)]
     start = int(np.flatnonzero(~chosen)[0])

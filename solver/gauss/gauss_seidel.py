@@ -1,8 +1,8 @@
 """Nonlinear Gauss-Seidel sweeps: each normal becomes the average of its neighbours (paper, Remark 8).
 
-Sites of one colour have no link between them, so a sweep updates them all at once. Faces across an edge whose
-triangles lie on one circle (halves of a rectangle) are tied by an almost infinite weight, and one by one they would
-hardly move: after each sweep such bodies turn as a whole, by the torque of the links that leave them.
+Sites of one colour have no link between them, so a sweep updates them all at once. Two faces on one circumcircle
+(halves of a rectangle) are tied by an almost infinite weight and would hardly move one by one: after each sweep such
+bodies turn as a whole, by the torque of the links that leave them.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from .sphere import dot, normalize
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
-# An average shorter than this part of its weights says nothing about a direction.
+# An average shorter than this part of its weights has no direction.
 _SHORTEST = 1e-9
 
 
@@ -34,10 +34,10 @@ def gauss_seidel(
     max_iterations: int = 20_000,
     progress: Progress | None = None,
 ) -> Minimum:
-    """Sweeps of N_i ← n / |n|, n = Σ_j star_ij N_j, in the plane of its mirror where there is one; no linear algebra.
+    """Sweeps of N_i ← n / |n|, n = Σ_j star_ij N_j, within the plane of its mirror if it has one; no linear algebra.
 
     Each is a descent where star is positive and does not fall with c (cotan on Delaunay edges, Möbius). Convergence
-    is linear, and slower the finer the mesh.
+    is linear, and the slower the finer the mesh.
     """
     graph, unknown = problem.graph, problem.dirichlet.unknown
     planes = problem.mirrors.planes(graph.count)
@@ -54,7 +54,7 @@ def gauss_seidel(
 
 @dataclass(frozen=True, eq=False)
 class _Colour:
-    """Sites (n,) of one colour and their links: the place (m,) of one end among them, the site (m,) at the other.
+    """Sites (n,) of one colour and their links: places (m,) of one end among them, sites (m,) at the other end.
     planes (n, 3): the normals of their mirrors, or zero."""
 
     sites: Int
@@ -99,8 +99,8 @@ def _palette(graph: SiteGraph, unknown: Int, planes: Array) -> list[_Colour]:
 
 @dataclass(frozen=True, eq=False)
 class _Bodies:
-    """Bodies of one colour: their sites (n,), the body (n,) of each; planes (k, 3): the normals of the bodies'
-    mirrors, or zero; of the links (m,) that leave them the site inside, the one outside and the body."""
+    """Bodies of one colour: their sites (n,) and the body (n,) of each; planes (k, 3): the normals of the bodies'
+    mirrors, or zero; for each link (m,) that leaves a body the site inside, the site outside and the body."""
 
     sites: Int
     body: Int
@@ -111,9 +111,9 @@ class _Bodies:
     links: LinkSubset
 
     def update(self, problem: EnergyProblem, N: Array) -> None:
-        """Turn each body by the angle that its normals, were they one, would turn to their average.
+        """Turn each body by the angle that takes a single normal to its average.
 
-        A body on a mirror turns about ν, as if its normals had no other part.
+        A body on a mirror turns about ν: only parts orthogonal to ν count.
         """
         count = int(self.body.max()) + 1
         a, b = N[self.inside], N[self.outside]
@@ -131,7 +131,7 @@ class _Bodies:
 
 
 def _bodies(graph: SiteGraph, unknown: Int, planes: Array) -> list[_Bodies]:
-    """Bodies of several sites, all unknown, by colours."""
+    """Bodies of several sites, all unknown, colour by colour."""
     if graph.at_vertices:
         return []
     bodies, free = graph.bodies, np.bincount(graph.bodies[unknown], minlength=graph.count)
@@ -145,7 +145,7 @@ def _bodies(graph: SiteGraph, unknown: Int, planes: Array) -> list[_Bodies]:
     inside, outside = np.concatenate([i[leaving], j[leaving]]), np.concatenate([j[leaving], i[leaving]])
     links = np.concatenate([leaving, leaving])
     colours = _coloured(bodies[i], bodies[j], graph.count)
-    found = []
+    coloured = []
     for colour in range(colours[moves].max(initial=-1) + 1):
         chosen = moves & (colours == colour)
         number = np.cumsum(chosen) - 1
@@ -153,7 +153,7 @@ def _bodies(graph: SiteGraph, unknown: Int, planes: Array) -> list[_Bodies]:
         if len(sites):
             owner = number[bodies[inside[out]]]
             subset = graph.subset(links[out])
-            found.append(
+            coloured.append(
                 _Bodies(
                     sites,
                     number[bodies[sites]],
@@ -164,7 +164,7 @@ def _bodies(graph: SiteGraph, unknown: Int, planes: Array) -> list[_Bodies]:
                     subset,
                 )
             )
-    return found
+    return coloured
 
 
 def colouring(graph: SiteGraph) -> Int:

@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 
 # Factors kept for as many different sets of fixed sites.
 _KEPT_FACTORS = 4
-# Iterations per solve from which on a factor of other edge lengths is given up.
+# Iterations per solve above which a factor of other edge lengths is given up.
 _FAR = 12
 # Energy, as a part of 4π, below which a map counts as constant.
 _COLLAPSED = 1e-12
@@ -45,11 +45,11 @@ class HarmonicMap:
 
     normals: (S, 3) unit vectors, at the vertices or at the faces. energy: Σ ε; ½ <LN, N> for the cotangent one.
     residual: `sqrt(A Σ |P_i (LN)_i|² / A_i)` at these normals, with the weights star in L.
-    degree: signed area covered, as a part of the sphere. iterations: steps of the method taken.
+    degree: signed area covered, as a part of the sphere. iterations: steps of the method.
     history: energy, residual, back-solves and step length, one line for each map reached.
     imbalance: |Σ N_i μ_i| as a part of the energy on a closed domain, where it vanishes at a critical map (paper,
-        Theorem E.2); None where there is a boundary.
-    admissible: what the conditions left free; its `corner_normals` are those chosen where two mirrors meet.
+        Theorem E.2); None on a domain with a boundary.
+    admissible: the maps the conditions admit; its `corner_normals` are those chosen where two mirrors meet.
     """
 
     normals: Array
@@ -112,17 +112,17 @@ class HarmonicSolver:
 
     @cached_property
     def _weights(self) -> Array:
-        """Those of the Laplacian that starts and preconditions: star at equal normals.
+        """Weights (K,) of the Laplacian for starts and preconditioning: star at equal normals.
 
-        At vertices the Laplacian is that of piecewise linear functions, positive whatever the signs. The dual one is
-        not, so its weights are made positive.
+        At vertices this is the Laplacian of piecewise linear functions, positive whatever the signs of its weights.
+        The dual one is not, so its weights are made positive.
         """
         star = self.energy.star(np.ones(len(self.graph.links)), self.graph)
         return star if self.graph.at_vertices else np.abs(star)
 
     @cached_property
     def _laplacian(self) -> sp.csr_array | None:
-        """That of a quadratic energy, which serves all solves; others change theirs from map to map."""
+        """The Laplacian of a quadratic energy, the same at every map; None for other energies."""
         return equal_laplacian(self.graph, self.energy) if self.energy.quadratic else None
 
     def dirichlet(self, fixed: NDArray[np.integer]) -> Dirichlet:
@@ -148,15 +148,15 @@ class HarmonicSolver:
         max_iterations: int | None = None,
         progress: Progress | None = None,
     ) -> HarmonicMap:
-        """A harmonic map with the prescribed normals, from `initial` (S, 3) or from a start of its own.
+        """A harmonic map with the prescribed normals, from `initial` (S, 3) or from a start made here.
 
-        `side` ±1 chooses between the two sides of data that lie in one plane, and of corners between mirrors (see
-        `conditions.mirror`); `degree` asks for a homotopy class.
-        method: a name in `METHODS`, or one that is made; max_iterations: of its steps, by default as many as suit it.
-        Where the conditions ask for balance it is that of `balance.balanced`.
+        `side` ±1 chooses between the two sides of coplanar data, and of corners between mirrors (see
+        `conditions.mirror`); `degree` selects a homotopy class. method: a name in `METHODS`, or a `Method`;
+        max_iterations: the limit of its steps, by default its own. Balanced conditions have their own method
+        (`balance.balanced`). Along the boundary, free sites get the natural condition ∂N/∂ν = 0.
         There may be many harmonic maps for the same boundary: the result is the one reached, to be judged by its
-        energy, degree and status. Raises `ConditionError` when everything is fixed, or nothing is (not even by two
-        mirrors that meet) and there is no initial map to start from.
+        energy, degree and status. Not converging is a status, not an error. Raises `ConditionError` when all sites are
+        fixed, or none is (not even by two mirrors that meet) and there is no initial map.
         """
         method = _method(method, conditions.is_balanced)
         check_number(tolerance, "tolerance")
@@ -167,7 +167,7 @@ class HarmonicSolver:
         admissible = resolved(conditions, self.graph, side)
         if len(admissible.fixed) == self.graph.count:
             raise ConditionError(
-                f"All normals are fixed, at {self.graph.count} {_AT[self.graph.name]}, and none is left to solve for; "
+                f"All normals are fixed, at {self.graph.count} {_AT[self.graph.name]}, so none is unknown; "
                 f"subdivide the mesh, so that it has {_AT[self.graph.name]} inside."
             )
         if initial is None:
@@ -182,22 +182,22 @@ class HarmonicSolver:
         limit = {} if max_iterations is None else {"max_iterations": max_iterations}
         dirichlet = self.dirichlet(admissible.fixed)
         problem = EnergyProblem(self.graph, self.energy, dirichlet, self._laplacian, admissible.mirrors)
-        found = method.of(problem, start, tolerance=tolerance, progress=progress, **limit)
-        normals = admissible.pin(found.N)  # steps of length zero leave rounding
+        minimum = method.of(problem, start, tolerance=tolerance, progress=progress, **limit)
+        normals = admissible.pin(minimum.N)  # steps of length zero leave rounding
         return HarmonicMap(
             normals,
-            found.history[-1].energy,
-            found.residual,
+            minimum.history[-1].energy,
+            minimum.residual,
             sphere.degree(normals, self.graph.triangles),
-            self._status(normals, dirichlet, found.status),
-            len(found.history) - 1,
-            found.history,
+            self._status(normals, dirichlet, minimum.status),
+            len(minimum.history) - 1,
+            minimum.history,
             admissible,
             None if len(self.domain.boundary_edges) else float(np.linalg.norm(imbalance(problem, normals))),
         )
 
     def _start(self, admissible: Admissible, conditions: Conditions, side: int) -> tuple[NDArray[np.integer], Array]:
-        """A blend of the fixed normals and of those along mirrors: the sites of all these, and a map (S, 3)."""
+        """A blend of the fixed normals and those along mirrors: the sites of these, and a map (S, 3)."""
         up = conditions.up
         leans = leaning(admissible.data, up, side) is not None
         sites, normals = side_normals(admissible, conditions, self.graph, side, leans)
@@ -210,10 +210,10 @@ class HarmonicSolver:
         return held[order], admissible.pin(start)
 
     def _nothing(self, admissible: Admissible) -> str:
-        """Why there is no start."""
+        """Why no start exists, as a message."""
         if len(admissible.mirrors.sites):
             return (
-                "The mirrors fix no normal, since no two of different planes meet, so there is nothing to start from; "
+                "The mirrors fix no normal, since no two in different planes meet, so a start is missing; "
                 "prescribe normals along some edges, or give an initial map or a winding."
             )
         if not len(self.domain.boundary_edges):
@@ -226,7 +226,7 @@ class HarmonicSolver:
         )
 
     def _status(self, normals: Array, dirichlet: Dirichlet, status: Status) -> Status:
-        """What the solver said, unless the map itself says worse."""
+        """The status of the minimiser, unless the map collapsed or is under-resolved."""
         if status is Status.CANCELLED:
             return status
         is_fixed = np.zeros(self.graph.count, dtype=bool)
@@ -240,7 +240,7 @@ class HarmonicSolver:
 
 
 def _is_far(factor: Factor) -> bool:
-    """Whether a factor is one that serves for another matrix, and does it badly, or has not been tried."""
+    """Whether a reused factor is a poor preconditioner here, or has not been tried."""
     return isinstance(factor, ReusedFactor) and (factor.iterations is None or factor.iterations > _FAR)
 
 
@@ -251,7 +251,7 @@ def _method(method: str | Method, is_balanced: bool) -> Method:
     if not is_balanced:
         return METHODS[method]
     if method != "newton":
-        raise ConditionError(f"Balanced maps have a method of their own; leave out the method {method!r}.")
+        raise ConditionError(f"Balanced maps have a method of their own; leave out method={method!r}.")
     return BALANCED
 
 

@@ -1,12 +1,11 @@
-"""Where a minimiser starts.
+"""Initial maps: where a minimiser starts.
 
-The harmonic extension h of the boundary normals in R³, normalised, is the natural start, but it vanishes
-somewhere more often than not. On every flat plan with outward conormals the data lie in one plane; Newton's
-method would stay in it and find a critical map that is no minimiser. Where that happens h is lifted onto the
-sphere: `h + s √(1 - |h|²) u` keeps the boundary normals (|h| = 1) and pushes the inside to the side s = ±1 of
-u, the oriented normal of the domain.
+The harmonic extension h of the boundary normals in R³, normalised, is the natural start, but it often vanishes
+somewhere. On every flat plan with outward conormals the data lie in one plane; Newton's method would stay in it and
+find a critical map that is no minimiser. There h is lifted onto the sphere: `h + s √(1 - |h|²) u` keeps the boundary
+normals (|h| = 1) and pushes the inside to the side s = ±1 of u, the oriented normal of the domain.
 
-A *wound* start covers the sphere a given number of times more than that: another homotopy class.
+A *wound* start covers the sphere a given number of times more: another homotopy class.
 """
 
 from __future__ import annotations
@@ -24,13 +23,11 @@ from .sphere import dot, normalize
 
 Array = NDArray[np.float64]
 
-# Data count as coplanar when the smallest singular value of the boundary normals is below this part of the
-# largest.
+# Data are coplanar when the smallest singular value of the boundary normals is below this part of the largest.
 _COPLANAR = 1e-6
-# An extension shorter than this somewhere is not normalised: its direction there would be an accident of the
-# mesh.
+# An extension shorter than this somewhere is not normalised: its direction there would be an accident of the mesh.
 _SHORTEST = 0.2
-# Boundary normals that on average lean this much away from the side asked for want the way over the pole.
+# Boundary normals that lean away from the wanted side by this much on average need the way over the pole.
 _LEANING = 0.05
 # A mean of unit normals shorter than this has no direction.
 _BALANCED = 1e-9
@@ -39,12 +36,11 @@ _BUBBLE = 0.5
 
 
 def harmonic_start(dirichlet: Dirichlet, data: Array, up: Array, side: int) -> Array:
-    """Unit normals (S, 3) from the fixed normals `data` (n, 3); `up` (3,) is the oriented normal of the
-    domain, or zero.
+    """Unit normals (S, 3) from the fixed normals `data` (n, 3); `up` (3,): the oriented normal of the domain, or zero.
 
-    Candidates, the first that is nowhere short winning: the extension itself (unless the data are coplanar);
-    lifted over the pole, where the data lean away from `side`; lifted along each principal axis of the data,
-    the least one first.
+    The first candidate that is nowhere short wins: lifted over the pole, where the data lean away from `side`; the
+    extension itself, unless the data are coplanar; lifted along each principal axis of the data, the least one first.
+    Raises `ConditionError` where all vanish somewhere.
     """
     extension = dirichlet.extend(data)
     axes = _axes(data, up if up.any() else _winding(dirichlet, data))
@@ -58,21 +54,21 @@ def harmonic_start(dirichlet: Dirichlet, data: Array, up: Array, side: int) -> A
     good = np.flatnonzero(shortest >= _SHORTEST)
     best = int(good[0]) if good.size else int(np.argmax(shortest))
     if shortest[best] < 1e-9:
-        raise ConditionError("The boundary normals cancel inside and no start was found; give an initial map.")
+        raise ConditionError("The boundary normals cancel inside, so no start exists; give an initial map.")
     start = normalize(candidates[best])
     start[dirichlet.fixed] = data
     return start
 
 
 def over_the_other_pole(dirichlet: Dirichlet, N: Array) -> Array:
-    """The map N (S, 3) lifted over the pole opposite to its mean, where it is free: a start for the other solution with
-    the same boundary (paper, Theorem D.1), of one degree less where N looks to the front.
+    """The map N (S, 3) lifted over the pole opposite to its mean, at free sites: a start for the second solution with
+    the same boundary (paper, Theorem D.1), one degree lower where N faces the front.
 
-    Raises `ConditionError` where N has no mean.
+    Raises `ConditionError` where the mean of N vanishes.
     """
     pole = _mean_direction(dirichlet, N)
     if pole is None:
-        raise ConditionError("The normals point to all sides equally, so there is no other pole to lift them over.")
+        raise ConditionError("The normals point to all sides equally, so they have no other pole to be lifted over.")
     return _lifted(dirichlet, N, pole)
 
 
@@ -85,7 +81,7 @@ def _mean_direction(dirichlet: Dirichlet, N: Array) -> Array | None:
 
 
 def _lifted(dirichlet: Dirichlet, N: Array, pole: Array) -> Array:
-    """N lifted over the pole opposite to `pole` (3,), where it is free."""
+    """N lifted over the pole opposite to `pole` (3,), at free sites."""
     lifted = N - 2.0 * _depth(dirichlet)[:, None] * pole
     lifted[dot(lifted, lifted)[:, 0] < 1e-9] = -pole
     start = normalize(lifted)
@@ -94,7 +90,7 @@ def _lifted(dirichlet: Dirichlet, N: Array, pole: Array) -> Array:
 
 
 def leaning(data: Array, up: Array, side: int) -> Array | None:
-    """The direction (3,) of the pole on that side, if the data (n, 3) on average lean away from it; else None."""
+    """The pole (3,) of that side, if the data (n, 3) lean away from it on average; else None."""
     length = float(np.linalg.norm(up))
     if not (length and len(data)) or side * float((data @ up).mean()) >= -_LEANING * length:
         return None
@@ -102,11 +98,10 @@ def leaning(data: Array, up: Array, side: int) -> Array | None:
 
 
 def wound_start(dirichlet: Dirichlet, start: Array, degree: float) -> Array:
-    """A map with the boundary normals of `start` (S, 3) whose degree is the one nearest to `degree` in its
-    class.
+    """A map with the boundary normals of `start` (S, 3) and the degree nearest to `degree` in its class.
 
     On a domain with two boundary loops whose normals are a and -a it winds around the axis a. On a disc it goes over
-    the other pole if that is the degree asked for; else a bubble is grafted in the middle. Other domains raise
+    the other pole if that has the wanted degree; else a bubble is grafted in the middle. Other domains raise
     `ConditionError`.
     """
     graph = dirichlet.graph
@@ -127,7 +122,7 @@ def wound_start(dirichlet: Dirichlet, start: Array, degree: float) -> Array:
         other = _grafted(dirichlet, start, -turns)
     else:
         raise ConditionError(
-            f"A start of degree {degree:g} is known for discs, and for cylinders whose two ends carry "
+            f"A start of degree {degree:g} can be made on discs, and on cylinders whose two ends carry "
             "opposite constant normals; give an initial map instead."
         )
     miss, other_miss = (abs(degree_of(map_, graph.triangles) - degree) for map_ in (wound, other))
@@ -140,7 +135,7 @@ def _is_coplanar(data: Array) -> bool:
 
 
 def _axes(data: Array, up: Array) -> list[Array]:
-    """Directions to lift to: the data's least one first, turned towards `up`."""
+    """Directions to lift to: the principal axes of the data, the least one first, turned towards `up`."""
     basis = np.linalg.svd(data.T @ data)[2][::-1]
     signs = np.where(basis @ up < 0.0, -1.0, 1.0)
     return list(signs[:, None] * basis)
@@ -182,11 +177,9 @@ def _winding_cylinder(dirichlet: Dirichlet, start: Array, turns: int) -> Array:
 
 
 def _grafted(dirichlet: Dirichlet, start: Array, turns: int) -> Array:
-    """Replace the map around the deepest site p by one that leaves N(p) along all meridians and comes back
-    to N.
+    """Replace the map around the deepest site p by one that leaves N(p) along all meridians and returns to N.
 
-    The polar coordinates around p are conformal: ρ = exp(-2πG) with Green's function G, and its conjugate
-    angle.
+    The polar coordinates around p are conformal: ρ = exp(-2πG) with Green's function G, and its conjugate angle.
     """
     source = np.zeros((len(start), 1))
     centre = int(np.argmax(_depth(dirichlet)))
@@ -218,7 +211,7 @@ def _carried(pole: Array, targets: Array, vectors: Array) -> Array:
 def _angle_around(dirichlet: Dirichlet, potential: Array) -> NDArray[np.complex128]:
     """exp(iv) (S,) with v the harmonic conjugate of a potential, scaled to turn once around its source or its hole.
 
-    v lives on the cells; a site gets the mean of its own.
+    v lives on the cells; a site gets the mean over its cells.
     """
     graph = dirichlet.graph
     i, j = graph.links.T
@@ -233,5 +226,5 @@ def _angle_around(dirichlet: Dirichlet, potential: Array) -> NDArray[np.complex1
     spin: NDArray[np.complex128] = np.exp(1j * v)[cells]
     sums = sum_rows(sites, spin.real, graph.count) + 1j * sum_rows(sites, spin.imag, graph.count)
     length = np.abs(sums)
-    # anywhere where the cells cancel or there are none: at the source and on the rim, where nothing turns
+    # any direction where cells cancel or are missing: at the source and on the rim, where nothing turns
     return np.where(length > 1e-9, sums / np.maximum(length, 1e-9), 1.0)

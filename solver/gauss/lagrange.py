@@ -1,6 +1,6 @@
 """Newton's method on the 4 S equations with Lagrange multipliers (paper, Appendix B): the reference.
 
-Unknown are the normals, free to leave the sphere, and a multiplier each:
+The unknowns are the normals, free to leave the sphere, and one multiplier each:
 
     grad E(N)_i + Λ_i N_i = 0,    ½ (1 - |N_i|²) = 0,
 
@@ -8,8 +8,8 @@ and at a site on a mirror one more, μ_i, with + μ_i ν_i in the first equation
 
 The energy is continued off the sphere as a function of c = 1 - ½ |N_i - N_j|², so that its gradient is
 Σ star (N_i - N_j) and, for the cotangent energy, its Hessian the Laplacian. Every step factors a new saddle matrix:
-slow, and sure of convergence only near a critical point, of whatever kind it is; but none of it is shared with
-Newton's method on the spheres.
+slow, and sure to converge only near a critical point of any kind; but it shares no code with Newton's method on the
+spheres.
 """
 
 from __future__ import annotations

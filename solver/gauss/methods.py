@@ -28,13 +28,13 @@ METHODS = {
     "flow": Method("Gradient flow", "The paper's H¹ gradient flow: steady, tens to hundreds of steps", flow),
     "gauss_seidel": Method("Gauss-Seidel", "Average the neighbours again and again: simple and slow", gauss_seidel),
     "lagrange": Method("Lagrange-Newton", "The paper's system with multipliers: a slow reference", lagrange),
-    "saddle": Method("Saddle", "Up along one unstable mode, down along all others: maps that are no minimisers", climb),
+    "saddle": Method("Saddle", "Up along one unstable mode, down along all others: unstable maps", climb),
     "critical": Method(
         "Nearest critical",
-        "To the nearest map at which nothing pulls, up or down, from a map to start from",
-        partial(climb, index=None, max_iterations=30),  # it is quick, or lost
+        "To the nearest critical map of any kind, from an initial map",
+        partial(climb, index=None, max_iterations=30),  # it converges quickly or not at all
     ),
 }
 
-BALANCED = Method("Balanced", "Descend among maps whose normals balance: for closed domains", balanced)
-"""What `conditions.balanced` asks for; no choice for other conditions."""
+BALANCED = Method("Balanced", "Descent among maps whose normals balance: for closed domains", balanced)
+"""The method for `conditions.balanced`; not a choice for other conditions."""

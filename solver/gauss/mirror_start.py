@@ -1,7 +1,7 @@
-"""Normals along mirrors, between the ends where they are known: the boundary data of a start.
+"""Boundary data for a start along mirrors: normals between the ends of a side, where they are known.
 
-On a mirror side N moves along the great circle across ν. Between two known ends it turns evenly, by the smaller angle
-and the full turns asked for; where its ends are opposite by half a turn, as on a convex side if ν points out of f+.
+On a mirror side N moves along the great circle orthogonal to ν. Between two known ends it turns evenly, by the smaller
+angle plus the winding's full turns; between opposite ends by half a turn, as on a convex side if ν points out of f+.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from .mirrors import MirrorSides, parallel
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
-# Ends are opposite when less than this is missing to half a turn, in radians.
+# Ends are opposite when their angle is within this of half a turn, in radians.
 _OPPOSITE = 1e-6
-# A normal this near to ν (the length of the rest of it) has no angle about it.
+# A normal whose part orthogonal to ν is shorter than this has no angle about ν.
 _SHORTEST = 1e-3
 # The middle of a side is below a plan when its cosine with "up" is less than minus this.
 _UPRIGHT = 0.05
@@ -32,8 +32,8 @@ _UPRIGHT = 0.05
 
 @dataclass(frozen=True, eq=False)
 class _Run:
-    """Consecutive mirror edges (k,) of one plane, in boundary order, and their vertices (k + 1,); of a whole loop the
-    last vertex is the first again. start, end: the normals known there, or None."""
+    """Consecutive mirror edges (k,) of one plane, in boundary order, and their vertices (k + 1,); a whole loop repeats
+    its first vertex at the end. start, end: the known normals there, or None."""
 
     edges: Int
     vertices: Int
@@ -43,7 +43,7 @@ class _Run:
     end: Array | None
 
     def angle(self, side: int, up: Array, leans: bool) -> tuple[Array, float] | None:
-        """The first normal and the angle about the axis to the last; None where neither is known nor a winding."""
+        """The first normal and the angle about the axis to the last; None without a known end or a winding."""
         turns = 2.0 * np.pi * self.winding
         if self.start is not None and self.end is not None:
             return self.start, turns + self._between(self.start, self.end, side, up, leans)
@@ -70,8 +70,8 @@ def side_normals(
 ) -> tuple[Int, Array]:
     """Sorted sites (n,) on mirrors, and normals (n, 3) there that turn evenly between the known ends of each side.
 
-    Sides of which no end is known and no winding asked for are left out. leans: whether the data lean away from the
-    side ±1 of the plan, so that the middle of every mirror is to be on it.
+    Sides with no known end and no winding are left out. leans: whether the data lean away from the side ±1 of the
+    plan, so that the middle of every mirror must lie on that side.
     """
     domain, sites, normals = graph.domain, [], []
     for run in _runs(admissible.sides, _known(admissible.sides, conditions)):
@@ -129,7 +129,7 @@ def _run(sides: MirrorSides, edges: Int, vertices: Int, known: Array) -> _Run:
     if len(windings) > 1:
         raise ConditionError(
             f"The mirror side from vertex {vertices[0]} to vertex {vertices[-1]} has the windings {listed(windings)}; "
-            "give it one.",
+            "give it a single one.",
             edges=edges,
         )
     start, end = (_flat(known[vertices[k]], axis) for k in (0, -1))
@@ -137,7 +137,7 @@ def _run(sides: MirrorSides, edges: Int, vertices: Int, known: Array) -> _Run:
 
 
 def _flat(normal: Array, axis: Array) -> Array | None:
-    """The direction of a normal across the axis; None where it is unknown, or along the axis."""
+    """The direction of the part of a normal orthogonal to the axis; None if it is unknown, or along the axis."""
     flat = normal - (normal @ axis) * axis
     length = float(np.linalg.norm(flat))
     return flat / length if length > _SHORTEST else None

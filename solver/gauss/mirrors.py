@@ -1,9 +1,9 @@
 """Mirrors: boundary edges along which the surface meets a plane at right angles, N · ν = 0 (paper, Sec. 5.1.1).
 
-A boundary vertex between two mirrors has N = ±ν₁ × ν₂. Which of the two is not a matter of the constraint but of the
-start. Over a plan it is the one on the plan's upper side. Where there is no such side, plane normals that point out of
-the surface settle it: on f+, whose outward conormal along a mirror is then ν, the tangent along the boundary is N × ν,
-so that N is ν₁ × ν₂ where f+ turns left from the first mirror to the second.
+A boundary vertex between two mirrors has N = ±ν₁ × ν₂. The constraint leaves the sign open; the start decides it. Over
+a plan N points to the plan's upper side. Without a plan, plane normals that point out of the surface decide: on f+,
+whose outward conormal along a mirror is then ν, the tangent along the boundary is N × ν, so that N is ν₁ × ν₂ where f+
+turns left from the first mirror to the second.
 """
 
 from __future__ import annotations
@@ -24,21 +24,21 @@ from .sphere import dot, normalize
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
-# Planes that are turned against each other by less, in radians, are one.
+# Planes with a smaller angle between them, in radians, count as one.
 _PARALLEL = 1e-6
 # Corners up to this much more than straight count as such: they turn left.
 _STRAIGHT = 1e-6
-# Square of the cosine between a prescribed normal and ν below which its reflection is meant.
+# Square of the cosine between a prescribed normal and ν below which the normal blends with its reflection.
 _REFLECTED = 0.5
-# A normal is on a side of a plan when its cosine with "up" is at least this; else it lies in the plan.
+# A normal is on one side of a plan when its cosine with "up" is at least this; else it lies in the plan.
 _UPRIGHT = 0.05
-# A vector whose cosine with a corner normal is smaller does not say which way that is to point.
+# A vector whose cosine with a corner normal is smaller does not decide its sign.
 _UNDECIDED = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
 class Mirrors:
-    """Sites (m,), sorted, that are held to a plane, and the unit normals ν (m, 3) of their planes."""
+    """Sorted sites (m,) held in a plane, and the unit normals ν (m, 3) of their planes."""
 
     sites: Int
     normals: Array
@@ -48,13 +48,13 @@ class Mirrors:
         return cls(np.zeros(0, dtype=np.int64), np.zeros((0, 3)))
 
     def planes(self, count: int) -> Array:
-        """(count, 3) the normals ν by sites, zero at those that are on no mirror."""
+        """(count, 3): ν at each site, zero at sites on no mirror."""
         planes = np.zeros((count, 3))
         planes[self.sites] = self.normals
         return planes
 
     def flatten(self, X: Array) -> Array:
-        """X (S, 3) without its parts along ν; X itself where there are no mirrors."""
+        """X (S, 3) without its parts along ν; X itself if there are no mirrors."""
         if not len(self.sites):
             return X
         flat = X.copy()
@@ -66,8 +66,8 @@ class Mirrors:
 class MirrorSides:
     """The mirrors along the boundary of a domain.
 
-    planes: (E, 3) unit normals, zero on edges that are on no mirror. windings: (E,). corners (k,): vertices between two
-    mirrors, their normals (k, 3), and whether they were decided by the caller (k,).
+    planes: (E, 3) unit normals, zero on edges on no mirror. windings: (E,). corners (k,): vertices between two mirrors,
+    their normals (k, 3), and whether the caller decided these (k,).
     """
 
     domain: Domain
@@ -79,11 +79,10 @@ class MirrorSides:
 
     @classmethod
     def of(cls, domain: Domain, conditions: Conditions, side: int = +1) -> MirrorSides:
-        """Those of the conditions, with the corner normals on that side where `conditions.corner` does not say. Edges
-        along which a condition fixes the normals are on no mirror.
+        """The mirrors of the conditions; corner normals are on that side unless `conditions.corner` chose one.
 
-        Raises `ConditionError` on an edge with two mirrors, and on a vertex whose normal is chosen though it is not
-        between two of them.
+        Edges along which a condition fixes the normals are on no mirror. Raises `ConditionError` on an edge with two
+        mirrors, and on a chosen normal at a vertex that is not between two mirrors.
         """
         planes, windings = _on_edges(domain, conditions)
         corners, normals = _corners(domain, planes, conditions.vertices)
@@ -95,7 +94,7 @@ class MirrorSides:
             if abs(cosine) < _UNDECIDED:
                 raise ConditionError(
                     f"A normal is chosen at vertex {vertex}, where "
-                    + ("it is none of the two that the mirrors leave." if at.size else "no two mirrors meet.")
+                    + ("it is orthogonal to the two that the mirrors leave." if at.size else "no two mirrors meet.")
                     + " Choose one at corners between two mirrors, along their intersection.",
                     vertices=[int(vertex)],
                 )
@@ -111,8 +110,8 @@ class MirrorSides:
     def blended(self, vertices: Int, normals: Array) -> Array:
         """Normals (n, 3) that conditions prescribe at vertices, blended with their reflections where a mirror begins.
 
-        Conditions know only the edges on this side of it; the sum with the reflection lies in its plane. A normal that
-        is nearer to ν than to the plane is not meant to be reflected, and is kept.
+        Conditions know only the edges on this side of the mirror; the sum with the reflection lies in its plane. A
+        normal nearer to ν than to the plane is kept as it is.
         """
         place = np.full(self.domain.vertex_count, -1)
         place[vertices] = np.arange(len(vertices))
@@ -127,14 +126,14 @@ class MirrorSides:
 
 
 def on_side(normals: Array, up: Array, side: int) -> Array:
-    """Unit normals (n, 3) turned to the side ±1 of `up` (3,); those in its plane, or all if it is zero, by `side`."""
+    """Unit normals (n, 3) turned to the side ±1 of `up` (3,); those in its plane, or all if `up` is 0, times `side`."""
     height = normals @ up
     upright = np.abs(height) > _UPRIGHT * np.linalg.norm(up)
     return side * np.where(upright, np.sign(height), 1.0)[:, None] * normals
 
 
 def parallel(first: Array, second: Array) -> NDArray[np.bool_]:
-    """Which of the unit vectors (n, 3) agree up to sign."""
+    """Whether unit vectors (n, 3) agree up to sign, (n,)."""
     return np.linalg.norm(np.cross(first, second), axis=-1) < _PARALLEL
 
 
@@ -155,7 +154,7 @@ def _on_edges(domain: Domain, conditions: Conditions) -> tuple[Array, Int]:
 
 
 def _corners(domain: Domain, planes: Array, taken: Int) -> tuple[Int, Array]:
-    """Sorted vertices between two mirrors of different planes, without those `taken`; ν₁ × ν₂ as on f+."""
+    """Sorted vertices between mirrors in two planes, without those `taken`; ν₁ × ν₂ as on f+."""
     arriving, leaving = np.zeros((2, domain.vertex_count, 3))
     rim = domain.boundary_edges
     tail, head = domain.edges[rim].T

@@ -1,9 +1,9 @@
 """Newton's method on the product of spheres, with conjugate gradients inside.
 
 At a map N, let G be the gradient in R³ and P the projection on the tangent planes (see `problem`). Each step solves
-P H P d = -P G by conjugate gradients, preconditioned with a factored Laplacian that does not change; it stops early
-while N is far from critical. Where the curvature is negative the step goes as far along that direction as a step
-may: near a saddle the gradient alone would take hundreds of steps to leave.
+P H P d = -P G by conjugate gradients, preconditioned with a constant factored Laplacian; it stops early while N is far
+from critical. A direction of negative curvature is followed as far as a step may go: near a saddle the gradient alone
+would take hundreds of steps to leave.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _LARGEST_ROTATION = 0.5
 _LARGEST_FORCING = 0.1
 _SUFFICIENT_DECREASE = 1e-4
 _HALVINGS = 30
-# Part of the energy below which its differences are not to be trusted.
+# Differences of the energy below this part of it are rounding.
 _ROUNDING = 1e-13
 _FALLING = 0.99
 _CG_LIMIT = 200
@@ -61,7 +61,7 @@ class Minimum:
 
 @dataclass(frozen=True)
 class Step:
-    """The next map, the back-solves it took to find, and the length of the step as a part of the full one."""
+    """The next map, the back-solves it cost, and the length of the step as a part of the full one."""
 
     point: Point
     solves: int
@@ -79,10 +79,9 @@ def descend(
 ) -> Minimum:
     """Take steps from N (S, 3) until the residual is within the tolerance.
 
-    `take_step` returns the number of back-solves it took in vain where it finds no better map; where the energy is
-    infinite there is nothing to step along. Never raises for want of convergence: the status says how it ended.
-    `progress(iteration, residual)` is called at each map reached;
-    returning False cancels.
+    Where `take_step` reaches no better map it returns the number of back-solves it cost; from infinite energy no step
+    is possible. Does not raise where it fails to converge: the status says how it ended. `progress(iteration,
+    residual)` is called at each map reached; returning False cancels.
     """
     history: list[Iterate] = []
     point = problem.at(N)
@@ -129,7 +128,7 @@ def newton(
 def conjugate_gradients(
     problem: EnergyProblem, point: Point, operator: Callable[[Array], Array], forcing: float
 ) -> tuple[Array, int]:
-    """A descent direction d with `operator(d) ≈ -PG`, and the back-solves it took.
+    """A descent direction d with `operator(d) ≈ -PG`, and the back-solves it cost.
 
     operator: symmetric on admissible vectors. Ends when the preconditioned rest has fallen by `forcing`, or at the
     first direction of negative curvature.
@@ -160,7 +159,7 @@ def conjugate_gradients(
 
 
 def line_search(problem: EnergyProblem, point: Point, direction: Array, solves: int) -> Step | int:
-    """Armijo's rule along exp_N, from the full step; one into infinite energy is never taken.
+    """Armijo's rule along exp_N, from the full step; a step into infinite energy is never taken.
 
     Where the energy can fall by no more than its rounding, the residual decides.
     """

@@ -1,4 +1,4 @@
-"""Directions in which a map may move though nothing changes: rotations of the sphere, translations of a flat domain."""
+"""Null directions, infinitesimal symmetries of the energy: rotations of the sphere, translations of a flat domain."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ Fields = Callable[[Array], Array]
 
 # A rotation that moves fixed normals by less, in radians, respects them.
 _UNMOVED = 1e-7
-# Sides of an edge that are turned against each other by less, in radians, are parallel: lengths in single precision add
-# up to 3e-5 on a torus of 16000 vertices.
+# Sides of an edge with a smaller angle between them, in radians, are parallel: rounding of lengths in single precision
+# adds up to 3e-5 on a torus of 16000 vertices.
 _PARALLEL = 1e-4
 
 
 def free_rotations(problem: EnergyProblem, N: Array) -> Array:
-    """Axes (k, 3) of the rotations of the sphere that leave the conditions as they are.
+    """Axes (k, 3) of the rotations of the sphere that keep the conditions.
 
     All three where nothing is held, one where all fixed normals and all normals of mirrors are parallel, else none.
     N: (S, 3) with the fixed normals.
@@ -37,9 +37,9 @@ def free_rotations(problem: EnergyProblem, N: Array) -> Array:
 
 
 def drifts(problem: EnergyProblem, N: Array) -> Fields | None:
-    """The translations of a flat domain, where normals at vertices are held alike all along its boundary; else None.
+    """The translations of a flat domain whose held normals at vertices are constant along each boundary; else None.
 
-    They leave the energy as it is, but for the mesh. N: (S, 3) with the fixed normals.
+    They keep the energy up to the resolution of the mesh. N: (S, 3) with the fixed normals.
     """
     graph = problem.graph
     if not graph.at_vertices:
@@ -57,8 +57,8 @@ def drifts(problem: EnergyProblem, N: Array) -> Fields | None:
 def translations(domain: Domain) -> Fields:
     """N (V, 3) ↦ its derivatives (k, V, 3) along the translations of a flat domain: k = 2 on a torus, 1 on a cylinder.
 
-    The energy does not change along them but for the mesh, if what is prescribed along the boundary moves with them.
-    Raises `MeshError` where the domain is not flat or turns around a loop, and where its boundary is not straight.
+    They keep the energy up to the resolution of the mesh, if the boundary data are constant along each loop. Raises
+    `MeshError` if the domain is not flat, turns around a loop, or has a boundary that is not straight.
     """
     corners = parallel_layout(domain)
     rim = domain.half_edges[domain.boundary_edges, 0]
@@ -84,7 +84,7 @@ def translations(domain: Domain) -> Fields:
 def parallel_layout(domain: Domain) -> Array:
     """Corners (F, 3, 2) of the faces of a flat domain, turned so that edges are parallel in both their faces.
 
-    Raises `MeshError` where there is no such layout.
+    Raises `MeshError`, naming edges, if no such layout exists.
     """
     inside = domain.interior_edges
     angles = []

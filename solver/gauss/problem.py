@@ -1,4 +1,4 @@
-"""The energy of sphere-valued maps as a function to be minimised: values, gradients, Hessians, residuals.
+"""The energy of sphere-valued maps as an optimisation problem: values, gradients, Hessians, residuals.
 
 E(N) = Σ_links ε(c_ij) with |N_i| = 1, some of the normals fixed. With L the graph Laplacian of the weights
 star_ij = -dε/dc, G = LN is the gradient in R³ (paper, Eq. 14: critical means that G_i is parallel to N_i), and with
@@ -28,13 +28,13 @@ from .sphere import dot, inner, project
 
 Array = NDArray[np.float64]
 
-# Where star changes by a larger part, a change of energy is a difference of two values.
+# Where star changes by a larger part, the change of energy is taken as a difference of two values.
 _SMOOTH = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """A map N (S, 3) and what is needed of the energy there.
+    """A map N (S, 3) and the energy's value and derivatives there.
 
     L: (S, S) the Laplacian with the weights star. gradient: G (S, 3). tangent: PG (S, 3), zero at fixed sites.
     c, star: (K,) of the links; None for a quadratic energy.
@@ -51,16 +51,15 @@ class Point:
 
 
 def equal_laplacian(graph: SiteGraph, energy: EdgeEnergy) -> sp.csr_array:
-    """L where all normals are equal; everywhere, where the energy is quadratic."""
+    """L at equal normals; for a quadratic energy, L at every map."""
     return graph.laplacian(energy.star(np.ones(len(graph.links)), graph))
 
 
 @dataclass(frozen=True, eq=False)
 class EnergyProblem:
-    """An energy on a graph, with the normals at some sites fixed and at others held to the planes of mirrors.
+    """An energy on a graph, with normals fixed at some sites and held in the planes of mirrors at others.
 
-    dirichlet: knows the fixed sites, and the factor that preconditions. laplacian: `equal_laplacian`, where it is at
-    hand.
+    dirichlet: the fixed sites, and the factor that preconditions. laplacian: `equal_laplacian`, if already known.
     """
 
     graph: SiteGraph
@@ -74,7 +73,7 @@ class EnergyProblem:
         return equal_laplacian(self.graph, self.energy) if self.laplacian is None else self.laplacian
 
     def at(self, N: Array) -> Point:
-        """The energy at N (S, 3). Where two normals are opposite it may be infinite, and is then not differentiated."""
+        """The energy at N (S, 3). With opposite neighbours it may be infinite, and is then not differentiated."""
         c: Array | None = None
         star: Array | None = None
         L = self._constant_laplacian if self.energy.quadratic else None
@@ -94,8 +93,7 @@ class EnergyProblem:
         return Point(N, L, gradient, tangent, c, star, energy, self._residual(tangent))
 
     def project(self, N: Array, X: Array) -> Array:
-        """The admissible part of X (S, 3) at N: tangent to the sphere and to the mirrors' planes, zero at fixed
-        sites."""
+        """The admissible part of X (S, 3) at N: tangent to the sphere, in the mirrors' planes, zero at fixed sites."""
         admissible = project(N, X)
         admissible[self.dirichlet.fixed] = 0.0
         return self.mirrors.flatten(admissible)
@@ -141,8 +139,8 @@ class EnergyProblem:
     def change(self, before: Point, after: Point) -> float:
         """E(after) - E(before), accurate when it is far below the rounding of E.
 
-        Of a quadratic energy ½ <N' - N, G' + G>. Of others each link adds -½ (star + star') (c' - c) where its star
-        hardly changes, and the difference of its values where it does.
+        For a quadratic energy it is ½ <N' - N, G' + G>. For others each link adds -½ (star + star') (c' - c) where its
+        star hardly changes, and the difference of its values elsewhere.
         """
         if before.c is None or after.c is None or before.star is None or after.star is None:
             return 0.5 * inner(after.N - before.N, after.gradient + before.gradient)

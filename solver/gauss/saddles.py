@@ -1,13 +1,13 @@
-"""Critical maps that are no minimisers: up along a few unstable modes and down along all others, then Newton's method.
+"""Saddle maps: up along a few unstable modes and down along all others, then Newton's method.
 
-A Newton step goes to where the gradient vanishes, whatever is up and down. Written in the eigenvectors v_i of the
-Hessian in the H¹ product, H v_i = λ_i K v_i, it is -Σ v_i <v_i, G> / λ_i: down where λ_i > 0, up where λ_i < 0. Of the
-negative ones the lowest `index` stay as they are and the others change sign, so that the map climbs along the modes it
-may climb along and nowhere else. Near the saddle nothing changes sign and the steps are Newton's.
+A Newton step leads to a zero of the gradient, up or down in energy. In the eigenvectors v_i of the Hessian in the H¹
+product, H v_i = λ_i K v_i, it is -Σ v_i <v_i, G> / λ_i: down where λ_i > 0, up where λ_i < 0. The `index` lowest of the
+negative terms keep their sign and the others change it, so that the map climbs along these modes only. Near the saddle
+no sign changes and the steps are Newton's.
 
-Directions in which all stays the same are left out of a step by bordering its matrix (a phase condition each):
-rotations of the sphere that respect the conditions, and translations of a flat domain. The latter are symmetries of the
-mesh only roughly: where most of the gradient is along them, the map moves along them, too, downwards.
+Null directions are kept out of a step by bordering its matrix (a phase condition each): rotations of the sphere that
+keep the conditions, and translations of a flat domain. The mesh keeps translations only roughly: where most of the
+gradient is along them, the map moves along them, too, downwards.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from .tangent import TangentSystem
 
 Array = NDArray[np.float64]
 
-# Radians by which a step turns a normal at most.
+# The largest rotation of a normal in one step, in radians.
 _LARGEST_ROTATION = 0.5
 # The same where the map moves along given null fields.
 _LARGEST_DRIFT = 0.1
-# Residual from which on a step has to lower it, and above which eigenvalues count as no smaller than the floor.
+# Below this residual a step must lower it; above it |λ| counts as at least the floor.
 _NEAR = 0.2
 _FLOOR = 0.1
 # Residual below which it may move along given null fields.
@@ -51,8 +51,8 @@ def climb(
 ) -> Minimum:
     """A critical map of that index, or of a smaller one, from N (S, 3); the nearest of any index if None.
 
-    null: N ↦ fields (k, S, 3) along which the energy hardly changes; `symmetries.drifts` unless given. They do not
-    count in the index.
+    null: N ↦ fields (k, S, 3) along which the energy hardly changes; `null_directions.drifts` unless given. They do
+    not count in the index.
     """
     axes = free_rotations(problem, N)
     null = null or drifts(problem, N)
@@ -79,7 +79,7 @@ def climb(
 
 
 def _turned(system: TangentSystem, gauge: Array, index: int, floor: float) -> Array:
-    """What turns Newton's step (n,) downhill along all negative modes but the lowest `index`, and shortens it along
+    """A correction (n,) of Newton's step: downhill along all negative modes but the lowest `index`, and shorter along
     modes with |λ| below the floor."""
     count = index + 3
     values, modes = system.lowest(count, gauge)
@@ -92,7 +92,7 @@ def _turned(system: TangentSystem, gauge: Array, index: int, floor: float) -> Ar
 
 
 def _advance(problem: EnergyProblem, point: Point, direction: Array) -> Step | int:
-    """The step, no longer than it may be; near a critical map as long as it lowers the residual."""
+    """The step, cut to the largest rotation; near a critical map halved until it lowers the residual."""
     size = longest(direction)
     if not np.isfinite(size):
         return 1
@@ -106,7 +106,7 @@ def _advance(problem: EnergyProblem, point: Point, direction: Array) -> Step | i
 
 
 def _drift(problem: EnergyProblem, point: Point, direction: Array) -> Step | int:
-    """A step along null fields, on which the residual may rise for a while."""
+    """A step along null fields, during which the residual may rise."""
     size = longest(direction)
     if not np.isfinite(size):
         return 1

@@ -9,9 +9,9 @@ Array = NDArray[np.float64]
 
 
 def dot(a: Array, b: Array) -> Array:
-    """<a_i, b_i>, (n, 1) so that it multiplies rows.
+    """<a_i, b_i> as (n, 1), which multiplies rows.
 
-    einsum, not matrix products: those wake BLAS threads, which on a busy machine cost more than they give.
+    einsum, not matrix products: those wake BLAS threads, which cost more than they save on a busy machine.
     """
     return np.einsum("ij,ij->i", a, b)[:, None]
 

@@ -2,8 +2,8 @@
 
 At a map N each free site has two coordinates, a site on a mirror one, a fixed site none. With T (3 S, n) the
 orthonormal frames, H = Tᵀ (L - λ - Σ dstar u uᵀ) T is the Hessian of `problem` and K = Tᵀ L T, with the mass where
-nothing is fixed, the H¹ product. Eigenvalues of H v = λ K v are below one, do not depend on units, and hardly on the
-mesh; nearly all of them are close to one.
+nothing is fixed, the H¹ product. Eigenvalues of H v = λ K v are below one, independent of units and nearly so of the
+mesh; almost all of them are close to one.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from .sphere import dot, normalize
 
 Array = NDArray[np.float64]
 
-# What gauge directions are lifted to, out of the way of the lowest eigenvalues.
+# Gauge directions get this eigenvalue, well above the lowest ones.
 _LIFTED = 6.0
-# Pivots off the diagonal are taken where the one on it is smaller by this.
+# A pivot off the diagonal is taken where the one on it is smaller by this factor.
 _PIVOT = 1e-3
 
 
@@ -70,7 +70,7 @@ class TangentSystem:
         return float(np.sqrt(covector @ self.product_factor.solve(covector)))
 
     def orthonormal(self, columns: Array) -> Array:
-        """Columns (n, k), made orthonormal in the H¹ product; those that depend on others are left out."""
+        """Columns (n, k), made orthonormal in the H¹ product; linearly dependent ones are dropped."""
         if not columns.shape[1]:
             return columns
         values, turn = np.linalg.eigh(columns.T @ (self.K @ columns))
@@ -94,8 +94,8 @@ class TangentSystem:
     def lowest(self, count: int, gauge: Array) -> tuple[Array, Array]:
         """The lowest eigenvalues (k,) of H v = λ K v, and their v (n, k), orthonormal for K and orthogonal to `gauge`.
 
-        Lanczos' method with the H¹ product for a preconditioner; at most n - 1 of them. It may see an eigenvalue of a
-        symmetric map once that is there twice, so it looks again without what it found until there is nothing lower.
+        Lanczos' method with the H¹ product as preconditioner; at most n - 1 of them. On a symmetric map it may report a
+        double eigenvalue once, so it runs again orthogonal to its modes until no lower one appears.
         """
         n = len(self.gradient)
         count = min(count, n - 1)
@@ -133,8 +133,8 @@ class TangentSystem:
     def below(self, shift: float, gauge: Array | None = None) -> int:
         """How many eigenvalues of H v = λ K v are below `shift`: negative pivots of H - shift K (Sylvester).
 
-        gauge: (n, k) orthonormal directions that are lifted out of the way. They border the matrix, with -1 over the
-        lift on the diagonal, which adds one negative pivot each.
+        gauge: (n, k) orthonormal directions, lifted above the shift. They border the matrix, with -1 over the lift on
+        the diagonal, which adds one negative pivot each.
         """
         matrix, count = self.H - shift * self.K, 0
         if gauge is not None and gauge.shape[1]:

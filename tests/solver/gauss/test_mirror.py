@@ -358,8 +358,8 @@ def test_mirrors_go_with_their_edges_to_another_triangulation(strip):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda s: mirrors(s, left=E_X), "no two of different planes meet"),
-        (lambda s: mirrors(s, left=E_X, right=E_Y), "no two of different planes meet"),
+        (lambda s: mirrors(s, left=E_X), "no two in different planes meet"),
+        (lambda s: mirrors(s, left=E_X, right=E_Y), "no two in different planes meet"),
         (lambda s: mirrors(s, left=E_X) + mirrors(s, left=E_Y), r"different planes hold edges"),
         (lambda s: mirrors(s, left=[0, 0, 0]), "zero or not finite"),
         (lambda s: mirrors(s, left=[E_X, E_Y]), r"one vector \(3,\)"),

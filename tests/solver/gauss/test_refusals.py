@@ -16,14 +16,14 @@ ON_SITES = [(sites, name) for name, energy in ENERGIES.items() for sites in ener
 @pytest.mark.parametrize("name", ["sites", "energy", "method", "averaging"])
 @pytest.mark.parametrize("value", ["neither", None, 3, ["faces"], {}])
 def test_names_that_are_none(name, value):
-    with pytest.raises(ConditionError, match=r"There is no .*; known are "):
+    with pytest.raises(ConditionError, match=r"There is no .*; choose one of "):
         solve_cmc(DISC.domain, TWISTED, **{name: value})
 
 
 @pytest.mark.parametrize("arguments", [("f", "dual"), ([], "dual"), ("f+", None), ("g", ["corner"])])
 def test_meshes_that_are_none(arguments):
     surface = solve_cmc(DISC.domain, TWISTED)
-    with pytest.raises(ConditionError, match=r"There is no .*; known are "):
+    with pytest.raises(ConditionError, match=r"There is no .*; choose one of "):
         surface.as_mesh(*arguments)
 
 
