@@ -1,7 +1,7 @@
-"""Edges from faces, and everything that must be true of them before a mesh is a surface.
+"""Edges from faces, and the checks that a mesh is a surface.
 
-A half-edge is the side of a face opposite one of its corners: half-edge `3 f + k` is opposite corner `k` of
-face `f` and runs counter-clockwise, from `faces[f, k + 1]` to `faces[f, k + 2]`.
+A half-edge is the side of a face opposite one of its corners: half-edge `3 f + k` is opposite corner `k` of face `f`
+and runs counter-clockwise, from `faces[f, k + 1]` to `faces[f, k + 2]`.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class Edges(NamedTuple):
 
 
 def as_faces(faces: ArrayLike) -> Int:
-    """Triangles as an (F, 3) int32 array of vertex indices that are not negative; `MeshError` otherwise."""
+    """Triangles as an (F, 3) int32 array of vertex indices; `MeshError` on other shapes and negative indices."""
     try:
         array = np.asarray(faces)
     except ValueError:
@@ -49,7 +49,7 @@ def as_faces(faces: ArrayLike) -> Int:
 
 
 def check_faces(faces: Int, vertex_count: int) -> None:
-    """Refuse indices out of range, faces that repeat a vertex, repeated faces and vertices without a face."""
+    """Raise `MeshError` on indices out of range, repeated vertices of a face, repeated faces and loose vertices."""
     bad = np.flatnonzero((faces >= vertex_count).any(axis=1))
     if bad.size:
         index = int(faces[bad[0]].max())
@@ -80,7 +80,7 @@ def check_faces(faces: Int, vertex_count: int) -> None:
 
 
 def _repeated_faces(faces: Int, vertex_count: int) -> NDArray[np.int64]:
-    # equal faces have equal sums of hashes; only if some do is the exact and slower comparison made
+    # equal faces have equal sums of hashes; the exact, slower comparison runs only if some sums agree
     hashes = np.random.default_rng(0).integers(0, 2**62, vertex_count, dtype=np.uint64)
     sums = np.sort(hashes[faces].sum(axis=1))
     if (sums[1:] != sums[:-1]).all():
@@ -90,7 +90,7 @@ def _repeated_faces(faces: Int, vertex_count: int) -> NDArray[np.int64]:
 
 
 def edges_by_vertex_pairs(faces: Int, vertex_count: int) -> Int:
-    """Number the edges so that half-edges which join the same two vertices share one: `face_edges` (F, 3)."""
+    """`face_edges` (F, 3): half-edges that join the same two vertices share an edge."""
     start, end = half_edge_vertices(faces)
     low, high = np.minimum(start, end).astype(np.int64), np.maximum(start, end)
     inverse = np.unique(low * vertex_count + high, return_inverse=True)[1]
@@ -103,7 +103,7 @@ def half_edge_vertices(faces: Int) -> tuple[Int, Int]:
 
 
 def pair_half_edges(faces: Int, face_edges: Int) -> Edges:
-    """The two sides of every edge, checked: at most two faces an edge, and walked in opposite directions."""
+    """The two sides of every edge; `MeshError` on a third face, and on two that walk it in the same direction."""
     sides = face_edges.ravel()
     counts = np.bincount(sides)
     order = np.argsort(sides, kind="stable")
@@ -130,7 +130,7 @@ def pair_half_edges(faces: Int, face_edges: Int) -> Edges:
 
 
 def _check_opposite(faces: Int, start: Int, end: Int, left: NDArray, right: NDArray, interior: NDArray) -> None:
-    """Two faces at an edge walk it in opposite directions, or the mesh is not oriented (or cannot be)."""
+    """Raise `MeshError` unless the two faces of each edge walk it in opposite directions."""
     first, second = left[interior], right[interior]
     opposite = (start[first] == end[second]) & (end[first] == start[second])
     if opposite.all():
@@ -155,7 +155,7 @@ def _check_opposite(faces: Int, start: Int, end: Int, left: NDArray, right: NDAr
 
 
 def _one_sided(face_count: int, left: NDArray, right: NDArray, opposite: NDArray) -> bool:
-    """A mesh is one-sided when the two copies of it in its orientation cover hang together."""
+    """Whether the mesh is one-sided: its orientation cover is connected."""
     shift = np.where(opposite, 0, face_count)
     rows = np.concatenate([left, left + face_count])
     cols = np.concatenate([right + shift, right + face_count - shift])
@@ -165,7 +165,7 @@ def _one_sided(face_count: int, left: NDArray, right: NDArray, opposite: NDArray
 
 
 def check_surface(faces: Int, mesh: Edges, vertex_count: int) -> None:
-    """Refuse vertices where several sheets touch, and meshes of several components."""
+    """Raise `MeshError` on vertices where several sheets touch, and on several components."""
     interior = mesh.edge_faces[:, 1] >= 0
     left, right = mesh.edge_faces[interior].T
     graph = sp.coo_array((np.ones(left.size), (left, right)), shape=(len(faces), len(faces)))
@@ -189,7 +189,7 @@ def check_surface(faces: Int, mesh: Edges, vertex_count: int) -> None:
 
 
 def _fan_vertices(faces: Int, mesh: Edges) -> Int:
-    """One entry for each fan of faces around a vertex: the vertex."""
+    """The vertex of each fan of faces."""
     labels = corner_classes(faces, mesh, mesh.edge_faces[:, 1] >= 0)
     vertex_of_class = np.empty(labels.max() + 1, dtype=np.int32)
     vertex_of_class[labels.ravel()] = faces.ravel()
@@ -197,14 +197,13 @@ def _fan_vertices(faces: Int, mesh: Edges) -> Int:
 
 
 def corner_classes(faces: Int, mesh: Edges, joined: NDArray[np.bool_]) -> Int:
-    """Classes of corners (F, 3) of a vertex that hang together across the `joined` (E,) interior edges.
+    """Classes (F, 3) of corners of a vertex that are connected across the `joined` (E,) interior edges.
 
-    With all interior edges joined, each vertex of a surface is one class; with the edges of a cut left out,
-    each vertex of the cut surface is.
+    With all interior edges joined, each vertex of a surface is one class; without the edges of a cut, each vertex of
+    the cut surface is one.
     """
     left, right = mesh.half_edges[joined].T
-    # the corner at the start of the left half-edge is the one at the end of the right half-edge, and vice
-    # versa
+    # the corner at the start of the left half-edge meets the corner at the end of the right one, and vice versa
     rows = np.concatenate([after(left), before(left)])
     cols = np.concatenate([before(right), after(right)])
     graph = sp.coo_array((np.ones(rows.size), (rows, cols)), shape=(faces.size, faces.size))
@@ -222,8 +221,7 @@ def before(corners: NDArray) -> NDArray:
 
 
 def boundary_loops(mesh: Edges) -> tuple[list[Int], list[Int]]:
-    """Closed boundary walks, the surface on the left: vertices of each, and its edges (edge k starts at
-    vertex k).
+    """Closed boundary walks, the surface on the left: the vertices of each, and its edges (edge k starts at vertex k).
 
     A loop starts at its smallest vertex; loops are sorted by it.
     """

@@ -1,8 +1,8 @@
-"""Intrinsic Delaunay triangulation: other triangles for the same metric and the same vertices.
+"""Intrinsic Delaunay triangulation: other triangles with the same metric and the same vertices.
 
-A harmonic map depends on the metric only, so a poor mesh may be exchanged for the best triangulation that its
-vertices have (paper, Section 4.3.3; Fisher et al. 2007). Its edges are geodesics of the domain, not chords in space:
-they may join the same two vertices, or a vertex to itself, and only their lengths are known.
+A harmonic map depends on the metric only, so the best triangulation of its vertices can replace a poor mesh (paper,
+Section 4.3.3; Fisher et al. 2007). Its edges are geodesics of the domain, not chords in space: two may join the same
+vertices, one may join a vertex to itself, and only their lengths are known.
 """
 
 from __future__ import annotations
@@ -18,27 +18,28 @@ from numpy.typing import NDArray
 from . import connectivity
 from .domain import Domain
 from .flips import Flips
+from .shape import DomainLike, as_domain
 from .topology import CutSurface, Homology
 from .trees import Tree
 
 Int = NDArray[np.integer]
 
-# A domain counts as Delaunay with weights above this: those of diagonals of a grid are zero up to rounding.
+# A domain counts as Delaunay if its weights exceed this: those of diagonals of a grid are zero up to rounding.
 _LEAST_WEIGHT = -1e-12
-# Flips leave the area as it is, up to rounding: 1e-9 of it where the smallest angle is a millionth of a degree.
+# Flips preserve the area up to rounding: 1e-9 of it where the smallest angle is a millionth of a degree.
 _SAME_AREA = 1e-6
-# Faces from which on our own flips take three seconds or more.
+# The number of faces above which our own flips take three seconds or more.
 _LARGE = 150_000
 
 
 @dataclass(frozen=True, eq=False)
 class Retriangulation:
-    """Another triangulation of a domain: its vertices, numbered as they were, and its metric.
+    """Another triangulation of a domain with the same vertices, numbered as before, and the same metric.
 
     domain: the new triangles and edges.
     edges: (E,) for each boundary edge of the old domain its number in the new one; -1 for interior edges, which
         have no successor.
-    flips: how it came about, on domains with holes or handles; None on discs and spheres, where nothing asks for it.
+    flips: the flips that led to it, on domains with holes or handles; None on discs and spheres, which need none.
     """
 
     domain: Domain
@@ -46,14 +47,15 @@ class Retriangulation:
     flips: Flips | None = None
 
 
-def intrinsic_delaunay(domain: Domain) -> Retriangulation:
+def intrinsic_delaunay(domain: DomainLike) -> Retriangulation:
     """The intrinsic Delaunay triangulation: no interior edge has opposite angles that sum to more than π.
 
     Then all cotangent weights inside are ≥ 0 (paper, Section 4.3.3). Area, boundary edges and their lengths stay,
-    and faces stay counter-clockwise. Where four vertices lie on a circle either diagonal may come out. A domain
-    that is Delaunay already is returned as it is. libigl does it where it is installed and can, our own flips
-    elsewhere. Raises `MeshError` on faces so thin that rounding makes them flat.
+    and faces stay counter-clockwise. With four vertices on a circle either diagonal is possible. A Delaunay domain is
+    returned as it is. libigl does the flips if it is installed and handles the domain, our own code otherwise. Raises
+    `MeshError` on faces so thin that rounding makes them flat.
     """
+    domain = as_domain(domain)
     simple = _is_disc_or_sphere(domain)
     if _is_delaunay(domain):
         return Retriangulation(domain, _followed(domain, domain), None if simple else Flips(domain))
@@ -67,7 +69,7 @@ def intrinsic_delaunay(domain: Domain) -> Retriangulation:
 
 
 def speed_note(domain: Domain) -> str | None:
-    """A sentence if `intrinsic_delaunay` takes seconds on this domain that it would not take with libigl; else None."""
+    """A sentence if `intrinsic_delaunay` would be seconds faster on this domain with libigl; else None."""
     if len(domain.faces) < _LARGE or _libigl() is not None or _is_delaunay(domain) or not _is_for_libigl(domain):
         return None
     return (
@@ -77,17 +79,17 @@ def speed_note(domain: Domain) -> str | None:
 
 
 def carried_cut(domain: Domain, retriangulation: Retriangulation, new: Homology) -> CutSurface:
-    """The old domain cut open, for functions that are known on the vertices of the new one up to their periods.
+    """The old domain cut open, for functions given on the vertices of the new one up to their periods.
 
-    new: the homology of `retriangulation.domain`. A function with values x (V, d) on the first rows of `new.sheets`
-    and periods p (k, d) has the value `x[source] + offsets @ p` at each row of the result; first rows may have
-    offsets, too. Exact: edges are followed through the flips, however large the triangles.
+    new: the homology of `retriangulation.domain`. A function with values x (V, d) on the first V vertices of
+    `new.sheets` and periods p (k, d) has the value `x[source] + offsets @ p` at each cut vertex of the result; the
+    first V may have offsets, too. Exact: edges are followed through the flips, however large the triangles.
     """
     old = Homology.of(domain).sheets
     if retriangulation.flips is None or new.is_trivial:
         return old
-    # two bases of the closed forms with integer periods, on the new edges; they differ by a change of basis, and by
-    # the values of a function on the vertices
+    # two bases of the closed forms with integer periods, on the new edges; they differ by a change of basis and by the
+    # differential of a function on the vertices
     mine = retriangulation.flips.carry(_increments(domain, old))
     theirs = _increments(new.domain, new.sheets)
     tree = Tree.of(new.domain.edges, new.domain.vertex_count)
@@ -101,11 +103,12 @@ def carried_cut(domain: Domain, retriangulation: Retriangulation, new: Homology)
 
 
 def _increments(domain: Domain, sheets: CutSurface) -> Int:
-    """(E, k) how the offsets change along each edge, within its left face: a closed form on the edges."""
+    """(E, k) changes of the offsets along each edge, within its left face: a closed form on the edges."""
     left = domain.half_edges[:, 0]
     face = left - left % 3
-    rows = sheets.faces.ravel()
-    return sheets.offsets[rows[face + (left + 2) % 3]] - sheets.offsets[rows[face + (left + 1) % 3]]
+    cut_vertices = sheets.faces.ravel()
+    start, end = (cut_vertices[face + (left + k) % 3] for k in (1, 2))
+    return sheets.offsets[end] - sheets.offsets[start]
 
 
 def _libigl() -> Any:
@@ -121,25 +124,27 @@ def _is_disc_or_sphere(domain: Domain) -> bool:
 
 
 def _is_for_libigl(domain: Domain) -> bool:
-    """It does not tell how edges run around holes and handles, and starts from edges that their vertices tell apart."""
-    return _is_disc_or_sphere(domain) and _told_apart_by_vertices(domain)
+    """Whether libigl handles the domain: it does not report how edges run around holes and handles, and needs edges
+    with distinct pairs of vertices.
+    """
+    return _is_disc_or_sphere(domain) and _has_distinct_pairs(domain)
 
 
 def _is_delaunay(domain: Domain) -> bool:
     return bool((domain.cotan_weights[domain.interior_edges] >= _LEAST_WEIGHT).all())
 
 
-def _told_apart_by_vertices(domain: Domain) -> bool:
+def _has_distinct_pairs(domain: Domain) -> bool:
     """Whether no two edges join the same two vertices, and none a vertex to itself."""
     pairs = connectivity.edges_by_vertex_pairs(domain.faces, domain.vertex_count)
     return int(pairs.max()) + 1 == len(domain.edges) and bool((domain.edges[:, 0] != domain.edges[:, 1]).all())
 
 
 def _flipped_by(igl: Any, domain: Domain) -> Domain | None:
-    """By libigl, for edges that are told apart by their vertices; None where it has lost track of them.
+    """The triangulation by libigl, for edges with distinct pairs of vertices; None if its tables contradict each other.
 
-    Edges of the result may share their vertices. But flipping one whose two triangles share another edge as well
-    leaves libigl (2.6.3) with lists of sides that contradict each other, and from then on it flips the wrong ones.
+    Edges of the result may share their vertices. But flipping an edge whose two triangles share a second edge leaves
+    libigl (2.6.3) with contradicting lists of sides, and from then on it flips the wrong ones.
     """
     result = igl.intrinsic_delaunay_triangulation(domain.side_lengths, domain.faces.astype(np.int64))
     lengths, faces, edge_of_side, sides_of_edge = result[0], result[1], result[4], result[5]
@@ -151,14 +156,14 @@ def _flipped_by(igl: Any, domain: Domain) -> Domain | None:
 
 
 def _agree(edge_of_side: NDArray[np.integer], sides_of_edge: list[list[int]]) -> bool:
-    """Whether both tables of the sides tell the same, every side having one edge."""
+    """Whether both tables agree and give every side one edge."""
     sides = np.fromiter(chain.from_iterable(sides_of_edge), dtype=np.int64)
     edges = np.repeat(np.arange(len(sides_of_edge)), [len(sides) for sides in sides_of_edge])
     return len(np.unique(sides)) == len(sides) == len(edge_of_side) and np.array_equal(edge_of_side[sides], edges)
 
 
 def _followed(old: Domain, new: Domain) -> Int:
-    """Boundary edges of `old` in `new`: exactly one leaves each boundary vertex."""
+    """Boundary edges of `old` in `new`, matched by the vertex that they leave; -1 inside."""
     leaving = np.full(old.vertex_count, -1, dtype=np.int32)
     leaving[new.edges[new.boundary_edges, 0]] = new.boundary_edges
     edges = np.full(len(old.edges), -1, dtype=np.int32)

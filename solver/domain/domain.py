@@ -1,8 +1,8 @@
 """The domain of a map: triangles and edge lengths, nothing else.
 
-Everything the solver needs is intrinsic. Positions in the plane or in space are one way to get lengths; a
-strip glued into a cylinder, a torus, or an intrinsic triangulation are domains just as well. A vertex of such
-a domain has no single position, but every face has a planar layout of its own.
+The solver needs the metric only. Positions in the plane or in space are one way to get lengths; a strip glued into a
+cylinder, a torus and an intrinsic triangulation are domains, too. A vertex of such a domain has no single position,
+but every face has a planar layout of its own.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ Array = NDArray[np.float64]
 # A face counts as degenerate below this ratio of its area to its longest edge squared: positions in single
 # precision leave about 1e-7 in a face that was meant to be flat.
 _SMALLEST_AREA_RATIO = 1e-10
-# What is worked out of the faces alone.
+# Properties that depend on the faces alone.
 _TOPOLOGY = (
     "vertex_count", "twins", "fan_starts", "boundary_edges", "interior_edges", "boundary_vertices", "_loops",
     "euler_characteristic", "genus",
 )
-# Lengths of an edge seen from its two faces may differ by this ratio (glued corners in single precision).
+# The two faces of an edge may give it lengths that differ by this ratio (glued corners in single precision).
 _LENGTH_TOLERANCE = 1e-5
 
 
@@ -37,8 +37,8 @@ _LENGTH_TOLERANCE = 1e-5
 class Domain:
     """A connected, oriented, manifold triangle mesh with a length on every edge.
 
-    Make one by `from_positions`, `from_corners` or `from_edge_lengths`, which validate; the constructor
-    itself takes arrays as they are.
+    Make one with `from_positions`, `from_corners` or `from_edge_lengths`, which validate; the constructor takes its
+    arrays unchecked.
 
     faces: (F, 3) vertex indices, counter-clockwise.
     face_edges: (F, 3) edge indices; edge k of a face is opposite its corner k.
@@ -59,9 +59,9 @@ class Domain:
     def from_positions(cls, vertices: ArrayLike, faces: ArrayLike) -> Domain:
         """Domain of a mesh in the plane or in space: vertices (V, 2) or (V, 3), faces (F, 3).
 
-        Raises `MeshError`, naming the offenders, on anything that is not a surface: NaN, indices out of
-        range, repeated or degenerate faces, loose vertices, edges with three faces, inconsistent orientation,
-        several components, vertices that join parts without a common edge.
+        Raises `MeshError`, naming the offenders, on a mesh that is not a surface: NaN, indices out of range, repeated
+        or degenerate faces, loose vertices, edges with three faces, inconsistent orientation, several components,
+        vertices that join parts without a common edge.
         """
         positions = _as_positions(vertices)
         triangles = connectivity.as_faces(faces)
@@ -72,11 +72,11 @@ class Domain:
 
     @classmethod
     def from_corners(cls, faces: ArrayLike, corners: ArrayLike, *, face_edges: ArrayLike | None = None) -> Domain:
-        """Domain glued from faces that each have corner positions of their own, `corners` (F, 3, 2) or (F, 3,
-        3).
+        """Domain glued from faces with corner positions of their own, `corners` (F, 3, 2) or (F, 3, 3).
 
-        `faces` says which corners are one vertex; the two sides of a glued edge must be equally long. Edges
-        that join the same two vertices but are different edges are told apart by `face_edges` (F, 3).
+        Equal indices in `faces` make corners one vertex; the two sides of a glued edge must be equally long.
+        `face_edges` (F, 3) distinguishes edges that join the same two vertices. Raises `MeshError` as
+        `from_edge_lengths` does.
         """
         points = as_numbers(corners, "Corners", MeshError)
         triangles = connectivity.as_faces(faces)
@@ -94,9 +94,8 @@ class Domain:
     def from_edge_lengths(cls, faces: ArrayLike, lengths: ArrayLike, *, face_edges: ArrayLike | None = None) -> Domain:
         """Domain from `lengths` (F, 3), length k of a face opposite its corner k.
 
-        Sides that join the same two vertices are one edge unless `face_edges` (F, 3) says otherwise. Raises
-        `MeshError` where two sides of an edge differ, a length is not positive or a triangle inequality
-        fails.
+        Sides that join the same two vertices are one edge unless `face_edges` (F, 3) numbers them otherwise. Raises
+        `MeshError` where two sides of an edge differ, a length is not positive or a triangle inequality fails.
         """
         triangles = connectivity.as_faces(faces)
         sides = as_numbers(lengths, "Lengths", MeshError)
@@ -112,7 +111,7 @@ class Domain:
         return _with_proper_faces(mesh, triangles, _common_lengths(mesh, sides))
 
     def with_lengths(self, lengths: Array) -> Domain:
-        """The same faces with other edge lengths (E,), and all that is known of their topology.
+        """The same faces with other edge lengths (E,); what is already computed of their topology is kept.
 
         Raises `MeshError` where a triangle inequality fails.
         """
@@ -130,7 +129,7 @@ class Domain:
 
     @property
     def edges(self) -> Int:
-        """(E, 2) vertices, directed as the left face walks the edge; along the boundary the surface is on the left."""
+        """(E, 2) vertices, directed as in the left face; along the boundary the surface is on the left."""
         return self._mesh.edges
 
     @property
@@ -159,7 +158,7 @@ class Domain:
     def fan_starts(self) -> NDArray[np.int64]:
         """(V,) the first corner `3 f + k` of the fan of faces around each vertex, counter-clockwise.
 
-        At a boundary vertex it is the corner before which the boundary edge leaves; inside, any one.
+        At a boundary vertex it is the corner at the boundary edge that leaves; inside, any corner.
         """
         corners = np.arange(self.faces.size)
         starts = np.empty(self.vertex_count, dtype=np.int64)
@@ -170,15 +169,17 @@ class Domain:
 
     @cached_property
     def boundary_edges(self) -> Int:
+        """Indices of the edges with one face, sorted."""
         return np.flatnonzero(self.edge_faces[:, 1] < 0).astype(np.int32)
 
     @cached_property
     def interior_edges(self) -> Int:
+        """Indices of the edges with two faces, sorted."""
         return np.flatnonzero(self.edge_faces[:, 1] >= 0).astype(np.int32)
 
     @cached_property
     def boundary_vertices(self) -> Int:
-        """Sorted."""
+        """Vertices on the boundary, sorted."""
         return np.unique(self.edges[self.boundary_edges])
 
     @cached_property
@@ -205,12 +206,12 @@ class Domain:
 
     @cached_property
     def side_lengths(self) -> Array:
-        """(F, 3), length k opposite corner k."""
+        """(F, 3): length k is opposite corner k."""
         return self.edge_lengths[self.face_edges]
 
     @cached_property
     def face_areas(self) -> Array:
-        """(F,), by Kahan's form of Heron's formula, which is accurate on needles."""
+        """(F,) by Kahan's form of Heron's formula, accurate on needles."""
         c, b, a = np.sort(self.side_lengths, axis=1).T
         product = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c))
         return 0.25 * np.sqrt(np.maximum(product, 0.0))
@@ -237,12 +238,12 @@ class Domain:
 
     @cached_property
     def cotan_weights(self) -> Array:
-        """(E,) w_ij = ½ (cot θ_k + cot θ_l); one cotangent on the boundary (paper, Eq. 6)."""
+        """(E,) w_ij = ½ (cot θ_k + cot θ_l) (paper, Eq. 6); on the boundary ½ cot θ_k."""
         return 0.5 * sum_rows(self.face_edges.ravel(), self.corner_cotans.ravel(), len(self.edge_lengths))
 
     @cached_property
     def laplacian(self) -> sp.csr_array:
-        """(V, V) positive semidefinite: E(N) = ½ <LN, N>, natural (Neumann) on the boundary."""
+        """(V, V) positive semidefinite: E(N) = ½ <LN, N>, with the natural (Neumann) condition on the boundary."""
         return graph_laplacian(self.edges, self.cotan_weights, self.vertex_count)
 
     @cached_property
@@ -257,7 +258,7 @@ class Domain:
         return points
 
     def corner_classes(self, joined: NDArray[np.bool_]) -> Int:
-        """Classes (F, 3) of corners that hang together across the `joined` (E,) interior edges."""
+        """Classes (F, 3) of corners connected across the `joined` (E,) interior edges."""
         return connectivity.corner_classes(self.faces, self._mesh, joined)
 
 
@@ -290,7 +291,7 @@ def _checked_edges(faces: Int, vertex_count: int, face_edges: ArrayLike | None) 
 
 
 def _common_lengths(mesh: Edges, sides: Array) -> Array:
-    """One length an edge, the mean of its two sides, which must agree."""
+    """One length (E,) an edge, the mean of its two sides, which must agree."""
     e = mesh.face_edges.ravel()
     count = np.bincount(e)
     mean = np.bincount(e, sides.ravel()) / count
@@ -305,9 +306,9 @@ def _common_lengths(mesh: Edges, sides: Array) -> Array:
 
 
 def _with_proper_faces(mesh: Edges, faces: Int, lengths: Array) -> Domain:
-    """The finished domain, once no face has (almost) zero area."""
+    """The domain; `MeshError` if a face has (almost) no area."""
     domain = Domain(faces, mesh.face_edges, lengths)
-    domain.__dict__["_mesh"] = mesh  # already paired; the property would do it again
+    domain.__dict__["_mesh"] = mesh  # already paired; the property would pair again
     longest = domain.side_lengths.max(axis=1)
     bad = np.flatnonzero(domain.face_areas <= _SMALLEST_AREA_RATIO * longest**2)
     if bad.size:

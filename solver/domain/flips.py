@@ -1,8 +1,7 @@
-"""Intrinsic edge flips on any triangulation, one at a time: sides glued to each other, faces that repeat a vertex.
+"""Intrinsic edge flips, one at a time, on any triangulation: glued sides and faces that repeat a vertex included.
 
-They need nothing but this file, and do what libigl, which is about four times as fast, does not do: domains whose
-edges are not told apart by their two vertices, like a torus of two triangles; those with vertices that come down to two
-edges on the way; and telling how the new edges run around holes and handles.
+They cover what libigl, about four times as fast, does not: several edges between the same two vertices, as on a torus
+of two triangles; vertices left with two edges on the way; and how the new edges run around holes and handles.
 """
 
 from __future__ import annotations
@@ -18,21 +17,21 @@ from .domain import Domain
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
-# An edge is left as it is when cot θ_k + cot θ_l is below zero by no more than this part of the two: with four
-# vertices on a circle a flip gains nothing, and rounding would go back and forth for ever.
+# An edge is not flipped when cot θ_k + cot θ_l is below zero by no more than this part of the two: with four vertices
+# on a circle a flip gains nothing, and rounding could flip it back and forth for ever.
 _ROUNDING = 1e-12
 
 
 class Flips:
-    """A triangulation that changes until it is Delaunay; half-edges 3 f + k as in `Domain`.
+    """A triangulation whose edges are flipped until it is Delaunay; half-edges 3 f + k as in `Domain`.
 
-    next: (3 F,) the half-edge that follows in the face. start: the vertex (3 F,) that each runs from. edge: (3 F,).
+    next: (3 F,) the half-edge that follows in the face. start: (3 F,) the vertex each starts from. edge: (3 F,).
     twin: (3 F,), -1 on the boundary. cotan: (3 F,) of the angle opposite. areas: (F,). lengths: (E,).
-    forwards: (E,) the half-edge that runs as the edge does, for `carry`.
-    history: of each flip the edge e, and two edges behind it that lead from where it starts now to where it ends: three
-        numbers each, e, ±(first + 1), ±(second + 1), negative where an edge is walked backwards.
+    forwards: (E,) the half-edge in the direction of the edge, for `carry`.
+    history: three numbers a flip: the edge e, and a path of two edges from its new start to its new end, ±(first + 1)
+        and ±(second + 1), negative where an edge is walked backwards.
 
-    Raises `MeshError` where a triangle that comes up has no area left in double precision.
+    Raises `MeshError` where a new triangle has no area in double precision.
     """
 
     def __init__(self, domain: Domain) -> None:
@@ -49,9 +48,9 @@ class Flips:
         self._run()
 
     def _run(self) -> None:
-        """Flip edges until all have cot θ_k + cot θ_l ≥ 0; the sides around a flipped one are looked at again.
+        """Flip edges until all have cot θ_k + cot θ_l ≥ 0; the sides around a flipped edge are checked again.
 
-        An edge with one face on both of its sides is Delaunay: its two angles are in one triangle.
+        An edge with the same face on both sides is Delaunay: its two angles are in one triangle.
         """
         twin, cotan = self.twin, self.cotan
         waiting = self.forwards.copy()
@@ -64,10 +63,10 @@ class Flips:
                     waiting += self._flip(h, t)
 
     def _flip(self, h: int, t: int) -> tuple[int, int, int, int]:
-        """Turn the edge a → b of the faces (c, a, b), (d, b, a) into d → c of (c, a, d), (d, b, c).
+        """Flip the edge a → b of the faces (c, a, b), (d, b, a) to d → c of (c, a, d), (d, b, c).
 
-        The edge leaves h and t for the places behind them, and what was there comes across: a → d to h, b → c to t.
-        Of the four sides that are returned the other two stay where they are.
+        The edge moves from h and t to the places after them, and their sides move across: a → d to h, b → c to t.
+        Returns the four sides of the two faces; the other two stay in place.
         """
         start, edge, e = self.start, self.edge, self.edge[h]
         bc, ad = self.next[h], self.next[t]
@@ -85,7 +84,7 @@ class Flips:
         return h, ca, t, db
 
     def _move(self, h: int, place: int) -> None:
-        """Put the half-edge h into another place, from which the same vertex starts."""
+        """Move the half-edge h to another place that starts from the same vertex."""
         e, t = self.edge[h], self.twin[h]
         self.edge[place], self.twin[place] = e, t
         if t >= 0:
@@ -94,18 +93,18 @@ class Flips:
             self.forwards[e] = place
 
     def _signed(self, h: int) -> int:
-        """Its edge + 1; negative where that runs the other way."""
+        """Its edge + 1; negative where the edge runs the other way."""
         e = self.edge[h]
         return e + 1 if self.forwards[e] == h else -e - 1
 
     def _diagonal(self, h: int, t: int, bc: int, ad: int) -> float:
-        """The other diagonal of the two triangles, laid out on both sides of h."""
+        """The length of the other diagonal of the two triangles, laid out on both sides of h."""
         length = self.lengths[self.edge[h]]
         y, v = 2.0 * self.areas[h // 3] / length, 2.0 * self.areas[t // 3] / length
         return hypot(length - self.cotan[bc] * y - self.cotan[ad] * v, y + v)
 
     def _measure(self, i: int, j: int, k: int) -> None:
-        """Area and cotangents of a face from its lengths, as `Domain` has them."""
+        """Area and cotangents of a face from its lengths, by the formulas of `Domain`."""
         lengths, edge, cotan = self.lengths, self.edge, self.cotan
         a, b, c = lengths[edge[i]], lengths[edge[j]], lengths[edge[k]]
         r, q, p = sorted((a, b, c))
@@ -117,14 +116,14 @@ class Flips:
         cotan[i], cotan[j], cotan[k] = (half - a * a) / twice, (half - b * b) / twice, (half - c * c) / twice
 
     def domain(self) -> Domain:
-        """The triangulation as it is now; its edges have the numbers that they had before they were flipped."""
+        """The present triangulation; edges keep their numbers through flips."""
         faces = np.array(self.start).reshape(-1, 3)[:, [2, 0, 1]]
         face_edges = np.array(self.edge).reshape(-1, 3)
         return Domain.from_edge_lengths(faces, np.array(self.lengths)[face_edges], face_edges=face_edges)
 
     def carry(self, form: Int) -> Int:
-        """A closed form (E, k) on the old edges, as it is on the new ones: increments of a function on the vertices,
-        from the start of an edge to its end, that sum to zero around every face.
+        """A closed form (E, k) carried from the old edges to the new ones: increments of a function on the vertices,
+        from the start of an edge to its end, which sum to zero around every face.
         """
         flips = list(zip(self.history[0::3], self.history[1::3], self.history[2::3], strict=True))
         columns = np.zeros(form.T.shape, dtype=form.dtype)
@@ -144,6 +143,6 @@ def _too_thin(*vertices: int) -> MeshError:
     corners = np.unique(vertices)
     return MeshError(
         f"Some faces are so thin that rounding makes them flat (flipping edges leads to vertices {listed(corners)}); "
-        "dissolve degenerate faces there, or do without the intrinsic Delaunay triangulation.",
+        "dissolve degenerate faces there, or solve without the intrinsic Delaunay triangulation.",
         vertices=corners,
     )

@@ -1,6 +1,6 @@
-"""Copies of a mesh glued by adjacency: vertices become one because a seam says so, never because they are near.
+"""Copies of a mesh glued by adjacency: vertices become one where a seam joins them, never because they are near.
 
-A copy is either as the piece is or turned over (its faces walk the other way round), as mirror images are.
+A copy is like the piece or turned over (its faces walk the other way round), as mirror images are.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ Int = NDArray[np.integer]
 
 @dataclass(frozen=True, eq=False)
 class Glued:
-    """A mesh of K copies of a piece with n rows and F faces.
+    """A mesh of K copies of a piece with n vertices and F faces.
 
-    faces: (K F, 3), the copies one after the other. members: (K, n) the vertex that each row of each copy became;
-    vertices are numbered in the order in which rows meet them. vertex_count: how many.
-    corners: (K F, 3) the corner `3 f + k` of the piece at each corner. copies: (K F,) the copy each face belongs to.
+    faces: (K F, 3), copy after copy. members: (K, n) the glued vertex of each vertex of each copy, numbered in order of
+    first appearance. vertex_count: the number of glued vertices. corners: (K F, 3) the corner `3 f + k` of the piece
+    at each corner. copies: (K F,) the copy each face belongs to.
     """
 
     faces: NDArray[np.int32]
@@ -35,28 +35,28 @@ class Glued:
     copies: NDArray[np.int32]
 
     def mean(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The mean (vertex_count, d) of `values` (K, n, d) over the rows that became one vertex."""
+        """The mean (vertex_count, d) of `values` (K, n, d) over the members of each glued vertex."""
         flat = self.members.ravel()
         table = values.reshape(len(flat), -1)
         sums = np.stack([np.bincount(flat, column, self.vertex_count) for column in table.T], axis=1)
         return sums / np.bincount(flat, minlength=self.vertex_count)[:, None]
 
 
-def glue(faces: ArrayLike, row_count: int, flipped: ArrayLike, joins: ArrayLike) -> Glued:
-    """Copies of the triangles `faces` (F, 3) on `row_count` rows, those `flipped` (K,) turned over.
+def glue(faces: ArrayLike, count: int, flipped: ArrayLike, joins: ArrayLike) -> Glued:
+    """Copies of the triangles `faces` (F, 3) on `count` vertices, those `flipped` (K,) turned over.
 
-    joins: (m, 4) lines (copy, row, copy, row): these two rows are one vertex. Joins need no order and may repeat.
+    joins: (m, 4), each (copy, vertex, copy, vertex): these two become one. Joins need no order and may repeat.
     """
     piece = np.asarray(faces, dtype=np.int64)
     turned = np.asarray(flipped, dtype=bool)
     k, a, other, b = np.asarray(joins, dtype=np.int64).reshape(-1, 4).T
-    count = len(turned) * row_count
-    links = sp.coo_array((np.ones(len(k), dtype=np.int8), (k * row_count + a, other * row_count + b)), (count, count))
+    total = len(turned) * count
+    links = sp.coo_array((np.ones(len(k), dtype=np.int8), (k * count + a, other * count + b)), (total, total))
     labels = connected_components(sp.csr_array(links), directed=False)[1]
     _, first, same = np.unique(labels, return_index=True, return_inverse=True)
     rank = np.empty(len(first), dtype=np.int64)
     rank[np.argsort(first)] = np.arange(len(first))
-    members = rank[same].reshape(len(turned), row_count)
+    members = rank[same].reshape(len(turned), count)
     corners = np.arange(3 * len(piece)).reshape(-1, 3)
     order = np.where(turned[:, None], [2, 1, 0], [0, 1, 2])
     every = corners[:, order].transpose(1, 0, 2).reshape(-1, 3)
@@ -66,9 +66,9 @@ def glue(faces: ArrayLike, row_count: int, flipped: ArrayLike, joins: ArrayLike)
 
 
 def check_glued(glued: Glued) -> None:
-    """Refuse a mesh in which the gluing folded a face or put more than two faces on an edge; `MeshError`.
+    """Raise `MeshError` where gluing folded a face or put more than two faces on an edge.
 
-    `faces` and `vertices` of the error are those of the piece.
+    `faces` and `vertices` of the error are numbered as in the piece.
     """
     faces = glued.faces
     folded = (faces == np.roll(faces, 1, axis=1)).any(axis=1)
@@ -88,17 +88,17 @@ def check_glued(glued: Glued) -> None:
 def glued_domain(domain: Domain, flipped: ArrayLike, seams: Iterable[tuple[int, int, ArrayLike]]) -> Domain:
     """Copies of a domain glued along sides: seam (a, b, edges) joins these edges of copy a to the same of copy b.
 
-    Copies on the two sides of a seam must be turned over against each other. Edges are told apart as they are in the
-    domain, so two may join the same two vertices. Vertices, faces and edges of copy 0 come first and keep their order.
+    Of the two copies at a seam exactly one must be turned over. Edges keep their identity, so two may join the same
+    two vertices. Vertices, faces and edges of copy 0 come first and keep their order.
     """
     turned = np.asarray(flipped, dtype=bool)
     seam_list = [(a, b, np.asarray(edges, dtype=np.int64)) for a, b, edges in seams]
     vertex_joins, edge_joins = [], []
     for a, b, edges in seam_list:
         ends = domain.edges[edges].ravel()
-        for rows, into in ((ends, vertex_joins), (edges, edge_joins)):
-            full = np.ones(len(rows), dtype=np.int64)
-            into.append(np.column_stack([a * full, rows, b * full, rows]))
+        for joined, into in ((ends, vertex_joins), (edges, edge_joins)):
+            full = np.ones(len(joined), dtype=np.int64)
+            into.append(np.column_stack([a * full, joined, b * full, joined]))
     empty = np.zeros((0, 4), dtype=np.int64)
     vertices = glue(domain.faces, domain.vertex_count, turned, np.concatenate([empty, *vertex_joins]))
     edges = glue(domain.face_edges, len(domain.edge_lengths), turned, np.concatenate([empty, *edge_joins]))

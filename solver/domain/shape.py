@@ -1,4 +1,4 @@
-"""A domain with vertex positions and named sides, and `as_domain`: calls that want a domain take such a shape, too."""
+"""Shapes: domains with vertex positions and named sides. Calls that want a domain take a shape, too (`as_domain`)."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .domain import Domain
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """A domain, the places of its vertices `positions` (V, 2|3), and its `sides`: name → indices into `domain.edges`.
+    """A domain with `positions` (V, 2|3) of its vertices and `sides`: name → indices into `domain.edges`.
 
     Every boundary edge is on at least one side; a side lists its edges in the order of the boundary loop.
     """

@@ -1,4 +1,4 @@
-"""Where normals live: at the vertices of a domain or at its faces, and along which links they are compared.
+"""Sites and links: normals live at the vertices of a domain or at its faces, and are compared along links.
 
 The graph of one kind is the dual of that of the other (paper, Sec. 3 and 4). A *site* carries a normal, a
 *link* joins two neighbouring sites and crosses one edge of the triangulation, and the *cells* on the two sides of a
@@ -13,9 +13,9 @@ link carry the conjugate surface:
 Around a site the links cross a closed ring of cells, except along the boundary, where the ring is closed by one
 point on each boundary edge (sites at vertices) or by the boundary edges themselves (at faces; paper, Fig. 7).
 
-What is prescribed along a boundary edge fixes the face behind it, whose site lies half a triangle inside: more or
-less, where the triangles are irregular. A third kind does without this: *faces and rim* has one more site in the middle
-of each boundary edge, half-way to the mirror image of its face, and a link from the face to it.
+A condition along a boundary edge fixes the face behind it, whose site lies about half a triangle inside; irregular
+triangles make this error rough. A third kind avoids it: *faces and rim* has one more site in the middle of each
+boundary edge, half-way to the mirror image of its face, and a link from the face to it.
 """
 
 from __future__ import annotations
@@ -36,10 +36,10 @@ from .domain import Domain
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
-# What a site on the rim has of the area of the face behind it; the residual needs some.
+# The share of a rim site in the area of the face behind it; the residual divides by areas.
 _RIM_SHARE = 0.125
-# The dual weight of an edge whose triangles lie on one circle is infinite: w counts as this much at least. Such
-# triangles (halves of a rectangle, say) then turn as one.
+# The dual weight of an edge whose triangles lie on one circle is infinite: |w| counts as at least this. Such triangles
+# (halves of a rectangle, say) then turn as one.
 _SMALLEST_WEIGHT = 1e-4
 
 
@@ -62,7 +62,7 @@ SITES = {
 
 @dataclass(frozen=True, eq=False)
 class LinkSubset:
-    """Some links of a graph, as far as an energy sees them."""
+    """Weights and angles of some links of a graph: all that an energy reads."""
 
     weights: Array
     angles: Array
@@ -70,12 +70,12 @@ class LinkSubset:
 
 @dataclass(frozen=True, eq=False)
 class SiteGraph:
-    """S sites and K links between them; what the energies, the minimisers and the conjugate see of a domain.
+    """S sites and K links between them: the graph that energies, minimisers and the conjugate work on.
 
     name: "vertices", "faces", or "faces_and_rim", whose sites are the F faces and then the B boundary edges.
-    links: (K, 2) sites. edges: (K,) the edge of the domain that a link follows or
-    crosses. cells: (K, 2) on its left and its right, -1 outside; `tau = g_left - g_right`. areas: (S,), a third of
-    the surrounding faces or the face itself.
+    links: (K, 2) sites. edges: (K,) the edge of the domain that a link follows or crosses. cells: (K, 2) on its left
+    and its right, -1 outside; `tau = g_left - g_right`. areas: (S,), a third of the surrounding faces or the face
+    itself.
     """
 
     name: str
@@ -87,7 +87,7 @@ class SiteGraph:
 
     @classmethod
     def of(cls, domain: Domain, name: str) -> SiteGraph:
-        """The graph of that name; `ConditionError` where there is none."""
+        """The graph of that name; `ConditionError` on an unknown name."""
         check_choice(name, SITES, "kind of sites")
         if name == "vertices":
             every = np.arange(len(domain.edge_lengths))
@@ -125,7 +125,7 @@ class SiteGraph:
     def weights(self) -> Array:
         """(K,) cotangent weights w of the edges; at faces 1 / w, negative where an edge is not Delaunay.
 
-        1 / w has no limit on an edge whose two triangles lie on one circle; there it is large and positive.
+        1 / w is unbounded on an edge whose two triangles lie on one circle; there it is large and positive.
         """
         w = self.domain.cotan_weights[self.edges]
         if self.at_vertices:
@@ -134,7 +134,7 @@ class SiteGraph:
 
     @cached_property
     def angles(self) -> Array:
-        """(K, 2) θ_k, θ_l, the corners opposite the edge in its left and its right face; π/2 outside."""
+        """(K, 2) the angles θ_k, θ_l opposite the edge in its left and its right face; π/2 outside."""
         left, right = self.domain.half_edges[self.edges].T
         corners = self.domain.corner_angles.ravel()
         return np.stack([corners[left], np.where(right >= 0, corners[right], 0.5 * np.pi)], axis=1)
@@ -156,7 +156,7 @@ class SiteGraph:
 
     @cached_property
     def rings(self) -> list[Int]:
-        """Sites along each boundary loop, in its order, none twice."""
+        """Sites along each boundary loop, in its order, without repeats."""
         domain = self.domain
         if self.at_vertices:
             return list(domain.boundary_loops)
@@ -166,7 +166,7 @@ class SiteGraph:
     def triangles(self) -> Int:
         """(n, 3) triples of sites that cover the domain, counter-clockwise: its faces, or fans around its vertices.
 
-        Fans around vertices on the boundary reach as far as there are sites.
+        Fans around boundary vertices cover only what lies between sites.
         """
         domain = self.domain
         if self.at_vertices:
@@ -179,10 +179,10 @@ class SiteGraph:
 
     @cached_property
     def bodies(self) -> Int:
-        """(S,) a number for each site, the same for those that turn as one.
+        """(S,) a number for each site, the same for sites that turn as one.
 
-        They are joined by links of infinite weight, across edges whose two triangles lie on one circle. Not at
-        vertices, where no weight is infinite.
+        Links of infinite weight join them, across edges whose two triangles lie on one circle. Not at vertices, where
+        no weight is infinite.
         """
         w = self.domain.cotan_weights[self.edges]
         i, j = self.links[np.abs(w) < _SMALLEST_WEIGHT].T
@@ -190,9 +190,9 @@ class SiteGraph:
         return connected_components(joined, directed=False)[1]
 
     def named(self, sites: Int) -> tuple[str, dict[str, Int]]:
-        """Sites in words, "faces 1, 2 and edge 7", and their indices as a `CmcError` takes them.
+        """Sites as a message names them, "faces 1, 2 and edge 7", and their indices as a `CmcError` takes them.
 
-        A site on the rim goes by its edge.
+        A site on the rim is named by its edge.
         """
         if self.at_vertices:
             return plural("vertex", sites), {"vertices": sites}
@@ -217,8 +217,8 @@ class SiteGraph:
     def completed(self, form: Array) -> Array:
         """A form (E, k) on all edges from one on the links (K, k), its sums around sites on the boundary closed.
 
-        At faces a boundary edge gets what makes the sum of its face zero (paper, Fig. 7, bottom): a half each where a
-        face has two. The other kinds have a link for every edge.
+        At faces a boundary edge gets the value that makes the sum of its face zero (paper, Fig. 7, bottom), half of it
+        if the face has two such edges. The other kinds have a link for every edge.
         """
         domain = self.domain
         whole = np.zeros((len(domain.edge_lengths), form.shape[1]))
@@ -237,7 +237,7 @@ class SiteGraph:
 
 
 def _without_repeats(items: Int) -> Int:
-    """Each item once, where it comes first."""
+    """Each item once, at its first place."""
     return items[np.sort(np.unique(items, return_index=True)[1])]
 
 

@@ -1,8 +1,8 @@
-"""Trees, loops and cuts: what it takes to integrate a closed form on a domain that may have holes.
+"""Homology: trees, loops and cuts for integrating closed forms on domains with holes or handles.
 
-A form is one value an edge, the increment of a function on the faces: `value(left) - value(right)`. It is
-closed when the increments around every interior vertex sum to zero. Then it has an integral on the cover of
-the domain; on the domain itself, cut open along edges, the integral jumps by a period across each cut.
+A form is one value an edge, the increment of a function on the faces: `value(left) - value(right)`. It is closed when
+the increments around every interior vertex sum to zero. Then it has an integral on the cover of the domain; on the
+domain itself, cut open along edges, the integral jumps by a period across each cut.
 """
 
 from __future__ import annotations
@@ -24,13 +24,12 @@ Int = NDArray[np.integer]
 
 @dataclass(frozen=True)
 class Homology:
-    """Loops that cannot be contracted, and a cut across each: `2 genus + loops - 1` of them (closed: `2
-    genus`).
+    """Non-contractible loops, and a cut across each: `2 genus + loops - 1` of them (closed domains: `2 genus`).
 
     tree: of the faces; the fundamental domain.
     generators: (k,) one edge each; loop j crosses generator j from right to left and closes in the tree.
-    crossings: (E, k) integers. Where a closed form is integrated along the tree, the jump
-        `form - (left - right)` across edge e is `crossings[e] @ periods`; zero but on the cuts.
+    crossings: (E, k) integers. When a closed form is integrated along the tree, the jump `form - (left - right)` across
+        edge e is `crossings[e] @ periods`, which is zero off the cuts.
     """
 
     domain: Domain
@@ -75,7 +74,7 @@ class Homology:
 
     @cached_property
     def loops(self) -> Int:
-        """(E, k) how often each loop goes over an edge, from its right side to its left: `periods = loopsᵀ form`."""
+        """(E, k) how often each loop crosses an edge from right to left: `periods = loopsᵀ form`."""
         inside = self.domain.interior_edges
         loops = np.zeros((len(self.domain.edges), len(self.generators)), dtype=np.int64)
         for k, generator in enumerate(self.generators):
@@ -92,7 +91,7 @@ class Homology:
 
 @dataclass(frozen=True)
 class _PrimalTree:
-    """A spanning tree of the vertices along candidate edges, the whole boundary being one node (the root)."""
+    """A spanning tree of the vertices along candidate edges, with the whole boundary as one node, the root."""
 
     parent: Int  # (V,), the vertex itself at a root
     edge: Int  # (V,), -1 at a root
@@ -133,10 +132,10 @@ class _PrimalTree:
 
 @dataclass(frozen=True)
 class CutSurface:
-    """The domain cut open: rows are vertices, repeated along the cuts.
+    """The domain cut open: n cut vertices, the V vertices and then their copies along the cuts.
 
-    faces: (F, 3) rows. source: (n,) the vertex of each row, the identity on the first V rows.
-    offsets: (n, k) integers: `value(row) = value(source) + offsets @ periods`.
+    faces: (F, 3) cut vertices. source: (n,) the vertex of each cut vertex, the identity on the first V.
+    offsets: (n, k) integers: `value(cut vertex) = value(source) + offsets @ periods`.
     """
 
     faces: NDArray[np.int32]
@@ -151,13 +150,13 @@ class CutSurface:
         classes = domain.corner_classes(joined)
         source = np.empty(classes.max() + 1, dtype=np.int64)
         source[classes.ravel()] = domain.faces.ravel()
-        # rows: the first class of every vertex, then the others
+        # cut vertices: the first class of every vertex, then the others
         order = np.lexsort((np.arange(len(source)), source))
         first = np.concatenate([[True], np.diff(source[order]) > 0])
         ordered = np.concatenate([order[first], order[~first]])
-        row = np.empty_like(ordered)
-        row[ordered] = np.arange(len(ordered))
-        faces = row[classes]
+        number = np.empty_like(ordered)
+        number[ordered] = np.arange(len(ordered))
+        faces = number[classes]
         offsets = _offsets(homology, faces, len(source))
         return cls(faces.astype(np.int32), source[ordered].astype(np.int32), offsets)
 
@@ -168,26 +167,26 @@ def _next(corner: int) -> int:
 
 
 def _offsets(homology: Homology, faces: Int, count: int) -> Int:
-    """Walk across the cuts around each vertex, from its first row: the left row is the right row minus the crossing."""
+    """Walk across the cuts around each vertex, from its first cut vertex: left is right minus the crossing."""
     domain = homology.domain
-    row_of_corner = faces.ravel().tolist()
+    cut_vertex_of_corner = faces.ravel().tolist()
     steps: dict[int, list[tuple[int, NDArray]]] = {}
     for e in homology.cut:
         crossing = homology.crossings[e].astype(np.int64)
         left, right = domain.half_edges[e].tolist()
-        # by corners, as a face may have a vertex twice: what starts the left side ends the right one
+        # by corners, as a face may repeat a vertex: the start of the left side is the end of the right one
         for left_corner, right_corner in ((_next(left), _next(_next(right))), (_next(_next(left)), _next(right))):
-            a, b = row_of_corner[left_corner], row_of_corner[right_corner]
+            a, b = cut_vertex_of_corner[left_corner], cut_vertex_of_corner[right_corner]
             steps.setdefault(b, []).append((a, -crossing))
             steps.setdefault(a, []).append((b, crossing))
     offsets = np.zeros((count, len(homology.generators)), dtype=np.int64)
-    waiting = [row for row in steps if row < domain.vertex_count]
+    waiting = [vertex for vertex in steps if vertex < domain.vertex_count]
     seen = set(waiting)
     while waiting:
-        row = waiting.pop()
-        for other, step in steps[row]:
+        vertex = waiting.pop()
+        for other, step in steps[vertex]:
             if other not in seen:
                 seen.add(other)
-                offsets[other] = offsets[row] + step
+                offsets[other] = offsets[vertex] + step
                 waiting.append(other)
     return offsets

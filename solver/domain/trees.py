@@ -1,4 +1,4 @@
-"""Spanning trees, and sums along them: how a closed form is integrated."""
+"""Spanning trees, and sums along them, by which closed forms are integrated."""
 
 from __future__ import annotations
 
@@ -14,11 +14,9 @@ Int = NDArray[np.integer]
 
 
 def accumulate(parent: Int, increments: Array) -> Array:
-    """Sum increments along the path to the root: `x[i] = increments[i] + x[parent[i]]`; a root is its own
-    parent.
+    """Sum increments along the path to the root: `x[i] = increments[i] + x[parent[i]]`; a root is its own parent.
 
-    By pointer jumping: as many rounds as the logarithm of the depth, each over whole arrays. Roots add
-    nothing.
+    By pointer jumping: log₂(depth) rounds over whole arrays. Roots add nothing.
     """
     total = np.array(increments, dtype=np.float64)
     total[parent == np.arange(len(parent))] = 0.0
@@ -32,7 +30,7 @@ def accumulate(parent: Int, increments: Array) -> Array:
 
 @dataclass(frozen=True)
 class Tree:
-    """A spanning tree of n nodes, by breadth first: `parent` (n,), and which of the `pairs` leads there.
+    """A spanning tree of n nodes by breadth-first search: `parent` (n,), and the pair that leads there.
 
     pair: (n,), -1 at a root, which is its own parent. sign: (n,) +1 where the node is the first of its pair.
     """
@@ -43,9 +41,7 @@ class Tree:
 
     @classmethod
     def of(cls, pairs: Int, count: int, root: int = 0) -> Tree:
-        """pairs: (m, 2) nodes that are joined; two nodes may be joined more than once. Nodes that cannot be reached
-        from the root are roots, too.
-        """
+        """The tree along `pairs` (m, 2) of joined nodes, which may repeat; unreachable nodes are roots, too."""
         first, second = pairs.T
         rows, cols = np.concatenate([first, second]), np.concatenate([second, first])
         adjacency = sp.csr_array((np.ones(rows.size), (rows, cols)), shape=(count, count))
@@ -57,14 +53,14 @@ class Tree:
         return cls(np.where(before < 0, np.arange(count), before), pair, sign)
 
     def integrate(self, form: Array) -> Array:
-        """Values (n, k) of the integral of `form` (m, k), the increment `value(first) - value(second)` of each pair;
+        """Values (n, k) of the integral of `form` (m, k), the increments `value(first) - value(second)` of the pairs;
         zero at roots.
         """
         steps = self.sign[:, None] * np.vstack([form, np.zeros((1, form.shape[1]))])[self.pair]
         return accumulate(self.parent, steps)
 
     def climb(self, node: int) -> tuple[Int, Array]:
-        """The pairs on the way from the root to a node, and their signs: `value(node) = Σ sign form[pair]`."""
+        """The pairs between a node and the root, and their signs: `value(node) = Σ sign form[pair]`."""
         way = []
         while self.pair[node] >= 0:
             way.append(node)
