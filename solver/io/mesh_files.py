@@ -1,7 +1,7 @@
-"""Mesh files in and out: OBJ by our own reader, which keeps polygons and UVs; the rest by trimesh.
+"""Reading and writing mesh files: OBJ with polygons and UVs by our own reader, other formats by trimesh.
 
-The project's up is z. Formats whose up is y (glTF by its definition, many OBJ by custom) are turned on the
-way in and back on the way out.
+In this project z is up. Formats in which y is up (glTF by definition, many OBJ by custom) are turned when read and
+turned back when written.
 """
 
 from __future__ import annotations
@@ -27,8 +27,7 @@ Array = NDArray[np.float64]
 Int = NDArray[np.int32]
 
 FORMATS = (".obj", ".ply", ".stl", ".glb")
-# Vertices of an STL or GLB nearer than this fraction of the diagonal are one vertex: single precision leaves
-# 1e-7.
+# Vertices of an STL or GLB nearer than this fraction of the diagonal are one vertex: single precision leaves 1e-7.
 _MERGE = 1e-6
 
 _Y_TO_Z = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
@@ -39,8 +38,8 @@ __all__ = ["FORMATS", "MeshData", "read_mesh", "triangulate_polygons", "write_by
 def read_mesh(path: str | os.PathLike[str], *, up: str | None = None) -> MeshData:
     """Read a mesh file. `up` is the file's own up, "y" or "z"; None means y for GLB, z for the rest.
 
-    Vertices that STL and GLB store once a face are merged where they coincide. Raises `JobError` where the
-    file or its format cannot be read and `MeshError` where what is in it is no mesh.
+    STL and GLB store a vertex once for each of its faces; coinciding ones are merged. Raises `JobError` if the file or
+    its format cannot be read, and `MeshError` if it holds no mesh.
     """
     file = Path(path)
     suffix = _format(file)
@@ -56,7 +55,7 @@ def read_mesh(path: str | os.PathLike[str], *, up: str | None = None) -> MeshDat
 
 
 def oriented(points: Array, up: str) -> Array:
-    """Points (n, 3) of a file whose up is "y" or "z", with z up."""
+    """Points (n, 3) of a file whose up is "y" or "z", turned so that z is up."""
     return points @ _Y_TO_Z.T if up == "y" else points
 
 
@@ -65,8 +64,8 @@ def write_mesh(
 ) -> None:
     """Write a mesh file: OBJ with all that `mesh` carries, PLY and STL as triangles, GLB with UVs as well.
 
-    normals (V, 3) go into GLB and PLY. The file is written under another name and then moved, so that a
-    reader never meets half of it; missing folders are made. Raises `JobError` where that fails.
+    normals (V, 3) go into GLB and PLY. The file is written under a temporary name and then moved, so that no reader
+    sees half of it; missing folders are created. Raises `JobError` if that fails.
     """
     file = Path(path)
     suffix = _format(file)
@@ -80,7 +79,7 @@ def write_mesh(
 
 
 def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
-    """Write a file under a temporary name beside its own and move it there."""
+    """Write a file under a temporary name in the same folder, then move it into place."""
     file = Path(path)
     temporary = None
     try:
@@ -97,7 +96,7 @@ def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
 
 
 def _umask() -> int:
-    """The process's mask; it can only be read by setting it."""
+    """The umask of the process; reading it means setting it."""
     mask = os.umask(0o022)
     os.umask(mask)
     return mask
@@ -117,7 +116,7 @@ def _up(file: Path, up: str | None) -> str:
 
 
 def _read_by_trimesh(file: Path) -> MeshData:
-    import trimesh  # half a second, which a job with OBJ files need not wait for
+    import trimesh  # takes half a second, which a job with OBJ files saves
 
     try:
         loaded: Any = trimesh.load(file, force="mesh", process=False)
@@ -133,7 +132,7 @@ def _read_by_trimesh(file: Path) -> MeshData:
 
 
 def _merged(positions: Array, faces: Int) -> tuple[Array, Int]:
-    """Vertices that coincide made one, each where its first one is."""
+    """The mesh with coinciding vertices merged, each at the first one's place."""
     if not len(positions):
         return positions, faces
     reach = _MERGE * float(np.linalg.norm(np.ptp(positions, axis=0)))
@@ -162,16 +161,16 @@ def _trimesh_bytes(mesh: MeshData, normals: Array | None, suffix: str) -> bytes:
         triangles, positions, uv = index.reshape(-1, 3), positions[pairs[:, 0]], mesh.uvs[pairs[:, 1]]
         normals = None if normals is None else normals[pairs[:, 0]]
     options: dict[str, Any] = {} if normals is None else {"vertex_normals": normals}
-    if suffix == ".glb":  # a shell is looked at from below as well
+    if suffix == ".glb":  # a shell is seen from below, too
         options["visual"] = TextureVisuals(uv=uv, material=PBRMaterial(name="shell", doubleSided=True))
     data = trimesh.Trimesh(positions, triangles, process=False, **options).export(file_type=suffix[1:])
     return data if isinstance(data, bytes) else str(data).encode()
 
 
 def _triangles(mesh: MeshData) -> tuple[Int, Int]:
-    """Triangles are taken as they are, whatever their shape: a sheet that folds is written all the same.
+    """Triangles (T, 3) of a mesh and the polygon (T,) of each, whatever their shape: a folded sheet is written, too.
 
-    So is a polygon that no triangles fit (one that crosses itself, or has no area): as a fan.
+    A polygon that cannot be triangulated (it crosses itself, or has no area) becomes a fan.
     """
     if all(len(polygon) == 3 for polygon in mesh.polygons):
         return np.array(mesh.polygons, dtype=np.int32), np.arange(len(mesh.polygons), dtype=np.int32)
@@ -197,7 +196,7 @@ def corner_rows(
 ) -> Int:
     """(T, 3) UV rows of the triangles' corners, -1 where their polygon has none; a polygon visits a vertex once.
 
-    triangles (T, 3), owners (T,): the polygon each is a part of.
+    triangles (T, 3), owners (T,): the polygon of each.
     """
     rows = np.full(triangles.shape, -1, dtype=np.int32)
     maps = [dict(zip(p.tolist(), t.tolist(), strict=False)) for p, t in zip(polygons, uv_corners, strict=True)]

@@ -1,4 +1,4 @@
-"""Wavefront OBJ, in and out: polygons with texture coordinates, groups, materials and named polylines."""
+"""Reading and writing Wavefront OBJ: polygons with texture coordinates, groups, materials and named polylines."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ _NO_INDICES = np.empty(0, dtype=np.int32)
 
 @dataclass(frozen=True, eq=False)
 class MeshData:
-    """A polygon mesh and what its polygons carry; lists are parallel to `polygons`, "" for no name.
+    """A polygon mesh with UVs and names; lists are parallel to `polygons`, with "" for no name.
 
-    positions (V, 3); polygons: vertex indices of each; uvs (T, 2) and uv_corners: rows of `uvs` for the
-    corners of each polygon (an empty array for one without); objects, groups, materials: names; edge_groups:
-    (K, 2) vertex pairs of the polylines under each group name; libraries: material files.
+    positions (V, 3); polygons: vertex indices of each; uvs (T, 2) and uv_corners: rows of `uvs` for the corners of each
+    polygon (an empty array for none); objects, groups, materials: names; edge_groups: (K, 2) vertex pairs of the
+    polylines under each group name; libraries: material files.
     """
 
     positions: Array
@@ -39,7 +39,7 @@ class MeshData:
 
 
 class _Reader:
-    """Reads an OBJ line by line; `_keyword` methods take the words after the keyword."""
+    """Reads an OBJ line by line; the method `_keyword` takes the rest of a line after that keyword."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -94,7 +94,7 @@ class _Reader:
         return numbers
 
     def _index(self, word: str, count: int, what: str) -> int:
-        """OBJ counts from 1, and backwards from the latest with negative numbers."""
+        """Index of a number in the file: OBJ counts from 1, or backwards from the latest with negative numbers."""
         try:
             number = int(word)
         except ValueError:
@@ -146,7 +146,7 @@ _KEYWORDS = {"v", "vt", "f", "l", "o", "g", "usemtl", "mtllib"}
 
 
 def read_obj(path: str | os.PathLike[str]) -> MeshData:
-    """Read polygons, UVs, `o`, `g`, `usemtl` and polylines (`l`) of an OBJ; other keywords are passed over.
+    """Read polygons, UVs, `o`, `g`, `usemtl` and polylines (`l`) of an OBJ; other keywords are skipped.
 
     A polyline belongs to the group, else the object, above it. Raises `MeshError` naming file and line.
     """
@@ -154,7 +154,7 @@ def read_obj(path: str | os.PathLike[str]) -> MeshData:
 
 
 def obj_text(mesh: MeshData, directory: Path | None = None) -> str:
-    """The text of an OBJ; material files are named relative to `directory`. Numbers are written in full."""
+    """The text of an OBJ; material files are named relative to `directory`. Numbers have full precision."""
     lines = [f"mtllib {_relative(library, directory)}" for library in mesh.libraries]
     lines += [f"v {x!r} {y!r} {z!r}" for x, y, z in mesh.positions.tolist()]
     lines += [f"vt {u!r} {v!r}" for u, v in mesh.uvs.tolist()]

@@ -1,4 +1,4 @@
-"""Polygons into triangles: quads along their better diagonal, larger ones by clipping ears."""
+"""Triangulation of polygons: quads along their better diagonal, larger ones by ear clipping."""
 
 from __future__ import annotations
 
@@ -12,19 +12,18 @@ from ..errors import MeshError, listed
 Array = NDArray[np.float64]
 Int = NDArray[np.int32]
 
-# Sine of the angle below which a corner counts as a spike and a triangle as flat: single precision leaves
-# 1e-7.
+# Sine of the angle below which a corner counts as a spike and a triangle as flat: single precision leaves 1e-7.
 _FLAT = 1e-6
 
 
 def triangulate_polygons(vertices: ArrayLike, polygons: Sequence[ArrayLike]) -> tuple[Int, Int]:
     """Triangles (T, 3) of polygons, in their order and orientation, and the polygon (T,) each belongs to.
 
-    vertices (V, 2) or (V, 3); polygons as lists of vertex indices, convex or not, planar or nearly. No vertex
-    is added: a polygon of k corners gives k - 2 triangles. A quad is cut along the diagonal that leaves the
-    larger smallest angle; of larger polygons the best-shaped ear is clipped first. Raises `MeshError`, naming
-    polygon and vertex, on a polygon with fewer than three corners, a repeated vertex, a vertex out of range,
-    a spike (the outline goes out and back again), no area, or an outline that crosses itself.
+    vertices (V, 2) or (V, 3); polygons as lists of vertex indices, convex or not, planar or nearly. No vertex is added:
+    a polygon of k corners gives k - 2 triangles. A quad is cut along the diagonal with the larger smallest angle; on
+    larger polygons the best-shaped ear is clipped first. Raises `MeshError`, naming polygon and vertex, on a polygon
+    with fewer than three corners, a repeated vertex, a vertex out of range, a spike (the outline runs out and back
+    again), no area, or an outline that crosses itself.
     """
     points = _in_space(vertices)
     corners = [np.asarray(polygon) for polygon in polygons]
@@ -88,7 +87,7 @@ def _check_repeats(block: Int, which: NDArray[np.int64]) -> None:
 
 
 def _projected(points: Array, block: Int, which: NDArray[np.int64]) -> Array:
-    """Outlines (P, k, 2) in the plane of their area vector, counter-clockwise; raises on spikes, no area."""
+    """Outlines (P, k, 2) in the plane of their area vector, counter-clockwise; `MeshError` on spikes and no area."""
     outline = points[block]
     step = np.roll(outline, -1, axis=1) - outline
     lengths = np.linalg.norm(step, axis=2)
@@ -100,7 +99,7 @@ def _projected(points: Array, block: Int, which: NDArray[np.int64]) -> Array:
         for row, corner in spikes[:1]:
             polygon, vertex = int(which[row]), int(block[row, corner])
             raise MeshError(
-                f"Polygon {polygon} has a spike at vertex {vertex}: its outline goes out and back again; "
+                f"Polygon {polygon} has a spike at vertex {vertex}: its outline runs out and back again; "
                 "dissolve the vertex or merge by distance.",
                 faces=[polygon],
                 vertices=[vertex],
@@ -124,7 +123,7 @@ def _projected(points: Array, block: Int, which: NDArray[np.int64]) -> Array:
 
 
 def _shape(a: Array, b: Array, c: Array) -> Array:
-    """Quality of triangles (..., 2): the sine of the smallest angle, negative where they are clockwise."""
+    """Quality of triangles (…, 2): the sine of the smallest angle, negative if clockwise."""
     ab, bc, ca = b - a, c - b, a - c
     cross = ab[..., 0] * bc[..., 1] - ab[..., 1] * bc[..., 0]
     sides = np.sort(np.stack([np.linalg.norm(side, axis=-1) for side in (ab, bc, ca)], axis=-1), axis=-1)
@@ -139,7 +138,7 @@ def _cut_quads(flat: Array, block: Int, which: NDArray[np.int64]) -> Int:
     across = np.minimum(_shape(b, c, d), _shape(b, d, a))
     for row in np.flatnonzero(np.maximum(along, across) <= _FLAT)[:1]:
         raise _crossing(int(which[row]), block[row])
-    # A quad whose diagonals are equally good is always cut the same way, whatever the rounding.
+    # A quad with two equally good diagonals is always cut the same way, whatever the rounding.
     first = (along >= across - 1e-6)[:, None, None]
     return np.where(first, block[:, [[0, 1, 2], [0, 2, 3]]], block[:, [[1, 2, 3], [1, 3, 0]]])
 
@@ -176,7 +175,7 @@ def _clip_ears(outline: Array, vertices: Int, polygon: int) -> Int:
 
 
 def _ear(outline: Array, left: list[int], i: int) -> float:
-    """Quality of the ear at place i of the corners that are left; -1 where it is none."""
+    """Quality of the ear at place i of the remaining corners; -1 if it is no ear."""
     a, b, c = left[i - 1], left[i], left[(i + 1) % len(left)]
     quality = float(_shape(outline[a], outline[b], outline[c]))
     if quality <= _FLAT:

@@ -1,8 +1,8 @@
 """Meshing a plan: well-shaped triangles of a given edge length inside an outline with holes.
 
-The boundary is sampled first and never moves again. Inside, a lattice of equilateral triangles fills what is uniform,
-Delaunay refinement the rest; springs between neighbours even the spacing out (Persson & Strang 2004, with the boundary
-held), and the few bad angles that remain are improved one vertex at a time.
+The boundary is sampled first and then stays fixed. Inside, a lattice of equilateral triangles fills the uniform region
+and Delaunay refinement the rest; springs between neighbours even out the spacing (Persson & Strang 2004, with the
+boundary held), and the few remaining bad angles are improved one vertex at a time.
 """
 
 from __future__ import annotations
@@ -21,18 +21,19 @@ from .sampling import Boundary, sample
 from .sizes import SizeField
 from .triangulate import triangulate
 
-_LARGEST = 5_000_000  # vertices; more is a mistake in the units far more often than a wish
+_LARGEST = 5_000_000  # vertices; more is nearly always a mistake in the units
 _ROW = np.sqrt(0.75)
-_ORDERED, _DEEP = 4.0, 6.5  # so far from walls and finer places the lattice stays as it is; so far it is left alone
+# Distances from walls and finer places beyond which the lattice keeps its points, and takes no part in the work.
+_ORDERED, _DEEP = 4.0, 6.5
 
 
 @dataclass(frozen=True)
 class PlanMesh:
-    """A meshed plan. `positions (V, 2)` start with the boundary, loop after loop, in the order of the loops given.
+    """A meshed plan. `positions (V, 2)` start with the boundary, loop after loop, in the order of the input.
 
     `triangles (F, 3)` are counter-clockwise. `edges (B, 2)` are the boundary edges with the plan on their left;
-    `loop (B,)` is 0 for the outline and 1 + k for hole k, `segment (B,)` the segment of that loop, as given, from which
-    the edge comes. The arc at a rounded corner is divided at its middle.
+    `loop (B,)` is 0 for the outline and 1 + k for hole k, `segment (B,)` the segment of that input loop from which the
+    edge comes. The arc at a rounded corner is divided at its middle.
     """
 
     positions: np.ndarray
@@ -50,13 +51,13 @@ def mesh_plan(
     corner_radius: float = 0.0,
     keep: Sequence[Sequence[int]] = (),
 ) -> PlanMesh:
-    """Mesh the plan bounded by `outline (K, 2)` and `holes`, with edges of about `max_edge` and none much longer.
+    """Mesh the plan bounded by `outline (K, 2)` and `holes`, with edges of about `max_edge`, few of them longer.
 
-    Corners (turns of more than 23.5°) are rounded by `corner_radius`, less where there is no room; with radius 0 they
-    stay vertices. Other points are taken as samples of smooth curves, which are sampled anew, except points between
-    segments longer than two edges and points listed in `keep[i]` (indices into loop i, the outline first). Loops may
-    run either way round and may repeat their first point. Lengths are those of the input; only narrow places, bends
-    and short sides are meshed finer. Raises `MeshError` for loops that bound no plan and lengths that do not fit.
+    Corners (turns of more than 23.5°) are rounded by `corner_radius`, less where room is short; with radius 0 they stay
+    vertices. Other points count as samples of smooth curves, which are sampled anew, except points between segments
+    longer than two edges and points listed in `keep[i]` (indices into loop i, the outline first). Loops may run either
+    way and may repeat their first point. Lengths are in the units of the input; only narrow places, bends and short
+    sides are meshed finer. Raises `MeshError` for loops that bound no plan and lengths that do not fit.
     """
     loops = check_loops(outline, holes, keep)
     everything = loops[0].points
@@ -100,10 +101,10 @@ def _check_count(loops: list[Loop], max_edge: float) -> None:
 
 
 class _Mesher:
-    """The boundary is `fixed`. Of the points inside, the first `free` are placed by refinement and springs; the others
-    are lattice points far from everything that disturbs the lattice, of which only a margin takes part in the work.
+    """Boundary points are `fixed`; inside, refinement and springs place the `free` points, and the others are lattice
+    points away from walls and finer places. Of these only a `margin` takes part in the work.
 
-    Lengths in units of the edge length asked for.
+    Lengths in units of the wanted edge length.
     """
 
     def __init__(self, boundary: Boundary, field: SizeField) -> None:
@@ -132,7 +133,7 @@ class _Mesher:
         return np.concatenate([self.fixed, self.free, self.margin])
 
     def _triangles(self, points: np.ndarray) -> np.ndarray:
-        """Triangles of the working set, but those that only bridge what the margin surrounds."""
+        """Triangles of the working set, except those that only span the deep lattice inside the margin."""
         triangles = triangulate(points, self.edges)
         return triangles[(triangles < len(self.fixed) + len(self.free)).any(axis=1)]
 
@@ -141,11 +142,11 @@ class _Mesher:
         return np.minimum(self.wall.query(points, distance_upper_bound=most)[0], most)
 
     def _depth(self, points: np.ndarray) -> np.ndarray:
-        """Distance to what disturbs the lattice: walls and finer places."""
+        """Distance to the nearest wall or finer place."""
         return np.minimum(self._from_wall(points, _DEEP), self.field.room(points, _DEEP))
 
     def _lattice(self) -> np.ndarray:
-        """Equilateral lattice along the longest wall, where the full size holds and no wall is near."""
+        """Equilateral lattice along the longest wall, in the region of full size away from walls."""
         along = self._longest_direction()
         frame = np.column_stack([along, [-along[1], along[0]]])
         low, high = (self.fixed @ frame).min(axis=0), (self.fixed @ frame).max(axis=0)
@@ -158,7 +159,7 @@ class _Mesher:
         return points[self._from_wall(points, 1.0) > 0.55]
 
     def _longest_direction(self) -> np.ndarray:
-        """The direction in which most of the walls run, whichever way round; to a degree, then as drawn."""
+        """The main direction of the walls, by degrees; within that degree the direction of the longest wall."""
         step = self.ends - self.fixed
         length = np.hypot(*step.T)
         degree = np.round(np.degrees(np.arctan2(step[:, 1], step[:, 0]))).astype(int) % 180
@@ -166,7 +167,7 @@ class _Mesher:
         return step[walls[np.argmax(length[walls])]] / length[walls].max()
 
     def _fill(self) -> None:
-        """Delaunay refinement: circumcentres of triangles that are too large, many at a time."""
+        """Delaunay refinement: add circumcentres of triangles that are too large, many at a time."""
         for _ in range(40):
             points = self._all()
             centre, radius = _circles(points[self._triangles(points)])
@@ -181,9 +182,9 @@ class _Mesher:
             self.free = np.concatenate([self.free, centre[_apart(centre, 0.8 * size, radius)]])
 
     def _relax(self, rounds: int) -> None:
-        """Springs that push where neighbours are nearer than 1.2 of the length wanted; boundary held.
+        """Springs that push neighbours nearer than 1.2 wanted lengths apart; the boundary is held.
 
-        Neighbours are found anew when a point has moved by a tenth of its size since they were last.
+        Neighbours are updated when a point has moved by a tenth of its size since the last update.
         """
         first, last = len(self.fixed), len(self.fixed) + len(self.free)
         edges, before = np.zeros((0, 2), dtype=np.int64), np.full_like(self.free, np.inf)
@@ -203,7 +204,7 @@ class _Mesher:
             self._move(0.2 * np.column_stack(force)[first:last])
 
     def _move(self, step: np.ndarray) -> None:
-        """Move the free points, but not nearly to a wall; a step is shorter than what separates them from it."""
+        """Move the free points, but not close to a wall; a step is shorter than the distance to it."""
         size = self.field(self.free)
         step = step * np.minimum(1.0, 0.3 * size / np.maximum(np.hypot(*step.T), 1e-300))[:, None]
         moved = self.free + step
@@ -211,12 +212,12 @@ class _Mesher:
         self.free = np.where(good[:, None], moved, self.free)
 
     def _thin(self) -> None:
-        """Remove one of two points that are much nearer than wanted."""
+        """Remove one of two points that are much nearer to each other than wanted."""
         size = self.field(self.free)
         self.free = self.free[_apart(self.free, 0.6 * size, -np.arange(len(self.free), dtype=float))]
 
     def _finish(self) -> tuple[np.ndarray, np.ndarray]:
-        """Free the corners and necks that no inner vertex reaches, open the smallest angles, add the deep lattice."""
+        """Undo bridges in corners and necks, open the smallest angles, add the deep lattice."""
         triangles = self._triangles(self._all())
         for _ in range(4):
             if self._free_bridges(triangles, draw=True):
@@ -233,11 +234,11 @@ class _Mesher:
         return points[used], numbers.reshape(triangles.shape)
 
     def _free_bridges(self, triangles: np.ndarray, draw: bool) -> bool:
-        """Undo inner edges that join two boundary vertices: N would be given at both, and at a corner all around.
+        """Undo inner edges that join two boundary vertices: N would be fixed at both, and at a corner all around.
 
-        If the triangle beyond has an inner vertex close enough, `draw` brings that vertex into the circle of the first
-        triangle, so that Delaunay turns the edge; else the edge gets a vertex at its middle. Short ones, in tips
-        sharper than about 45°, stay: cutting them would make angles still smaller. Returns whether there were any.
+        If the triangle beyond has an inner vertex close enough, `draw` moves that vertex into the circle of the first
+        triangle, so that Delaunay flips the edge; otherwise the edge gets a vertex at its middle. Short ones, in tips
+        sharper than about 45°, stay: splitting them would make angles still smaller. Returns whether any was undone.
         """
         points = self._all()
         edge, opposite = _inner_edges(triangles)
@@ -269,7 +270,7 @@ def _circles(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _apart(points: np.ndarray, distance: np.ndarray, priority: np.ndarray) -> np.ndarray:
-    """Mask of points that are the first, by priority, of all within their distance."""
+    """Mask of the points with the highest priority within their distance."""
     if not len(points):
         return np.zeros(0, dtype=bool)
     pairs = KDTree(points).query_pairs(float(distance.max()), output_type="ndarray")
@@ -283,7 +284,7 @@ def _apart(points: np.ndarray, distance: np.ndarray, priority: np.ndarray) -> np
 
 
 def _edges(triangles: np.ndarray) -> np.ndarray:
-    """Each edge once, (E, 2), by sorted vertices."""
+    """Each edge once, (E, 2), its vertices sorted."""
     ends = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
     key = np.unique(ends[:, 0].astype(np.int64) * (ends.max() + 1) + ends[:, 1])
     return np.column_stack(np.divmod(key, ends.max() + 1))

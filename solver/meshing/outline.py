@@ -1,8 +1,8 @@
-"""The outline of a plan: closed loops of points, checked before anything is built on them.
+"""The outline of a plan as closed loops of points, and the checks on them.
 
-A loop is `(K, 2)` points; segment k joins point k and point k + 1, the last one closes the loop. The first loop
-is the outer outline, the others are holes. Messages number points and segments within their loop; the
-`vertices` and `edges` of an error count through all loops, the outline first, the holes in their order.
+A loop is `(K, 2)` points; segment k joins point k and point k + 1, the last one closes the loop. The first loop is the
+outer outline, the others are holes. Messages number points and segments within their loop; the `vertices` and `edges`
+of an error count through all loops, the outline first, the holes in their order.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ _SPIKE = np.radians(0.5)  # a sharper point encloses no usable area
 class Loop:
     """One checked loop with the interior of the plan on its left: the outline counter-clockwise, holes clockwise.
 
-    `points` (K, 2); `segments` (K,) is the number, in the loop as it was given, of the segment that leaves each point;
-    `keep` (K,) marks points that are to stay vertices of a mesh.
+    `points` (K, 2); `segments` (K,): the number, in the input loop, of the segment that leaves each point; `keep` (K,)
+    marks points that must stay vertices of a mesh.
     """
 
     name: str
@@ -39,11 +39,11 @@ class Loop:
 def check_loops(
     outline: np.ndarray, holes: Sequence[np.ndarray] = (), keep: Sequence[Sequence[int]] = ()
 ) -> list[Loop]:
-    """Check outline and holes, and turn them so that the plan lies on the left of every segment.
+    """Check outline and holes, and orient them so that the plan lies on the left of every segment.
 
-    A repeated last point is dropped. `keep[i]` lists points of loop i that are to stay vertices of a mesh. Raises
-    `MeshError` for fewer than three points, NaN, repeated points, spikes, no area, loops that cross themselves or
-    each other, and holes that are not holes.
+    A repeated last point is dropped. `keep[i]` lists points of loop i that must stay vertices of a mesh. Raises
+    `MeshError` for fewer than three points, NaN, repeated points, spikes, no area, loops that cross themselves or each
+    other, and holes outside the outline or inside other holes.
     """
     names = ["the outline"] + [f"hole {k}" for k in range(len(holes))]
     given: list[np.ndarray] = []
@@ -65,18 +65,20 @@ def check_loops(
 
 
 def signed_area(points: np.ndarray) -> float:
-    """Area enclosed by one loop (shoelace formula); negative for a clockwise one. Relative to the first point, so
-    that a plan far from the origin loses no digits."""
+    """Area enclosed by one loop (shoelace formula); negative for a clockwise one.
+
+    Relative to the first point, so that a plan far from the origin loses no digits.
+    """
     p = points - points[0]
     q = np.roll(p, -1, axis=0)
     return 0.5 * float(np.sum(p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]))
 
 
 def inside(points: np.ndarray, starts: np.ndarray, ends: np.ndarray) -> np.ndarray:
-    """Which points (n, 2) lie inside the region bounded by segments `starts` → `ends` (m, 2), by the even-odd rule.
+    """Whether points (n, 2) lie inside the region bounded by segments `starts` → `ends` (m, 2), by the even-odd rule.
 
-    Points are sorted by height once, so the cost is that of the crossings and not n × m. Points on a segment may go
-    either way.
+    Points are sorted by height once, so the cost is that of the crossings, not n × m. Points on a segment may count as
+    inside or outside.
     """
     order = np.argsort(points[:, 1], kind="stable")
     x, y = points[order, 0], points[order, 1]
@@ -93,13 +95,13 @@ def inside(points: np.ndarray, starts: np.ndarray, ends: np.ndarray) -> np.ndarr
 
 
 def crossing_pairs(starts: np.ndarray, ends: np.ndarray, following: np.ndarray) -> np.ndarray:
-    """Pairs (P, 2) of segments that cross or touch, apart from segment k and `following[k]`, which share a point."""
+    """Pairs (P, 2) of segments that cross or touch, except segment k and `following[k]`, which share a point."""
     left = np.minimum(starts[:, 0], ends[:, 0])
     right = np.maximum(starts[:, 0], ends[:, 0])
     order = np.argsort(left, kind="stable")
     last = np.searchsorted(left[order], right[order], side="right")
     count = np.maximum(last - np.arange(len(order)) - 1, 0)
-    found = [np.zeros((0, 2), dtype=np.int64)]
+    hits = [np.zeros((0, 2), dtype=np.int64)]
     for block in np.array_split(np.arange(len(order)), 1 + int(count.sum()) // 2_000_000):
         i = order[np.repeat(block, count[block])]
         j = order[_ranges(block + 1, count[block])]
@@ -107,24 +109,24 @@ def crossing_pairs(starts: np.ndarray, ends: np.ndarray, following: np.ndarray) 
         near = (low[i] <= high[j]) & (low[j] <= high[i]) & (following[i] != j) & (following[j] != i)
         i, j = i[near], j[near]
         hit = _meet(starts[i], ends[i], starts[j], ends[j])
-        found.append(np.column_stack([np.minimum(i, j), np.maximum(i, j)])[hit])
-    pairs = np.concatenate(found)
+        hits.append(np.column_stack([np.minimum(i, j), np.maximum(i, j)])[hit])
+    pairs = np.concatenate(hits)
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
 
 
 def following_of(sizes: Sequence[int]) -> np.ndarray:
-    """The next segment of each segment, for loops of these sizes listed one after the other."""
+    """The segment after each segment, for loops of these sizes, one after the other."""
     starts = np.cumsum([0, *sizes])[:-1]
     return np.concatenate([s + (np.arange(n) + 1) % n for s, n in zip(starts, sizes, strict=True)])
 
 
 def _ranges(first: np.ndarray, count: np.ndarray) -> np.ndarray:
-    """The integers first[k], first[k] + 1, … (count[k] of them) for every k, one after the other."""
+    """The count[k] integers first[k], first[k] + 1, … for every k, one after the other."""
     return np.repeat(first - np.concatenate([[0], np.cumsum(count)[:-1]]), count) + np.arange(count.sum())
 
 
 def _meet(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> np.ndarray:
-    """Whether segments a-b and c-d have a point in common, rows at a time, within rounding."""
+    """Whether segments a-b and c-d have a common point, row by row, within rounding."""
 
     def side(p: np.ndarray, q: np.ndarray, r: np.ndarray) -> np.ndarray:
         u, v = q - p, r - p
@@ -147,7 +149,7 @@ def _as_points(points: np.ndarray, name: str, start: int) -> np.ndarray:
     bad = np.nonzero(~np.isfinite(array).all(axis=1))[0]
     if len(bad):
         raise MeshError(
-            f"Point {listed(bad)} of {name} is not finite; delete it or give it a place.", vertices=start + bad
+            f"Point {listed(bad)} of {name} is not finite; delete it, or move it to a place.", vertices=start + bad
         )
     if len(array) > 1 and np.array_equal(array[0], array[-1]):
         array = array[:-1]
@@ -167,7 +169,7 @@ def _check_repeated(points: np.ndarray, name: str, start: int, size: float) -> N
 
 
 def _check_width(points: np.ndarray, name: str, start: int, size: float) -> None:
-    """Points on one line bound nothing. (Loops that cross themselves have their own message.)"""
+    """Raise `MeshError` if all points lie on one line. (Loops that cross themselves have their own message.)"""
     if np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[1] <= _SAME_PLACE * size:
         raise MeshError(
             f"{name.capitalize()} encloses no area, its points lie on one line; draw it around the plan.",
@@ -182,7 +184,7 @@ def _check_spikes(points: np.ndarray, name: str, start: int) -> None:
     spikes = np.nonzero(angle < _SPIKE)[0]
     if len(spikes):
         raise MeshError(
-            f"Point {listed(spikes)} of {name} is a spike: its two segments run back along each other; "
+            f"Point {listed(spikes)} of {name} is a spike: its two segments fold back on each other; "
             "delete it or open its angle.",
             vertices=start + spikes,
         )
@@ -215,7 +217,7 @@ def _check_crossings(given: list[np.ndarray], names: list[str], numbers: list[in
 
 
 def _check_nesting(given: list[np.ndarray], names: list[str], numbers: list[int]) -> None:
-    """Loops that do not cross are nested or apart, so one point of each decides."""
+    """Raise `MeshError` on misplaced holes. Loops that do not cross are nested or apart: one point of each decides."""
     for k in range(1, len(given)):
         point = given[k][:1]
         for j, other in enumerate(given):
@@ -238,6 +240,6 @@ def _oriented(points: np.ndarray, name: str, keep: np.ndarray, sign: int) -> Loo
     index = np.arange(count)
     if signed_area(points) * sign > 0:
         return Loop(name, points, index, kept)
-    # Reversed from point 0 on, so that a loop starts where it was drawn to start.
+    # Reversed from point 0 on, so that a loop keeps its first point.
     back = -index % count
     return Loop(name, points[back], (back - 1) % count, kept[back])

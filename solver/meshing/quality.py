@@ -1,22 +1,22 @@
-"""Angles of plane triangles, and opening the small ones by moving vertices one at a time."""
+"""Angles of plane triangles, and a smoother that opens small ones by moving one vertex at a time."""
 
 from __future__ import annotations
 
 import numpy as np
 
-_WANTED = np.radians(38.0)  # smaller angles are worked on
+_WANTED = np.radians(38.0)  # smaller angles are improved
 _RADII = (0.24, 0.12, 0.06, 0.03)  # of the mean edge at the vertex
 
 
 def smallest_angles(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """The smallest angle (F,) of each triangle, in radians; not positive where it is turned over."""
+    """The smallest angle (F,) of each triangle, in radians; not positive if it is clockwise."""
     return _smallest(points[triangles])
 
 
 def open_angles(points: np.ndarray, triangles: np.ndarray, first: int, last: int, sweeps: int = 3) -> np.ndarray:
-    """Move vertices first … last - 1 so that the smallest angle around each grows; triangles stay.
+    """Move vertices first … last - 1 so that the smallest angle around each grows; the triangles stay.
 
-    Only vertices of triangles with an angle below 38° are tried, each on three circles around its place.
+    Only vertices of triangles with an angle below 38° are tried, each on four circles around its place.
     """
     points = points.copy()
     turn = 2 * np.pi * np.arange(8) / 8
@@ -32,7 +32,7 @@ def open_angles(points: np.ndarray, triangles: np.ndarray, first: int, last: int
 
 
 def _move(points: np.ndarray, star: np.ndarray, vertex: int, ways: np.ndarray) -> bool:
-    """Take the best of the places tried for one vertex; whether it moved."""
+    """Move one vertex to the best of the places tried; returns whether it moved."""
     at = star == vertex
     corners = points[star]
     size = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1).mean()

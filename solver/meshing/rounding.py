@@ -1,7 +1,7 @@
 """Rounding the corners of a plan.
 
 At an unrounded corner the boundary normals jump and the mean curvature diverges. A corner is a point where the loop
-turns by more than `CORNER`; the other points belong to a curve that is drawn as a polyline, and are left alone.
+turns by more than `CORNER`; other points belong to a curve drawn as a polyline, and stay.
 """
 
 from __future__ import annotations
@@ -12,16 +12,16 @@ import numpy as np
 
 from .outline import Loop, crossing_pairs, following_of, inside
 
-CORNER = np.radians(23.5)  # between what regular polygons of 15 and of 16 sides turn
-_STEP = np.radians(2.0)  # an arc is drawn this finely before it is resampled: off by 1.5e-4 of its radius
+CORNER = np.radians(23.5)  # between the turns of regular polygons of 15 and of 16 sides
+_STEP = np.radians(2.0)  # the step of an arc before resampling: off by 1.5e-4 of its radius
 
 
 @dataclass(frozen=True)
 class Curve:
-    """A closed polyline that stands for a loop whose corners are rounded: fine enough to be sampled by chords.
+    """A loop with rounded corners as a closed polyline, fine enough to be sampled by chords.
 
-    `points (M, 2)`; `segments (M,)`, the segment of the drawn loop that the piece leaving each point belongs to (an arc
-    is split at its middle); `fixed (M,)`, points that stay vertices; `sharp (M,)`, corners that are not rounded.
+    `points (M, 2)`; `segments (M,)`: the segment of the drawn loop for the piece that leaves each point (an arc is
+    split at its middle); `fixed (M,)`: points that stay vertices; `sharp (M,)`: corners that are not rounded.
     """
 
     name: str
@@ -39,10 +39,10 @@ def turning(points: np.ndarray) -> np.ndarray:
 
 
 def round_corners(loops: list[Loop], radius: float) -> list[Curve]:
-    """Replace every corner by an arc of `radius`, or of the largest radius for which its neighbours leave room.
+    """Replace every corner by an arc of `radius`, or of the largest radius that its neighbours leave room for.
 
-    Where an arc would run into or around another part of the plan (a column standing in a corner), its radius is
-    halved until it does not. Radius 0 keeps the corners.
+    Where an arc would run into or around another part of the plan (a column in a corner), its radius is halved until
+    it does not. Radius 0 keeps the corners.
     """
     radii = [np.where(np.abs(turning(loop.points)) > CORNER, radius, 0.0) for loop in loops]
     for _ in range(16):
@@ -57,7 +57,7 @@ def round_corners(loops: list[Loop], radius: float) -> list[Curve]:
 
 
 def _crossing(curves: list[Curve], corner_of: list[np.ndarray]) -> set[tuple[int, int]]:
-    """Corners (loop, point) whose arcs cross something."""
+    """Corners (loop, point) whose arcs cross another piece."""
     counts = [len(curve.points) for curve in curves]
     starts = np.concatenate([curve.points for curve in curves])
     ends = np.concatenate([np.roll(curve.points, -1, axis=0) for curve in curves])
@@ -67,20 +67,20 @@ def _crossing(curves: list[Curve], corner_of: list[np.ndarray]) -> set[tuple[int
 
 
 def _misplaced(loops: list[Loop], curves: list[Curve], radii: list[np.ndarray]) -> set[tuple[int, int]]:
-    """Corners whose arcs pass a hole on the wrong side, as far as their being nearest to it tells."""
-    found = set()
+    """Corners whose arcs pass a hole on the wrong side: for each such hole the nearest corner."""
+    corners_nearest = set()
     for k in range(1, len(curves)):
         point = curves[k].points[:1]
         for i, curve in enumerate(curves):
             if i != k and inside(point, curve.points, np.roll(curve.points, -1, axis=0))[0] != (i == 0):
                 corners = np.flatnonzero(radii[i] > 0)
                 distance = np.linalg.norm(loops[i].points[corners] - point, axis=1)
-                found.add((i, int(corners[np.argmin(distance)])))
-    return found
+                corners_nearest.add((i, int(corners[np.argmin(distance)])))
+    return corners_nearest
 
 
 def _round_loop(loop: Loop, radii: np.ndarray) -> tuple[Curve, np.ndarray, np.ndarray]:
-    """The rounded loop, for each of its points the corner whose arc it lies on or -1, and the radii reached."""
+    """The rounded loop, the corner whose arc each of its points lies on (or -1), and the radii reached."""
     points, turn = loop.points, turning(loop.points)
     corners = np.nonzero(radii > 0)[0].tolist()
     sharp = (np.abs(turn) > CORNER) & (radii == 0)
@@ -104,7 +104,7 @@ def _round_loop(loop: Loop, radii: np.ndarray) -> tuple[Curve, np.ndarray, np.nd
 
 
 def _trims(corners: list[int], wanted: np.ndarray, along: np.ndarray, sharp: np.ndarray) -> np.ndarray:
-    """How far from each corner its arc starts: as wanted, scaled down where two arcs share too short a run."""
+    """Distance from each corner to the start of its arc: as wanted, scaled down where two arcs share a short run."""
     total = along[-1]
     scale = np.ones(len(corners))
     for k, corner in enumerate(corners):
@@ -120,7 +120,7 @@ def _trims(corners: list[int], wanted: np.ndarray, along: np.ndarray, sharp: np.
 
 
 def _at(loop: Loop, along: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Points, unit directions and positions in the loop (index of the segment) at arc lengths s."""
+    """Points, unit directions and segment indices at arc lengths s."""
     s = np.mod(s, along[-1])
     k = np.clip(np.searchsorted(along, s, side="right") - 1, 0, len(loop.points) - 1)
     step = np.roll(loop.points, -1, axis=0) - loop.points
@@ -130,7 +130,7 @@ def _at(loop: Loop, along: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, np.nd
 
 
 def _arc(loop: Loop, along: np.ndarray, corner: int, trim: float) -> tuple[np.ndarray, ...]:
-    """The points of the arc at a corner but its last: a circle's where both neighbours are straight so far, else a
+    """The points of the arc at a corner, without its last: a circle's if both neighbours are straight that far, else a
     cubic with the tangents of the curves that it joins."""
     ends, directions, _ = _at(loop, along, along[corner] + trim * np.array([-1.0, 1.0]) * (1 - 1e-12))
     (p, q), (u, v) = ends, directions

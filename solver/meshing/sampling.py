@@ -1,8 +1,8 @@
-"""The boundary of a plan, sampled as finely as its form asks.
+"""Sampling the boundary of a plan, finer at bends, short sides and necks.
 
-The length asked for holds wherever the plan allows it. It is less where a curve bends (at most `_TURN` an edge),
-where a side is shorter, and where the plan is narrow, so that a neck has vertices inside it. All lengths in this file
-are in units of the length asked for.
+Edges have the wanted length wherever the plan allows it. They are shorter where a curve bends (at most `_TURN` an
+edge), where a side is shorter, and where the plan is narrow, so that a neck has vertices inside it. All lengths in this
+file are in units of the wanted length.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from .sizes import SizeField, graded, graded_along
 # conormals is 5 % below that of fine meshes with 30°, 1.5 % with 15°.
 _TURN = np.radians(15.0)
 _ACROSS = 0.4  # of the width of a neck: two rows of vertices inside it
-_SPACING = 0.25  # of the samples that measure the plan
+_SPACING = 0.25  # between the samples that measure the plan
 _SMALLEST = 1 / 32  # bends and necks refine no further than this
 _TIP = 8.0  # at a corner sharper than about 14° the two sides count as a neck
 
@@ -29,8 +29,8 @@ _TIP = 8.0  # at a corner sharper than about 14° the two sides count as a neck
 class Boundary:
     """The sampled boundary: `points` (B, 2), loop after loop, vertex k joined to `following[k]`.
 
-    `loop` (B,) and `segment` (B,) name, for the edge that leaves each point, its loop and the segment of that loop
-    as it was drawn.
+    `loop` (B,) and `segment` (B,) give, for the edge that leaves each point, its loop and the segment of that loop as
+    drawn.
     """
 
     points: np.ndarray
@@ -40,7 +40,7 @@ class Boundary:
 
 
 def sample(curves: list[Curve]) -> tuple[Boundary, SizeField]:
-    """Sample the curves by chords as long as the size field asks, near-uniformly between fixed points.
+    """Sample the curves by chords as long as the size field allows, near-uniformly between fixed points.
 
     Where chords of different loops (or of two arms of one loop) would cross, the curves there are sampled finer.
     """
@@ -63,7 +63,7 @@ def sample(curves: list[Curve]) -> tuple[Boundary, SizeField]:
 
 
 class _Samples:
-    """All curves cut to pieces of at most `_SPACING`: where the plan is measured."""
+    """All curves cut into pieces of at most `_SPACING`, at which the plan is measured."""
 
     def __init__(self, curves: list[Curve]) -> None:
         cut = [_cut(curve) for curve in curves]
@@ -92,12 +92,12 @@ class _Samples:
         return [slice(a, b) for a, b in zip(self.start[:-1], self.start[1:], strict=True)]
 
     def sizes(self) -> np.ndarray:
-        """The length that bends, sides and necks allow at each sample, at most 1."""
+        """The edge length that bends, sides and necks allow at each sample, at most 1."""
         refined = np.maximum(np.minimum(self.bend, _ACROSS * self._widths()), _SMALLEST)
         return np.minimum(np.minimum(1.0, refined), self._sides())
 
     def graded(self, sizes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The sizes made to grow slowly, along the curves and across the plan, and samples enough to know them by."""
+        """The sizes graded along the curves and across the plan, and the samples that represent them."""
         sizes = self._graded_along(sizes)
         places = self._thinned(sizes / 2)
         sizes[places] = graded(self.points[places], sizes[places])
@@ -107,28 +107,28 @@ class _Samples:
         return np.concatenate([graded_along(self.length[of], sizes[of]) for of in self._loops()])
 
     def _thinned(self, step: np.ndarray) -> np.ndarray:
-        """Samples about one `step` apart along the curves, or all where they lie further apart."""
+        """Samples about one `step` apart along the curves, or all samples where they lie further apart."""
         ticks = np.floor(np.cumsum(self.length / step))
         keep = np.append(True, np.diff(ticks) > 0)
         keep[self.start[:-1]] = True
         return np.flatnonzero(keep)
 
     def _sides(self) -> np.ndarray:
-        """Length of the edges that the run between two fixed points is divided into, at least."""
+        """The edge length that divides the run between two fixed points evenly."""
         result = np.empty(len(self.points))
         for of in self._loops():
             fixed = np.flatnonzero(self.fixed[of])
             at = self.along[of][fixed]
             run = np.diff(np.append(at, at[0] + self.length[of].sum()))
             edge = run / np.maximum(1, np.ceil(run - 1e-6))
-            # Before the first fixed point cumsum gives -1: the last run, which passes the end of the list.
+            # Before the first fixed point the index is -1: the last run, which wraps around the end of the list.
             sizes = edge[np.cumsum(self.fixed[of]) - 1]
             sizes[fixed] = np.minimum(edge, np.roll(edge, 1))
             result[of] = sizes
         return result
 
     def _widths(self) -> np.ndarray:
-        """Width of the plan at each sample, measured along inward normals to pieces that face them."""
+        """Width of the plan at each sample, along inward normals to the pieces that face it."""
         piece = self._thinned(np.full(len(self.points), _SPACING / 4))
         length, direction = self.length[piece], self.direction[piece]
         middle = self.points[piece] + 0.5 * length[:, None] * direction
@@ -147,7 +147,7 @@ class _Samples:
         return np.minimum(width, width[self.before])
 
     def _same_tip(self, i: np.ndarray, j: np.ndarray, distance: np.ndarray) -> np.ndarray:
-        """Whether samples i and j lie on the two sides of one corner, close to its tip: there the plan is no neck."""
+        """Whether samples i and j lie on the two sides of one corner, close to its tip: the plan is no neck there."""
         total = np.add.reduceat(self.length, self.start[:-1])[self.loop[i]]
         passed = np.concatenate([np.cumsum(self.sharp[of]) for of in self._loops()])
         corners = np.add.reduceat(self.sharp.astype(int), self.start[:-1])[self.loop[i]]
@@ -171,7 +171,7 @@ class _Samples:
         return Boundary(points, following_of(np.bincount(loops).tolist()), loops, segments), spans
 
     def _run(self, index: np.ndarray, sizes: np.ndarray, fewest: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Points along the run through samples `index`, but its last; segments of the edges; samples they lie between.
+        """Points along the run through samples `index`, without its last; segments and sample ranges of the edges.
 
         The size is linear along a piece of length l, from h to h + d: t edges take h (exp(t d / l) - 1) l / d of it.
         """
@@ -189,7 +189,7 @@ class _Samples:
 
 
 def _cut(curve: Curve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Points of the curve cut to pieces of at most `_SPACING`, the piece each starts, whether it was there before."""
+    """Points of the curve cut into pieces of at most `_SPACING`, the source of each, whether it was drawn."""
     step = np.roll(curve.points, -1, axis=0) - curve.points
     count = np.maximum(1, np.ceil(np.linalg.norm(step, axis=1) / _SPACING - 1e-9).astype(int))
     source = np.repeat(np.arange(len(count)), count)
@@ -199,7 +199,7 @@ def _cut(curve: Curve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def _far(curve: Curve) -> np.ndarray:
-    """Points between two segments of two edges or more: they were drawn one by one, and stay."""
+    """Points between two segments of at least two edges each: they were drawn one by one, and stay."""
     length = np.linalg.norm(np.roll(curve.points, -1, axis=0) - curve.points, axis=1)
     return np.minimum(length, np.roll(length, 1)) >= 2.0
 

@@ -1,7 +1,7 @@
-"""The size field of a plan: how long edges should be where, in units of the length asked for.
+"""The size field of a plan: the edge length at each point, in units of the wanted length.
 
-It is 1 wherever the plan allows, less at the places that ask for less, and grows away from them by `GROWTH` a unit
-of distance.
+It is 1 wherever the plan allows, less at bends and narrow places, and grows away from them by `GROWTH` a unit of
+distance.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ GROWTH = 0.3
 
 
 class SizeField:
-    """Edge length wanted at a point: at most 1, less near the `places` (n, 2) whose `sizes` (n,) are less.
+    """The edge length at a point: at most 1, less near the `places` (n, 2) whose `sizes` (n,) are less.
 
-    The sizes must already grow by no more than `GROWTH` from place to place, see `graded`.
+    The sizes must already grow by at most `GROWTH` a unit of distance between places; see `graded`.
     """
 
     def __init__(self, places: np.ndarray, sizes: np.ndarray) -> None:
@@ -27,13 +27,13 @@ class SizeField:
         return np.minimum(1.0, self._grown(points, 1.0))
 
     def room(self, points: np.ndarray, most: float) -> np.ndarray:
-        """How far from each point, up to `most`, the full length holds everywhere; negative where it does not hold."""
+        """The radius around each point, up to `most`, in which the full length holds; negative where it does not."""
         return np.minimum(most, (self._grown(points, 1.0 + most * GROWTH) - 1.0) / GROWTH)
 
     def _grown(self, points: np.ndarray, most: float) -> np.ndarray:
         if self._tree is None:
             return np.full(len(points), np.inf)
-        # As the sizes are graded, a few near places decide.
+        # The sizes are graded, so a few near places decide.
         count = min(8, len(self._places))
         reach = (most - self._sizes.min()) / GROWTH
         distance, index = self._tree.query(points, k=count, distance_upper_bound=reach)
@@ -53,7 +53,7 @@ def graded(places: np.ndarray, sizes: np.ndarray) -> np.ndarray:
 
 
 def graded_along(length: np.ndarray, sizes: np.ndarray) -> np.ndarray:
-    """The same along a closed curve: piece k of `length` (n,) leads from sample k to sample k + 1."""
+    """Graded sizes along a closed curve: piece k of `length` (n,) leads from sample k to sample k + 1."""
     twice = np.concatenate([[0.0], np.cumsum(np.tile(length, 2))[:-1]])
     double = np.tile(sizes, 2)
     ahead = np.minimum.accumulate(double - GROWTH * twice) + GROWTH * twice

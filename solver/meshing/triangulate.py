@@ -1,4 +1,4 @@
-"""Constrained Delaunay triangulation of a region: Delaunay, missing boundary edges put back, the outside removed."""
+"""Constrained Delaunay triangulation of a region: Delaunay, missing boundary edges recovered, the outside removed."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ from ..errors import MeshError
 def triangulate(points: np.ndarray, edges: np.ndarray) -> np.ndarray:
     """Triangles (F, 3), counter-clockwise, of the region on the left of the directed boundary `edges` (B, 2).
 
-    Every boundary edge is an edge of the result; every other edge is locally Delaunay, except next to boundary edges
-    that had to be put back. Points outside the region are used by no triangle. `points (n, 2)` of about unit spacing.
+    Every boundary edge is an edge of the result; every other edge is locally Delaunay, except next to recovered
+    boundary edges. Points outside the region stay unused. `points (n, 2)` have about unit spacing. Raises `MeshError`
+    where another boundary point lies on a boundary edge.
     """
     triangles = _delaunay(points)
     for a, b in edges[~_has_edges(triangles, edges, len(points))]:
@@ -24,7 +25,7 @@ def triangulate(points: np.ndarray, edges: np.ndarray) -> np.ndarray:
 
 def _delaunay(points: np.ndarray) -> np.ndarray:
     low, high = points.min(axis=0), points.max(axis=0)
-    # Four far points make every boundary edge an inner one: no hull to treat apart, one outside component.
+    # Four far points make every boundary edge an inner one: the hull is no special case, and the outside is connected.
     middle, reach = (low + high) / 2, 2.0 * (high - low).max() + 2.0
     frame = middle + reach * np.array([[-1.1, -1.0], [1.0, -1.2], [1.3, 1.0], [-1.0, 1.1]])
     triangles = Delaunay(np.concatenate([points, frame])).simplices.astype(np.int64)
@@ -43,7 +44,7 @@ def _has_edges(triangles: np.ndarray, edges: np.ndarray, count: int) -> np.ndarr
 
 
 def _put_back(points: np.ndarray, triangles: np.ndarray, a: int, b: int) -> np.ndarray:
-    """Remove the triangles that segment a-b passes through, and fill the two sides of it anew."""
+    """Remove the triangles that segment a-b crosses, and triangulate both of its sides again."""
     u = points[b] - points[a]
     known = np.zeros(int(triangles.max()) + 1)
     known[: len(points)] = u[0] * (points[:, 1] - points[a, 1]) - u[1] * (points[:, 0] - points[a, 0])
@@ -74,9 +75,9 @@ def _without_repeats(chain: np.ndarray) -> list[int]:
 
 
 def _fill(points: np.ndarray, a: int, b: int, chain: list[int], new: list[tuple[int, int, int]]) -> None:
-    """Triangulate the polygon a, b, chain… : on its base the triangle whose circle holds no other vertex (Anglada).
+    """Triangulate the polygon a, b, chain…: on its base the triangle whose circle holds no other vertex (Anglada).
 
-    A vertex that hangs into the polygon on one edge appears with that edge's other end before and after it.
+    A vertex that hangs into the polygon on one edge appears between two copies of that edge's other end.
     """
     stack = [(a, b, chain)]
     while stack:
@@ -98,7 +99,7 @@ def _in_circle(points: np.ndarray, a: int, b: int, c: int, d: int) -> bool:
 
 
 def _left_of(triangles: np.ndarray, edges: np.ndarray, count: int) -> np.ndarray:
-    """The triangles on the left of the boundary: faces joined across edges that are not boundary edges go together."""
+    """The triangles on the left of the boundary, with all triangles connected to them across other edges."""
     tail, head = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
     face = np.repeat(np.arange(len(triangles)), 3)
     left, right = _keys(tail, head, count), _keys(head, tail, count)

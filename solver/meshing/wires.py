@@ -1,6 +1,6 @@
-"""From edges in space to the outline of a plan: closed loops, the plane they lie in, which is the outer one.
+"""From edges in space to the outline of a plan: closed loops, their plane, and the outer one among them.
 
-Arrays only; `outline_bridge` takes them out of Blender and puts the mesh back.
+Arrays only; the add-on's `outline_bridge` reads them from Blender and writes the mesh back.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from scipy.spatial import KDTree
 from ..errors import MeshError, plural
 from .outline import inside, signed_area
 
-_FLAT = 1e-5  # of the size: an outline this close to a plane lies in it
-_LEVEL = 1e-4  # of a normal, sideways: a plane this close to level is level
+_FLAT = 1e-5  # of the size: an outline this close to a plane counts as flat
+_LEVEL = 1e-4  # the horizontal part of a normal below which its plane counts as level
 
 MOST_TRIANGLES = 1_000_000
 
@@ -24,7 +24,7 @@ MOST_TRIANGLES = 1_000_000
 class Wire:
     """Edges in space as drawn: points (V, 3), edges (E, 2), the group of each edge (E,), 0 for none.
 
-    `name` is what messages call the whole; `numbered`: the user can find a point by its number, else by its place.
+    `name`: of the whole, in messages. `numbered`: messages name points by number, else by place.
     """
 
     name: str
@@ -59,7 +59,7 @@ class Plane:
 @dataclass(frozen=True, eq=False)
 class Outline:
     """The outer loop and then the holes, as lists of vertices and edges of the wire: segment k is `edges[k]` and
-    leaves `vertices[k]`. `off` is how far the wire leaves its plane."""
+    leaves `vertices[k]`. `off`: the largest distance of the wire from its plane."""
 
     wire: Wire
     plane: Plane
@@ -83,15 +83,15 @@ class Outline:
         return float(np.ptp(self.loops[0], axis=0).max())
 
     def borders(self) -> list[NDArray[np.int64]]:
-        """Points of each loop where one group ends and another begins: they have to stay."""
+        """Points of each loop between two groups, which must stay vertices."""
         return [np.flatnonzero(group != np.roll(group, 1)) for group in self.groups]
 
 
 def make_outline(wire: Wire) -> Outline:
     """Loops of the wire in its best plane, the one with the largest area first.
 
-    Raises MeshError, with the vertices at fault, on coordinates that are not finite, open ends, points where
-    more than two edges meet, and loops outside the largest one.
+    Raises `MeshError`, naming the vertices, on coordinates that are not finite, open ends, points where more than two
+    edges meet, and loops outside the largest one.
     """
     bad = np.flatnonzero(~np.isfinite(wire.points).all(axis=1))
     if bad.size:
@@ -112,7 +112,7 @@ def make_outline(wire: Wire) -> Outline:
 
 
 def chain(wire: Wire) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
-    """Closed loops as vertices and the edges that leave them; each starts with its first edge as drawn."""
+    """Closed loops as vertices and the edges that leave them; each starts with its first drawn edge."""
     count = np.bincount(wire.edges.ravel(), minlength=len(wire.points))
     _check_degrees(wire, count)
     # The two edges at each vertex: the places of the vertex among the ends of all edges, in pairs.
@@ -140,10 +140,10 @@ def chain(wire: Wire) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
 
 
 def fit_plane(points: NDArray[np.float64]) -> tuple[Plane, float]:
-    """The plane nearest to the points (n, 3), and the farthest any of them is from it.
+    """The plane nearest to the points (n, 3), and their largest distance from it.
 
-    Its normal points upwards. Its first direction is as near to the x axis as it can be (to the y axis where x
-    is the normal), so that plan coordinates in a level plane are x and y, and the heights are kept.
+    Its normal points upwards. Its first direction is as near to the x axis as possible (to the y axis if x is the
+    normal), so that plan coordinates in a level plane are x and y, and heights are kept.
     """
     centre = points.mean(axis=0)
     size = float(np.ptp(points, axis=0).max()) or 1.0
@@ -164,7 +164,7 @@ def fit_plane(points: NDArray[np.float64]) -> tuple[Plane, float]:
 
 
 def explained(error: MeshError, outline: Outline) -> MeshError:
-    """The mesher's error, which numbers points along the loops, in terms of what the user drew."""
+    """The mesher's error, which numbers points along the loops, with the vertices that the user drew."""
     if not error.vertices:
         return error
     along = np.concatenate(outline.vertices)
@@ -174,7 +174,7 @@ def explained(error: MeshError, outline: Outline) -> MeshError:
 
 
 def is_flat(outline: Outline) -> bool:
-    """Whether the outline lies in its plane, but for rounding."""
+    """Whether the outline lies in its plane, up to rounding."""
     return outline.off <= _FLAT * outline.size
 
 
@@ -184,15 +184,15 @@ def default_edge_length(size: float) -> float:
 
 
 def default_corner_radius(size: float) -> float:
-    """A tenth of the plan's size, whatever the edges: a finer mesh is to give the same shell more exactly.
+    """A tenth of the plan's size, whatever the edge length, so that a finer mesh gives the same shell more exactly.
 
-    Where the corner is sharper the shell has higher and narrower feet there, until it goes through itself.
+    At sharper corners the shell has higher and narrower feet, until it passes through itself.
     """
     return size / 10.0
 
 
 def check_count(outline: Outline, edge_length: float) -> None:
-    """Raise MeshError where the mesh would have more triangles than a person waits for: a slip of the unit."""
+    """Raise `MeshError` if the mesh would have far too many triangles, as after a slip of the unit."""
     area = sum(abs(signed_area(loop)) * (1 if k == 0 else -1) for k, loop in enumerate(outline.loops))
     length = sum(np.linalg.norm(loop - np.roll(loop, 1, axis=0), axis=1).sum() for loop in outline.loops)
     count = max(area, 0.0) / (0.433 * edge_length**2) + length / edge_length
@@ -205,7 +205,7 @@ def check_count(outline: Outline, edge_length: float) -> None:
 
 
 def nearest(midpoints: NDArray[np.float64], starts: NDArray, ends: NDArray) -> NDArray[np.int64]:
-    """For each point (n, d) the nearest of the segments (m, d), by a few samples on each."""
+    """The nearest segment (m, d) of each point (n, d), by a few samples on each."""
     parts = np.array([1, 3, 5]) / 6.0
     samples = starts[:, None, :] + parts[None, :, None] * (ends - starts)[:, None, :]
     index = np.asarray(KDTree(samples.reshape(-1, samples.shape[2])).query(midpoints)[1])
