@@ -1,4 +1,4 @@
-"""Boundary conditions: what the tangent planes do along the boundary.
+"""Boundary conditions: prescribed tangent planes, mirrors and free edges along the boundary.
 
 A condition fixes the normals N at some sites, or holds them in a plane with normal ν (a mirror, N · ν = 0; paper, Sec.
 5.1.1). Conditions are combined with `+`. Where kinds meet at a site, fixed goes before mirror before free: two normals
@@ -283,8 +283,8 @@ KINDS: dict[str, Kind] = {
     ),
     "plane": Kind(
         "Constant plane",
-        "The surface touches one plane along these edges",
-        (Parameter("normal", "Normal", "Normal of the plane, pointing out of the surface", (0.0, 0.0, 1.0)),),
+        "The shell touches one plane along these edges",
+        (Parameter("normal", "Normal", "Normal of the plane, pointing out of the shell", (0.0, 0.0, 1.0)),),
         lambda domain, positions, edges, normal=(0.0, 0.0, 1.0): fixed(domain, edges, normal),
     ),
     "twisted": Kind(
@@ -295,15 +295,15 @@ KINDS: dict[str, Kind] = {
     ),
     "gauss_map": Kind(
         "As drawn",
-        "The surface keeps the tangent planes of the drawn mesh along these edges",
+        "The shell keeps the tangent planes of the drawn mesh along these edges",
         (),
         lambda domain, positions, edges: gauss_map(domain, positions, edges),
     ),
     "mirror": Kind(
         "Mirror",
-        "The surface meets a plane at a right angle and continues as its own reflection",
+        "The shell meets a plane at a right angle and continues as its own reflection",
         (
-            Parameter("normal", "Normal", "Normal of the plane, pointing out of the surface", (0.0, 0.0, 1.0)),
+            Parameter("normal", "Normal", "Normal of the plane, pointing out of the shell", (0.0, 0.0, 1.0)),
             Parameter("winding", "Extra Turns", "Extra full turns of the tangent plane along the mirror", 0.0),
         ),
         lambda domain, positions, edges, normal=(0.0, 0.0, 1.0), winding=0: mirror(domain, edges, normal, winding),

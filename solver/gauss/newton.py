@@ -33,7 +33,7 @@ _CG_LIMIT = 200
 
 @dataclass(frozen=True)
 class Iterate:
-    """One line of the history: the map before the step, and what the step took."""
+    """One line of the history: energy and residual before a step, back-solves and length of the step."""
 
     energy: float
     residual: float

@@ -30,12 +30,12 @@ def example_of(docstring: str) -> str:
 
 
 def examples() -> dict[str, str]:
-    found = {}
+    result = {}
     for path in sorted(ROOMS.glob("*/__init__.py")):
         docstring = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
         if text := example_of(docstring):
-            found[path.parent.name] = text
-    return found
+            result[path.parent.name] = text
+    return result
 
 
 @pytest.mark.parametrize("room", sorted(WITH_EXAMPLE | examples().keys()))

@@ -98,7 +98,7 @@ def domain(request) -> Domain:
 
 @pytest.fixture
 def without_libigl(monkeypatch) -> None:
-    monkeypatch.setitem(sys.modules, "igl", None)  # what makes an import fail
+    monkeypatch.setitem(sys.modules, "igl", None)  # makes the import fail
 
 
 @pytest.fixture(params=["libigl", "our flips"])
@@ -158,7 +158,7 @@ def test_boundary_edges_are_followed(domain):
 
 
 @pytest.mark.usefixtures("way")
-def test_what_is_delaunay_stays_as_it_is(domain):
+def test_a_delaunay_domain_stays_the_same(domain):
     once = intrinsic_delaunay(domain)
     twice = intrinsic_delaunay(once.domain)
     assert_array_equal(twice.domain.faces, once.domain.faces)
@@ -247,7 +247,7 @@ def test_libigl_does_what_it_can(monkeypatch):
 
 
 @pytest.mark.parametrize("name", ["a torus in space", "seven vertices", "a tube"])
-def test_libigl_is_not_believed_where_it_has_lost_track(name):
+def test_contradicting_tables_of_libigl_are_rejected(name):
     """On the way these have vertices with two edges only."""
     assert delaunay._flipped_by(delaunay._libigl(), DOMAINS[name]()) is None
 
@@ -286,8 +286,8 @@ def test_surfaces_of_both_ways_agree(sites, energy, request):
     assert_array_equal(ours.faces, domain.faces)
 
 
-def test_a_libigl_that_does_not_load_is_as_none(monkeypatch):
-    """A wheel for another system, say."""
+def test_a_libigl_that_does_not_load_counts_as_missing(monkeypatch):
+    """Such as a wheel for another system."""
 
     def broken(name):
         raise ImportError(f"{name}: wrong ELF class")
@@ -297,8 +297,8 @@ def test_a_libigl_that_does_not_load_is_as_none(monkeypatch):
     assert opposite_angles(new).max() <= np.pi + 1e-10
 
 
-def test_a_large_mesh_is_said_to_be_faster_with_libigl(monkeypatch, request):
-    """And nothing is said where libigl would change nothing: on Delaunay meshes, around holes, on coarse domains."""
+def test_a_note_recommends_libigl_for_large_meshes(monkeypatch, request):
+    """No note where libigl would not help: on Delaunay meshes, around holes, on coarse domains."""
     needles, tidy = DOMAINS["needles"](), shapes.disc(300).domain
     monkeypatch.setattr(delaunay, "_LARGE", 18)
     assert speed_note(needles) is None
@@ -323,9 +323,9 @@ def test_the_note_comes_with_the_shell(monkeypatch):
     assert notes(usual) == []
 
 
-def test_needles_that_rounding_makes_flat_are_said_so():
-    """Ten million times as long as they are wide: some of these come out whole, for others the vertices are named."""
-    said = 0
+def test_needles_that_rounding_makes_flat_are_reported():
+    """Ten million times as long as they are wide: some survive, for others the error names the vertices."""
+    reported = 0
     for seed in range(60):
         try:
             domain = Domain.from_positions(*stretched(1e7, 60, seed))
@@ -336,8 +336,8 @@ def test_needles_that_rounding_makes_flat_are_said_so():
         except MeshError as error:
             assert "so thin that rounding makes them flat" in str(error) and "solve without" in str(error)
             assert len(error.vertices) == 3 and set(error.vertices) <= set(range(60))
-            said += 1
-    assert said > 0
+            reported += 1
+    assert reported > 0
 
 
 def cone() -> Domain:

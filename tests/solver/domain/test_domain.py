@@ -1,4 +1,4 @@
-"""Domains: the same triangles from positions, corners and lengths; what is refused, and who is named."""
+"""Domains: the same triangles from positions, corners and lengths; refused meshes and the offenders named."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def test_boundary_loops_keep_the_surface_on_the_left():
         assert_array_equal(shape.domain.edges[edges, 1], np.roll(loop, -1))
 
 
-def test_parallel_edges_are_told_apart_by_face_edges():
+def test_face_edges_distinguish_parallel_edges():
     """A torus of one column and two triangles: one vertex, three edges."""
     domain = Domain.from_edge_lengths([[0, 0, 0], [0, 0, 0]], np.ones((2, 3)), face_edges=[[0, 1, 2], [0, 1, 2]])
     assert (domain.vertex_count, len(domain.edges), domain.euler_characteristic, domain.genus) == (1, 3, 0, 1)
@@ -217,6 +217,6 @@ def test_a_closed_mesh_is_a_domain():
     assert (domain.euler_characteristic, domain.genus, domain.boundary_loops) == (2, 0, [])
 
 
-def test_refuses_what_is_no_array_of_numbers():
+def test_refuses_arrays_that_are_not_numbers():
     assert "more corners than others" in str(refused(SQUARE, [[0, 1, 2], [0, 2]]))
     assert "must be numbers" in str(refused([["a", "b"]], [[0, 1, 2]]))

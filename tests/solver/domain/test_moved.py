@@ -1,4 +1,4 @@
-"""A solver for faces whose edge lengths have changed gives what a new one gives, and uses the factors it has."""
+"""A moved solver, for the same faces with other edge lengths: the results of a new one, with reused factors."""
 
 from __future__ import annotations
 
@@ -46,10 +46,10 @@ def test_a_moved_solver_gives_what_a_new_one_gives(sites, energy, delaunay):
         there = bumped(points, amount)
         solver = solver.moved(lengths_of(solver.domain, there))
         expected = solved(CmcSolver(Domain.from_positions(there, shape.domain.faces), **choice), there)
-        found = solved(solver, there)
-        assert found.status is expected.status
+        result = solved(solver, there)
+        assert result.status is expected.status
         for name in ("f_plus", "f_minus"):
-            assert_allclose(getattr(found, name), getattr(expected, name), rtol=0, atol=2e-7)
+            assert_allclose(getattr(result, name), getattr(expected, name), rtol=0, atol=2e-7)
 
 
 def test_with_holes_trees_and_cuts_serve_again():
@@ -61,9 +61,9 @@ def test_with_holes_trees_and_cuts_serve_again():
     moved = solver.moved(lengths_of(shape.domain, there))
     assert moved.conjugation.homology is solver.conjugation.homology
     expected = solved(CmcSolver(Domain.from_positions(there, shape.domain.faces)), there)
-    found = solved(moved, there)
-    assert expected.is_open and found.is_open
-    assert_allclose(found.f_plus, expected.f_plus, rtol=0, atol=2e-7)
+    result = solved(moved, there)
+    assert expected.is_open and result.is_open
+    assert_allclose(result.f_plus, expected.f_plus, rtol=0, atol=2e-7)
 
 
 def test_topology_is_kept_and_geometry_is_not():
@@ -95,7 +95,7 @@ def test_a_factor_serves_until_the_domain_is_another():
     assert all(one.rough is not first for one in again.harmonic._factors.values())
 
 
-def test_solving_with_a_factor_nearby():
+def test_solving_with_the_factor_of_a_nearby_matrix():
     """Exact whatever the factor; where it is of no use the matrix itself is factored."""
     rng = np.random.default_rng(1)
     A = sp.csr_array(sp.diags_array(rng.uniform(1, 2, 50)) + sp.eye_array(50, k=1) * 0.1 + sp.eye_array(50, k=-1) * 0.1)
@@ -112,7 +112,7 @@ def test_solving_with_a_factor_nearby():
     assert far.factor is not useless
 
 
-def test_a_window_gets_the_patient_factor(monkeypatch):
+def test_a_window_gets_the_factor_that_does_not_block(monkeypatch):
     pytest.importorskip("cholespy")
     A = sp.csr_array(2.0 * sp.eye_array(20))
     assert type(factorize(A)).__name__ == "_Cholespy"
@@ -120,7 +120,7 @@ def test_a_window_gets_the_patient_factor(monkeypatch):
     assert type(factorize(A)).__name__ == "_SuperLU"
 
 
-def test_the_area_of_all_faces_is_told_by_the_boundary():
+def test_the_boundary_gives_the_area_of_all_faces():
     from solver.gauss.frames import area_vectors, whole_area
 
     for shape in (shapes.disc(200), shapes.annulus(0.4, 1.0, 200)):

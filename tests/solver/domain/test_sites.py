@@ -1,4 +1,4 @@
-"""The graph of sites: the same questions of normals at vertices and at faces."""
+"""The graph of sites: the same identities with normals at vertices and at faces."""
 
 import numpy as np
 import pytest

@@ -35,9 +35,9 @@ def test_the_moment_is_minus_the_sum_of_the_tangent_parts(sites, energy):
 @pytest.mark.parametrize(("sites", "energy"), SITES)
 def test_critical_maps_of_closed_domains_are_balanced(sites, energy):
     solver = HarmonicSolver(TORUS.domain, sites, energy)
-    found = solver.solve(Conditions(), winding(solver, bend=0.1), method="critical", tolerance=1e-10)
-    assert found.status is Status.CONVERGED and found.energy > 1.0
-    assert found.imbalance is not None and found.imbalance < 1e-10
+    result = solver.solve(Conditions(), winding(solver, bend=0.1), method="critical", tolerance=1e-10)
+    assert result.status is Status.CONVERGED and result.energy > 1.0
+    assert result.imbalance is not None and result.imbalance < 1e-10
     off = solver.solve(Conditions(), winding(solver, bend=0.5) + [0.3, 0.0, 0.0], max_iterations=0)
     assert off.imbalance is not None and off.imbalance > 1e-3
 
@@ -65,7 +65,7 @@ def test_balanced_descent_keeps_away_from_constants():
     solver = HarmonicSolver(TORUS.domain)
     off = winding(solver) + [0.02, 0.0, 0.05]
     assert solver.solve(Conditions(), off).status is Status.COLLAPSED
-    found = solver.solve(conditions.balanced(TORUS.domain), off, tolerance=1e-9)
-    assert found.status is Status.CONVERGED
-    assert_allclose(found.energy, 0.5 * 2 * np.pi * 2.0, rtol=5e-3)
-    assert found.imbalance < 1e-8 and len(found.history) < 60
+    result = solver.solve(conditions.balanced(TORUS.domain), off, tolerance=1e-9)
+    assert result.status is Status.CONVERGED
+    assert_allclose(result.energy, 0.5 * 2 * np.pi * 2.0, rtol=5e-3)
+    assert result.imbalance < 1e-8 and len(result.history) < 60

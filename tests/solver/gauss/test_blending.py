@@ -1,4 +1,4 @@
-"""Tilts that flow into each other along the boundary."""
+"""Tilts blended along the boundary by a moving average."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ def middles(shape, edges):
     return shape.positions[shape.domain.edges[edges]].mean(axis=1)
 
 
-def test_a_jump_becomes_a_ramp_of_the_width_asked_for(strip):
+def test_a_jump_becomes_a_ramp_of_the_given_width(strip):
     edges = strip.sides["bottom"]
     x = middles(strip, edges)[:, 0]
     averaged = moving_average(strip.domain, edges, np.where(x < 2.0, 0.0, 1.0), 1.0)
     assert_allclose(averaged, np.clip(x - 1.5, 0.0, 1.0), rtol=0, atol=1e-12)
 
 
-def test_a_loop_goes_round(strip):
+def test_the_window_wraps_around_a_loop(strip):
     domain = shapes.disc(2000).domain
     edges = domain.boundary_loop_edges[0]
     values = np.where(np.arange(len(edges)) < len(edges) // 2, 0.0, 1.0)

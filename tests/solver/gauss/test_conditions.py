@@ -1,4 +1,4 @@
-"""What the conditions prescribe at each vertex, and what they refuse."""
+"""Boundary conditions: the normals they prescribe, and the input they refuse."""
 
 from __future__ import annotations
 
@@ -204,6 +204,6 @@ def test_no_edges_are_no_condition(strip):
         lambda s: conditions.binormal(s.domain, s.positions * np.nan, s.sides["top"]),
     ],
 )
-def test_what_is_no_array_of_numbers_is_a_condition_error(strip, make):
+def test_arrays_that_are_not_numbers_are_condition_errors(strip, make):
     with pytest.raises(ConditionError, match=r"must be|not finite"):
         make(strip)

@@ -1,4 +1,4 @@
-"""Edge energies: derivatives, both ends of their range, and what the Möbius one knows about surfaces (Appendix A)."""
+"""Edge energies: derivatives, both ends of their range, and the Möbius energy of surfaces (Appendix A)."""
 
 from __future__ import annotations
 
@@ -233,7 +233,7 @@ def test_inscribed_delaunay_polyhedra_are_their_own_conjugates():
 
 
 @pytest.mark.parametrize("name", ENERGIES)
-def test_every_energy_is_offered_with_words_and_sites(name):
+def test_every_energy_has_a_label_a_description_and_sites(name):
     energy = ENERGIES[name]
     assert energy.label and energy.description and set(energy.sites) <= set(SITES)
     assert energy_on(name, energy.sites[0]) is energy

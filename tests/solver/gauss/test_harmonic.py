@@ -1,4 +1,4 @@
-"""Harmonic maps: the energies that are known, the starts, the statuses, the solver's promises."""
+"""Harmonic maps: known energies, starts, statuses, and the contract of the solver."""
 
 from __future__ import annotations
 
@@ -38,15 +38,15 @@ def inside(domain):
 
 @pytest.mark.parametrize("side", [1, -1])
 def test_conormals_of_the_disc_give_the_hemisphere(side):
-    """Flat data: the way out of their plane must be found, to the side asked for. E = 2π, degree ±½."""
+    """Flat data: the solver must leave their plane, to the given side. E = 2π, degree ±½."""
     errors = []
     for n in (500, 2000, 8000):
         domain, points = disc(n)
-        found = HarmonicSolver(domain).solve(rim(domain, points), side=side)
-        assert found.status is Status.CONVERGED and found.residual <= 1e-6
-        assert_allclose(found.degree, side / 2, rtol=0, atol=1e-3)
-        errors.append(np.abs(found.normals - hemisphere(points) * [1, 1, side]).max())
-    assert_allclose(found.energy, 2 * np.pi, rtol=1e-3, atol=0)
+        result = HarmonicSolver(domain).solve(rim(domain, points), side=side)
+        assert result.status is Status.CONVERGED and result.residual <= 1e-6
+        assert_allclose(result.degree, side / 2, rtol=0, atol=1e-3)
+        errors.append(np.abs(result.normals - hemisphere(points) * [1, 1, side]).max())
+    assert_allclose(result.energy, 2 * np.pi, rtol=1e-3, atol=0)
     assert rates(errors).min() > 1.7
 
 
@@ -66,8 +66,8 @@ def test_up_is_the_plans_own_normal_however_it_lies_in_space(seed, with_position
     condition = rim(domain, np.column_stack([points, 0 * points[:, 0]]) @ turn.T)
     if not with_positions:
         condition = conditions.fixed_at(domain, condition.vertices, condition.vertex_normals)
-    found = HarmonicSolver(domain).solve(condition)
-    assert (found.normals @ turn[:, 2])[inside(domain)].min() > 0
+    result = HarmonicSolver(domain).solve(condition)
+    assert (result.normals @ turn[:, 2])[inside(domain)].min() > 0
 
 
 @pytest.mark.parametrize("name", PLANS)
@@ -77,10 +77,10 @@ def test_flat_plans_bulge_upwards_and_their_energies_settle(name):
     energies = []
     for divisions in (25, 50):
         shape = shapes.polygon(outline, holes, max_edge=width / divisions, corner_radius=radius)
-        found = HarmonicSolver(shape.domain).solve(outward(shape))
-        assert found.status is Status.CONVERGED
-        assert found.normals[inside(shape.domain), 2].min() > 0
-        energies.append(found.energy)
+        result = HarmonicSolver(shape.domain).solve(outward(shape))
+        assert result.status is Status.CONVERGED
+        assert result.normals[inside(shape.domain), 2].min() > 0
+        energies.append(result.energy)
     assert_allclose(energies[0], energies[1], rtol=0.02, atol=0)
 
 
@@ -89,33 +89,33 @@ def test_the_side_is_known_without_positions():
     domain, points = disc(800)
     loop = domain.boundary_loops[0]
     radii = np.column_stack([points[loop], np.zeros(len(loop))])
-    found = HarmonicSolver(domain).solve(conditions.fixed_at(domain, loop, radii))
-    assert found.normals[inside(domain), 2].min() > 0
+    result = HarmonicSolver(domain).solve(conditions.fixed_at(domain, loop, radii))
+    assert result.normals[inside(domain), 2].min() > 0
 
 
 @pytest.mark.parametrize("tilt", [-30, -10, 10, 30])
 def test_caps_of_every_tilt_stay_on_the_upper_side(tilt):
     """Conformal caps, E = 2π (1 - sin tilt), continuous through 0: a rim that leans out is more than a hemisphere."""
     domain, points = disc(4000)
-    found = HarmonicSolver(domain).solve(rim(domain, points, np.radians(tilt)))
-    assert found.status is Status.CONVERGED
-    assert_allclose(found.energy, 2 * np.pi * (1 - np.sin(np.radians(tilt))), rtol=3e-3, atol=0)
-    assert found.normals[np.argmin(np.linalg.norm(points, axis=1)), 2] > 0.9
+    result = HarmonicSolver(domain).solve(rim(domain, points, np.radians(tilt)))
+    assert result.status is Status.CONVERGED
+    assert_allclose(result.energy, 2 * np.pi * (1 - np.sin(np.radians(tilt))), rtol=3e-3, atol=0)
+    assert result.normals[np.argmin(np.linalg.norm(points, axis=1)), 2] > 0.9
 
 
 def test_energy_of_the_first_twisted_disc():
     shape = shapes.disc(12500)
     edges = shape.domain.boundary_edges
-    found = HarmonicSolver(shape.domain).solve(conditions.twisted(shape.domain, shape.positions, edges, 1))
-    assert_allclose(found.energy, 4.1246, rtol=0, atol=5e-4)
+    result = HarmonicSolver(shape.domain).solve(conditions.twisted(shape.domain, shape.positions, edges, 1))
+    assert_allclose(result.energy, 4.1246, rtol=0, atol=5e-4)
 
 
 def test_a_saddle_is_left():
     """Twisted twice, a symmetric start runs into a critical map that is no minimiser (E = 12.80)."""
     domain, points = disc(8000, jitter=0.02)
-    found = HarmonicSolver(domain).solve(conditions.twisted(domain, points, domain.boundary_edges, 2))
-    assert found.status is Status.CONVERGED and found.iterations < 30
-    assert found.energy < 12.78
+    result = HarmonicSolver(domain).solve(conditions.twisted(domain, points, domain.boundary_edges, 2))
+    assert result.status is Status.CONVERGED and result.iterations < 30
+    assert result.energy < 12.78
 
 
 @pytest.mark.parametrize("degree", [1, -1])
@@ -124,19 +124,19 @@ def test_a_wound_start_finds_the_nodoid(degree):
     errors = []
     for columns in (32, 64):
         domain, _ = cylinder(exact.height, columns)
-        found = HarmonicSolver(domain).solve(ends(domain), degree=degree)
-        assert found.status is Status.CONVERGED
-        assert_allclose(found.degree, degree, rtol=0, atol=1e-9)
-        errors.append(abs(found.energy - exact.energy))
+        result = HarmonicSolver(domain).solve(ends(domain), degree=degree)
+        assert result.status is Status.CONVERGED
+        assert_allclose(result.degree, degree, rtol=0, atol=1e-9)
+        errors.append(abs(result.energy - exact.energy))
     assert errors[1] / exact.energy < 4e-3
     assert rates(errors).min() > 1.6
 
 
 def test_without_a_degree_the_cylinder_does_not_wind():
     domain, _ = cylinder(Nodoid(0.5).height, 96)
-    found = HarmonicSolver(domain).solve(ends(domain))
-    assert_allclose(found.degree, 0, rtol=0, atol=1e-9)
-    assert_allclose(found.energy, 9.351, rtol=2e-3, atol=0)
+    result = HarmonicSolver(domain).solve(ends(domain))
+    assert_allclose(result.degree, 0, rtol=0, atol=1e-9)
+    assert_allclose(result.energy, 9.351, rtol=2e-3, atol=0)
 
 
 def test_a_degree_turns_the_small_cap_into_the_large_one():
@@ -150,7 +150,7 @@ def test_a_degree_turns_the_small_cap_into_the_large_one():
     assert_allclose(large.energy, 2 * np.pi * (1 + np.sin(np.radians(20))), rtol=5e-3, atol=0)
 
 
-def test_a_degree_that_no_start_is_known_for_is_refused():
+def test_a_degree_without_a_start_is_refused():
     shape = shapes.polygon(*PLANS["courtyard"][:2], max_edge=0.2, corner_radius=0.3)
     with pytest.raises(ConditionError, match="degree 3"):
         HarmonicSolver(shape.domain).solve(outward(shape), degree=3)
@@ -168,33 +168,33 @@ def test_free_sides_take_the_natural_condition():
     condition = conditions.fixed(shape.domain, shape.sides["left"], [1, 0, 0]) + conditions.fixed(
         shape.domain, shape.sides["right"], b
     )
-    found = HarmonicSolver(shape.domain).solve(condition)
+    result = HarmonicSolver(shape.domain).solve(condition)
     angle = np.pi / 3 * shape.positions[:, 0] / 2.0
     expected = np.column_stack([np.cos(angle), 0 * angle, np.sin(angle)])
-    assert_allclose(found.normals, expected, rtol=0, atol=1e-3)
-    assert_allclose(found.energy, 0.5 * (np.pi / 3) ** 2 / 2.0, rtol=1e-3, atol=0)
+    assert_allclose(result.normals, expected, rtol=0, atol=1e-3)
+    assert_allclose(result.energy, 0.5 * (np.pi / 3) ** 2 / 2.0, rtol=1e-3, atol=0)
 
 
 def test_normals_are_units_and_the_boundary_is_as_prescribed():
     domain, points = disc(800)
     condition = rim(domain, points, 0.3)
-    found = HarmonicSolver(domain).solve(condition)
+    result = HarmonicSolver(domain).solve(condition)
     sites, data = condition.resolve()
-    assert_array_equal(found.normals[sites], data)
-    assert_allclose(np.linalg.norm(found.normals, axis=1), 1, rtol=0, atol=1e-14)
+    assert_array_equal(result.normals[sites], data)
+    assert_allclose(np.linalg.norm(result.normals, axis=1), 1, rtol=0, atol=1e-14)
 
 
 def test_the_residual_is_the_one_of_the_returned_map():
     domain, points = disc(800)
-    found = HarmonicSolver(domain).solve(rim(domain, points, 0.3))
-    G = domain.laplacian @ found.normals
-    tangent = sphere.project(found.normals, G)[inside(domain)]
+    result = HarmonicSolver(domain).solve(rim(domain, points, 0.3))
+    G = domain.laplacian @ result.normals
+    tangent = sphere.project(result.normals, G)[inside(domain)]
     areas = domain.vertex_areas[inside(domain)]
     expected = np.sqrt(domain.area * np.sum(np.sum(tangent**2, axis=1) / areas))
-    assert_allclose(found.residual, expected, rtol=1e-3, atol=1e-12)
-    assert_allclose(found.energy, 0.5 * np.sum(found.normals * G), rtol=1e-12, atol=0)
-    energies = [line.energy for line in found.history]
-    assert (np.diff(energies) <= 1e-12).all() and len(energies) == found.iterations + 1
+    assert_allclose(result.residual, expected, rtol=1e-3, atol=1e-12)
+    assert_allclose(result.energy, 0.5 * np.sum(result.normals * G), rtol=1e-12, atol=0)
+    energies = [line.energy for line in result.history]
+    assert (np.diff(energies) <= 1e-12).all() and len(energies) == result.iterations + 1
 
 
 @pytest.mark.parametrize("factor", [1e-3, 1e3])
@@ -243,10 +243,10 @@ def test_the_sum_of_edge_energies_is_the_energy_reported(sites, name):
     shape = shapes.disc(400)
     domain, points = shape.domain, shape.positions
     solver = HarmonicSolver(domain, sites=sites, energy=name)
-    found = solver.solve(rim(domain, points, 0.3))
+    result = solver.solve(rim(domain, points, 0.3))
     i, j = solver.graph.links.T
-    c = np.einsum("ij,ij->i", found.normals[i], found.normals[j])
-    assert_allclose(ENERGIES[name].value(c, solver.graph).sum(), found.energy, rtol=1e-10, atol=0)
+    c = np.einsum("ij,ij->i", result.normals[i], result.normals[j])
+    assert_allclose(ENERGIES[name].value(c, solver.graph).sum(), result.energy, rtol=1e-10, atol=0)
 
 
 def test_degree_counts_how_often_the_sphere_is_covered():
@@ -267,7 +267,7 @@ def test_exp_stays_on_the_sphere_and_keeps_lengths():
     assert_array_equal(sphere.exp(N, 0 * d), sphere.normalize(N))
 
 
-def test_progress_is_told_and_can_cancel():
+def test_progress_is_reported_and_can_cancel():
     domain, points = disc(1500)
     seen = []
 
@@ -275,36 +275,36 @@ def test_progress_is_told_and_can_cancel():
         seen.append((iteration, residual))
         return iteration < 2
 
-    found = HarmonicSolver(domain).solve(rim(domain, points), progress=progress)
-    assert found.status is Status.CANCELLED and found.iterations == 2
+    result = HarmonicSolver(domain).solve(rim(domain, points), progress=progress)
+    assert result.status is Status.CANCELLED and result.iterations == 2
     assert [k for k, _ in seen] == [0, 1, 2]
-    assert_allclose(seen[-1][1], found.residual, rtol=1e-12, atol=0)
+    assert_allclose(seen[-1][1], result.residual, rtol=1e-12, atol=0)
 
 
 def test_the_iteration_limit_is_a_status():
     domain, points = disc(1500)
-    found = HarmonicSolver(domain).solve(rim(domain, points), max_iterations=1)
-    assert found.status is Status.ITERATION_LIMIT and found.iterations == 1
+    result = HarmonicSolver(domain).solve(rim(domain, points), max_iterations=1)
+    assert result.status is Status.ITERATION_LIMIT and result.iterations == 1
 
 
 def test_a_tolerance_out_of_reach_is_stalled_or_met_never_endless():
     domain, points = disc(800)
-    found = HarmonicSolver(domain).solve(rim(domain, points), tolerance=1e-30)
-    assert found.status in (Status.STALLED, Status.ITERATION_LIMIT)
-    assert found.residual < 1e-9
+    result = HarmonicSolver(domain).solve(rim(domain, points), tolerance=1e-30)
+    assert result.status in (Status.STALLED, Status.ITERATION_LIMIT)
+    assert result.residual < 1e-9
 
 
 def test_constant_data_collapse():
     domain, _ = disc(300)
-    found = HarmonicSolver(domain).solve(conditions.fixed(domain, domain.boundary_edges, [0, 0, 1]))
-    assert found.status is Status.COLLAPSED
+    result = HarmonicSolver(domain).solve(conditions.fixed(domain, domain.boundary_edges, [0, 0, 1]))
+    assert result.status is Status.COLLAPSED
 
 
 def test_a_mesh_too_coarse_for_its_map_is_under_resolved():
     shape = shapes.disc(19)
     edges = shape.domain.boundary_edges
-    found = HarmonicSolver(shape.domain).solve(conditions.twisted(shape.domain, shape.positions, edges, 4))
-    assert found.status is Status.UNDER_RESOLVED
+    result = HarmonicSolver(shape.domain).solve(conditions.twisted(shape.domain, shape.positions, edges, 4))
+    assert result.status is Status.UNDER_RESOLVED
 
 
 def test_an_initial_map_is_taken():

@@ -1,4 +1,4 @@
-"""The minimisers: they agree, each behind the same call, and say how they ended."""
+"""The minimisers: the same call, the same map, and a status."""
 
 import numpy as np
 import pytest
@@ -51,8 +51,8 @@ def test_every_method_can_be_cancelled_and_limited(method):
 @pytest.mark.parametrize(("sites", "energy"), [("vertices", "cotan"), ("faces", "mobius")])
 def test_descents_descend(sites, energy, method):
     domain, condition = tame()
-    found = HarmonicSolver(domain, sites=sites, energy=energy).solve(condition, method=method, max_iterations=40)
-    energies = [line.energy for line in found.history]
+    result = HarmonicSolver(domain, sites=sites, energy=energy).solve(condition, method=method, max_iterations=40)
+    energies = [line.energy for line in result.history]
     assert (np.diff(energies) <= 1e-12).all() and energies[0] > energies[-1] + 1e-3
 
 
@@ -80,9 +80,9 @@ def test_colours_differ_along_links(sites):
 def test_nothing_fixed_needs_a_start_and_then_converges():
     """On a closed surface the identity of the sphere is harmonic (degree one), of energy 4π."""
     sphere = shapes.sphere(800)
-    found = HarmonicSolver(sphere.domain).solve(Conditions(), initial=sphere.positions, tolerance=1e-5)
-    assert found.status is Status.CONVERGED
-    assert_allclose([found.degree, found.energy], [1, 4 * np.pi], rtol=0.01, atol=0)
+    result = HarmonicSolver(sphere.domain).solve(Conditions(), initial=sphere.positions, tolerance=1e-5)
+    assert result.status is Status.CONVERGED
+    assert_allclose([result.degree, result.energy], [1, 4 * np.pi], rtol=0.01, atol=0)
 
 
 @pytest.mark.parametrize(("sites", "energy"), [pair for pair in TAME if pair[0] != "vertices"])
@@ -96,21 +96,21 @@ def test_gauss_seidel_turns_the_halves_of_squares_as_one(sites, energy):
     condition = conditions.binormal(domain, points, domain.boundary_edges, 0.4)
     solver = HarmonicSolver(domain, sites=sites, energy=energy)
     reference = solver.solve(condition, tolerance=1e-9)
-    found = solver.solve(condition, method="gauss_seidel", tolerance=1e-5, max_iterations=100)
-    assert found.status is Status.CONVERGED
-    assert_allclose(found.normals, reference.normals, rtol=0, atol=1e-6)
+    result = solver.solve(condition, method="gauss_seidel", tolerance=1e-5, max_iterations=100)
+    assert result.status is Status.CONVERGED
+    assert_allclose(result.normals, reference.normals, rtol=0, atol=1e-6)
 
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("sites", SITES)
 def test_units_do_not_matter_to_any_method(sites, method):
     """Nor where nothing is fixed, and an area has to be added to the Laplacian."""
-    found = []
+    result = []
     for size in (1.0, 1000.0):
         shape = shapes.sphere(40)
         domain = Domain.from_positions(size * shape.positions, shape.domain.faces)
         solver = HarmonicSolver(domain, sites=sites)
         start = np.random.default_rng(0).normal(size=(solver.graph.count, 3)) + [0.0, 0.0, 4.0]
-        found.append(solver.solve(Conditions(), start, method=method, max_iterations=8))
-    assert found[0].iterations == found[1].iterations
-    assert_allclose(found[0].normals, found[1].normals, rtol=0, atol=1e-6)
+        result.append(solver.solve(Conditions(), start, method=method, max_iterations=8))
+    assert result[0].iterations == result[1].iterations
+    assert_allclose(result[0].normals, result[1].normals, rtol=0, atol=1e-6)

@@ -1,4 +1,4 @@
-"""Mirrors: which normals they allow, what happens where conditions meet, and minimisation within the constraint."""
+"""Mirrors: admissible normals, corners where conditions meet, and minimisation under the constraint."""
 
 from __future__ import annotations
 
@@ -71,12 +71,12 @@ def test_minimisation_is_that_on_the_doubled_graph(sites, name):
     domain, points, arc, flat = half_disc(130)
     solver = HarmonicSolver(domain, sites=sites, energy=name)
     condition = half_dome(domain, points, arc, flat)
-    found = solver.solve(condition, tolerance=1e-10)
-    held = found.admissible
+    result = solver.solve(condition, tolerance=1e-10)
+    held = result.admissible
     whole, image = doubled_graph(solver.graph, held.mirrors.sites)
     start = np.empty((whole.count, 3))
-    start[image] = reflect(found.normals, E_Y)
-    start[: solver.graph.count] = found.normals
+    start[image] = reflect(result.normals, E_Y)
+    start[: solver.graph.count] = result.normals
     fixed = np.union1d(held.fixed, image[held.fixed])
     noise = 0.05 * np.random.default_rng(1).normal(size=start.shape)
     noise[fixed] = 0.0
@@ -85,7 +85,7 @@ def test_minimisation_is_that_on_the_doubled_graph(sites, name):
     twice = newton(problem, sphere.normalize(start + noise), tolerance=1e-10)
     assert twice.status is Status.CONVERGED
     assert_allclose(twice.N, start, rtol=0, atol=1e-7)
-    assert_allclose(twice.history[-1].energy, 2 * found.energy, rtol=1e-12, atol=0)
+    assert_allclose(twice.history[-1].energy, 2 * result.energy, rtol=1e-12, atol=0)
 
 
 def test_a_half_is_half_of_the_whole_disc():
@@ -107,15 +107,15 @@ def test_a_quarter_is_a_quarter_of_the_whole_plan(tilt):
     shape, points = jittered_strip(2.0, 1.4, 9)
     right_top = np.concatenate([shape.sides["right"], shape.sides["top"]])
     quarter = conditions.binormal(shape.domain, points, right_top, tilt=tilt) + mirrors(shape, left=-E_X, bottom=-E_Y)
-    found = HarmonicSolver(shape.domain).solve(quarter, tolerance=1e-10)
-    assert_array_equal(found.admissible.corners, [0])
-    assert_allclose(found.admissible.corner_normals, [E_Z], rtol=0, atol=1e-15)
+    result = HarmonicSolver(shape.domain).solve(quarter, tolerance=1e-10)
+    assert_array_equal(result.admissible.corners, [0])
+    assert_allclose(result.admissible.corner_normals, [E_Z], rtol=0, atol=1e-15)
     vertices, faces = doubled(*doubled(points, shape.domain.faces, 0), 1)
     plan = Domain.from_positions(vertices, faces)
     rim = conditions.binormal(plan, vertices, plan.boundary_edges, tilt=tilt)
     whole = HarmonicSolver(plan).solve(rim, tolerance=1e-10)
-    assert_allclose(found.normals, whole.normals[: len(points)], rtol=0, atol=1e-7)
-    assert_allclose(4 * found.energy, whole.energy, rtol=1e-10, atol=0)
+    assert_allclose(result.normals, whole.normals[: len(points)], rtol=0, atol=1e-7)
+    assert_allclose(4 * result.energy, whole.energy, rtol=1e-10, atol=0)
 
 
 @pytest.mark.parametrize("sites", SITES)
@@ -125,11 +125,11 @@ def test_every_method_finds_the_same(sites, method):
     solver = HarmonicSolver(domain, sites=sites, energy="cotan" if sites == "vertices" else "mobius")
     condition = half_dome(domain, points, arc, flat)
     expected = solver.solve(condition, tolerance=1e-9)
-    found = solver.solve(condition, method=method, tolerance=1e-7)
-    assert found.status is Status.CONVERGED
-    assert_allclose(found.normals, expected.normals, rtol=0, atol=1e-6)
-    at = found.admissible.mirrors.sites
-    assert_allclose(found.normals[at] @ E_Y, 0, rtol=0, atol=1e-14)
+    result = solver.solve(condition, method=method, tolerance=1e-7)
+    assert result.status is Status.CONVERGED
+    assert_allclose(result.normals, expected.normals, rtol=0, atol=1e-6)
+    at = result.admissible.mirrors.sites
+    assert_allclose(result.normals[at] @ E_Y, 0, rtol=0, atol=1e-14)
 
 
 def quad_grid(count, corners):
@@ -242,25 +242,25 @@ def test_signs_of_corners_follow_outward_normals_a_start_or_the_caller(strip):
     across = sphere.normalize(np.cross(-E_Y, [1, 0, -1])[None])[0]
 
     def corners(condition, **keywords):
-        found = solver.solve(condition, **keywords)
-        assert_array_equal(found.admissible.corners, [0, 8])
-        assert_allclose(found.normals[[0, 8]], found.admissible.corner_normals, rtol=0, atol=0)
-        return found
+        result = solver.solve(condition, **keywords)
+        assert_array_equal(result.admissible.corners, [0, 8])
+        assert_allclose(result.normals[[0, 8]], result.admissible.corner_normals, rtol=0, atol=0)
+        return result
 
-    found = corners(mirrors(strip, **planes))
-    assert_allclose(found.normals[[0, 8]], [E_Z, across], rtol=0, atol=1e-15)
+    result = corners(mirrors(strip, **planes))
+    assert_allclose(result.normals[[0, 8]], [E_Z, across], rtol=0, atol=1e-15)
     assert_allclose(corners(mirrors(strip, **planes), side=-1).normals[[0, 8]], [-E_Z, -across], rtol=0, atol=1e-15)
     inwards = corners(mirrors(strip, **planes | {"left": E_X}))
     assert_allclose(inwards.normals[[0, 8]], [-E_Z, across], rtol=0, atol=1e-15)
-    started = corners(mirrors(strip, **planes | {"left": E_X}), initial=found.normals)
-    assert_allclose(started.normals, found.normals, rtol=0, atol=1e-6)
+    started = corners(mirrors(strip, **planes | {"left": E_X}), initial=result.normals)
+    assert_allclose(started.normals, result.normals, rtol=0, atol=1e-6)
     chosen = mirrors(strip, **planes) + conditions.corner(strip.domain, [0], [0.1, 0, -1])
-    for keywords in ({}, {"side": 1}, {"initial": found.normals}):
+    for keywords in ({}, {"side": 1}, {"initial": result.normals}):
         assert_allclose(corners(chosen, **keywords).normals[0], -E_Z, rtol=0, atol=1e-15)
 
 
 @pytest.mark.parametrize("sites", SITES)
-def test_over_a_plan_corner_normals_look_to_its_upper_side(sites):
+def test_over_a_plan_corner_normals_point_to_its_upper_side(sites):
     """Whichever way the normals of the mirrors point."""
     points, domain = quad_grid(4, [[0, 1, 3], [1, 2, 3]])
     middle = points[domain.edges[domain.boundary_edges]].mean(axis=1)
@@ -271,9 +271,9 @@ def test_over_a_plan_corner_normals_look_to_its_upper_side(sites):
     for sign in (1, -1):
         given = rim + conditions.mirror(domain, left, sign * E_X) + conditions.mirror(domain, bottom, E_Y)
         for side in (1, -1):
-            found = solver.solve(given, side=side)
-            assert (side * found.normals[:, 2] > -1e-9).all()
-            assert_allclose(found.admissible.sides.corner_normals, [side * E_Z], rtol=0, atol=1e-15)
+            result = solver.solve(given, side=side)
+            assert (side * result.normals[:, 2] > -1e-9).all()
+            assert_allclose(result.admissible.sides.corner_normals, [side * E_Z], rtol=0, atol=1e-15)
 
 
 def test_around_a_reflex_corner_the_normal_is_on_the_same_side():
@@ -296,10 +296,10 @@ def test_windings_choose_the_way_around(strip):
     along = strip.domain.edges[strip.sides["bottom"]][:, 0][1:]
     for winding, degrees in [(0, 120), (1, 480), (-1, -240)]:
         side = conditions.mirror(strip.domain, strip.sides["bottom"], E_Z, winding)
-        found = HarmonicSolver(strip.domain).solve(ends + side, max_iterations=0)
+        result = HarmonicSolver(strip.domain).solve(ends + side, max_iterations=0)
         angles = np.radians(degrees) * strip.positions[along, 0] / 2.0
         expected = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
-        assert_allclose(found.normals[along], expected, rtol=0, atol=1e-12)
+        assert_allclose(result.normals[along], expected, rtol=0, atol=1e-12)
 
 
 def test_a_winding_starts_at_the_one_end_that_is_known_or_anywhere(strip):
@@ -309,8 +309,8 @@ def test_a_winding_starts_at_the_one_end_that_is_known_or_anywhere(strip):
     turning = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
     for end in ("left", "right"):
         held = side + conditions.fixed(strip.domain, strip.sides[end], E_X)
-        found = HarmonicSolver(strip.domain).solve(held, max_iterations=0)
-        assert_allclose(found.normals[along], turning, rtol=0, atol=1e-12)
+        result = HarmonicSolver(strip.domain).solve(held, max_iterations=0)
+        assert_allclose(result.normals[along], turning, rtol=0, atol=1e-12)
     alone = HarmonicSolver(strip.domain).solve(side, max_iterations=0).normals[along]
     assert_allclose(alone @ alone.T, turning @ turning.T, rtol=0, atol=1e-12)
 
@@ -321,14 +321,14 @@ def test_opposite_ends_are_joined_over_the_pole():
     for tilt, normal in [(0.0, -E_Y), (0.0, E_Y), (-0.3, E_Y)]:
         condition = conditions.binormal(domain, plan, arc, tilt=tilt) + conditions.mirror(domain, flat, normal)
         for side in (1, -1):
-            found = HarmonicSolver(domain).solve(condition, side=side)
+            result = HarmonicSolver(domain).solve(condition, side=side)
             top = int(np.argmin(np.linalg.norm(points, axis=1)))
-            assert_allclose(found.normals[top], side * E_Z, rtol=0, atol=1e-3)
+            assert_allclose(result.normals[top], side * E_Z, rtol=0, atol=1e-3)
 
 
-def test_mirrors_alone_with_one_direction_collapse_and_say_so(strip):
-    found = solve_cmc(strip.domain, mirrors(strip, left=E_X, bottom=E_Y))
-    assert found.harmonic.status is Status.COLLAPSED
+def test_mirrors_alone_with_one_direction_collapse(strip):
+    result = solve_cmc(strip.domain, mirrors(strip, left=E_X, bottom=E_Y))
+    assert result.harmonic.status is Status.COLLAPSED
 
 
 def test_mirrors_are_carried_to_the_delaunay_triangulation():
@@ -338,10 +338,10 @@ def test_mirrors_are_carried_to_the_delaunay_triangulation():
     plan = np.column_stack([points * [1.0, 2.5], 0 * points[:, 0]])
     others = np.concatenate([shape.sides[side] for side in ("right", "top", "left")])
     condition = condition + conditions.binormal(stretched, plan, others, tilt=0.4)
-    found = solve_cmc(stretched, condition, delaunay=True, tolerance=1e-10)
+    result = solve_cmc(stretched, condition, delaunay=True, tolerance=1e-10)
     rows = np.unique(stretched.edges[shape.sides["bottom"]])
-    assert found.status is Status.CONVERGED
-    assert_allclose(np.ptp(found.f_plus[rows] @ E_Y), 0, rtol=0, atol=1e-9)
+    assert result.status is Status.CONVERGED
+    assert_allclose(np.ptp(result.f_plus[rows] @ E_Y), 0, rtol=0, atol=1e-9)
 
 
 def test_mirrors_go_with_their_edges_to_another_triangulation(strip):

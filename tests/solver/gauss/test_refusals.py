@@ -1,4 +1,4 @@
-"""What does not fit is refused in a sentence, and what has no good end has a status: on every kind of site."""
+"""Bad input is refused with a message, and a failed solve has a status: on every kind of site."""
 
 import numpy as np
 import pytest
@@ -15,13 +15,13 @@ ON_SITES = [(sites, name) for name, energy in ENERGIES.items() for sites in ener
 
 @pytest.mark.parametrize("name", ["sites", "energy", "method", "averaging"])
 @pytest.mark.parametrize("value", ["neither", None, 3, ["faces"], {}])
-def test_names_that_are_none(name, value):
+def test_unknown_names(name, value):
     with pytest.raises(ConditionError, match=r"There is no .*; choose one of "):
         solve_cmc(DISC.domain, TWISTED, **{name: value})
 
 
 @pytest.mark.parametrize("arguments", [("f", "dual"), ([], "dual"), ("f+", None), ("g", ["corner"])])
-def test_meshes_that_are_none(arguments):
+def test_unknown_meshes(arguments):
     surface = solve_cmc(DISC.domain, TWISTED)
     with pytest.raises(ConditionError, match=r"There is no .*; choose one of "):
         surface.as_mesh(*arguments)
@@ -29,7 +29,7 @@ def test_meshes_that_are_none(arguments):
 
 @pytest.mark.parametrize("name", ["tolerance", "mean_curvature", "period_tolerance", "degree", "max_iterations"])
 @pytest.mark.parametrize("value", ["a", [1.0], np.nan])
-def test_numbers_that_are_none(name, value):
+def test_values_that_are_not_numbers(name, value):
     with pytest.raises(ConditionError, match="must be"):
         CmcSolver(DISC.domain).solve(TWISTED, **{name: value})
 
@@ -94,7 +94,7 @@ def test_a_normal_of_the_rim_goes_by_its_edge():
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("sites, energy", ON_SITES)
 def test_opposite_normals_to_start_from(sites, energy, method):
-    """Where the energy is infinite there is no direction to go in; what comes out is finite and says so."""
+    """Infinite energy has no descent direction; the result is finite, and its residual or status shows the failure."""
     solver = CmcSolver(DISC.domain, sites=sites, energy=energy)
     start = np.tile([0.0, 0.0, 1.0], (solver.harmonic.graph.count, 1))
     start[::2] *= -1.0
@@ -108,5 +108,5 @@ def test_opposite_normals_to_start_from(sites, energy, method):
 def test_wound_starts_are_made_of_unit_normals(sites, degree):
     """Bubbles turn forwards or backwards around a site in the middle, where there is no angle to turn by."""
     conormals = conditions.binormal(DISC.domain, DISC.positions, DISC.domain.boundary_edges)
-    found = HarmonicSolver(DISC.domain, sites=sites).solve(conormals, degree=degree, max_iterations=0)
-    assert np.allclose(np.linalg.norm(found.normals, axis=1), 1.0, rtol=0, atol=1e-12)
+    result = HarmonicSolver(DISC.domain, sites=sites).solve(conormals, degree=degree, max_iterations=0)
+    assert np.allclose(np.linalg.norm(result.normals, axis=1), 1.0, rtol=0, atol=1e-12)

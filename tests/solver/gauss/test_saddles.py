@@ -1,4 +1,4 @@
-"""Saddles and their order, two solutions for one boundary (Theorem D.1)."""
+"""Saddles and their Morse index, two solutions for one boundary (Theorem D.1)."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ def test_the_flat_map_of_outward_normals_is_a_saddle_between_two_hemispheres():
     up = solver.solve(held, tolerance=1e-9)
     flat = up.normals * [1, 1, 0] + 0.02 * np.random.default_rng(0).standard_normal(up.normals.shape)
     flat[:, :2] += 1e-3
-    found = saddle(solver, held, flat, tolerance=1e-9)
-    assert found.status is Status.COLLAPSED and found.residual < 1e-9
-    assert_allclose(np.abs(flat_axis(found.normals)), E_Z, rtol=0, atol=1e-6)
-    assert found.energy > 1.5 * up.energy and modes_of(solver, held, found.normals).index == 1
+    result = saddle(solver, held, flat, tolerance=1e-9)
+    assert result.status is Status.COLLAPSED and result.residual < 1e-9
+    assert_allclose(np.abs(flat_axis(result.normals)), E_Z, rtol=0, atol=1e-6)
+    assert result.energy > 1.5 * up.energy and modes_of(solver, held, result.normals).index == 1
     assert modes_of(solver, held, up.normals).index == 0
     down = saddle(solver, held, flat, index=0, tolerance=1e-9)
     assert_allclose(down.energy, up.energy, rtol=1e-10, atol=0)
@@ -83,14 +83,14 @@ def test_the_index_by_factorisations_is_that_by_modes():
     up = solver.solve(held).normals
     flat = up * [1, 1, 0] + 0.02 * np.random.default_rng(0).standard_normal(up.shape)
     flat[:, :2] += 1e-3
-    found = saddle(solver, held, flat, tolerance=1e-9).normals
-    modes = modes_of(solver, held, found)
-    assert index_of(solver, held, found) == (modes.index, modes.nullity) == (1, 0)
+    result = saddle(solver, held, flat, tolerance=1e-9).normals
+    modes = modes_of(solver, held, result)
+    assert index_of(solver, held, result) == (modes.index, modes.nullity) == (1, 0)
 
     def lowest(N):
         return modes.fields[:1]
 
-    assert index_of(solver, held, found, null=lowest) == (0, 1)
+    assert index_of(solver, held, result, null=lowest) == (0, 1)
 
 
 def test_a_wrong_index_is_refused():

@@ -1,4 +1,4 @@
-"""Mesh files in and out: what an OBJ carries survives, the other formats keep their triangles."""
+"""Reading and writing mesh files: OBJ keeps all its data, the other formats keep their triangles."""
 
 from __future__ import annotations
 
@@ -88,13 +88,13 @@ def test_obj_survives_writing_and_reading(plan, tmp_path):
     assert again.libraries == plan.libraries
 
 
-def test_numbers_are_written_in_full(plan):
+def test_numbers_have_full_precision(plan):
     positions = np.random.default_rng(0).normal(size=(9, 3)) * 1e5
     words = [line.split()[1:] for line in obj_text(replace(plan, positions=positions)).splitlines()]
     assert_array_equal([[float(w) for w in line] for line in words[1:10]], positions)
 
 
-def test_up_is_turned_and_turned_back(plan, tmp_path):
+def test_up_is_turned_when_read_and_turned_back_when_written(plan, tmp_path):
     write_mesh(tmp_path / "y.obj", plan, up="y")
     assert_array_equal(read_mesh(tmp_path / "y.obj", up="y").positions, plan.positions)
     raw = read_mesh(tmp_path / "y.obj").positions
@@ -103,7 +103,7 @@ def test_up_is_turned_and_turned_back(plan, tmp_path):
 
 @pytest.mark.parametrize("suffix", [s for s in FORMATS if s != ".obj"])
 def test_other_formats_keep_the_triangles(plan, tmp_path, suffix):
-    """Triangles come back where they were, vertices as few as they were."""
+    """The same triangles in the same places, on the same number of vertices."""
     write_mesh(tmp_path / f"plan{suffix}", plan)
     again = read_mesh(tmp_path / f"plan{suffix}")
     assert len(again.positions) == 9
@@ -176,7 +176,7 @@ def test_broken_files_of_other_formats(plan, tmp_path, suffix):
         read_mesh(path)
 
 
-def test_files_that_are_not_there(plan, tmp_path):
+def test_missing_files_and_unknown_formats(plan, tmp_path):
     with pytest.raises(JobError, match=r"no file .*nosuch\.obj"):
         read_mesh(tmp_path / "nosuch.obj")
     with pytest.raises(JobError, match=r'plan\.dxf has no format known here \("\.dxf"\); use one of \.obj'):
@@ -206,7 +206,7 @@ def test_files_have_the_usual_permissions(plan, tmp_path):
 
 
 @pytest.mark.parametrize("suffix", [s for s in FORMATS if s != ".obj"])
-def test_polygons_that_no_triangles_fit_are_written_as_fans(tmp_path, suffix):
+def test_polygons_without_a_triangulation_are_written_as_fans(tmp_path, suffix):
     """One that crosses itself and one without area, as a folded sheet may have, beside a pentagon."""
     points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [3, 0, 0], [3, 1, 0], [2, 2, 0], [2, 0, 0.0]])
     crossed, flat, pentagon = [0, 1, 2, 3], [0, 1, 7, 4], [1, 7, 4, 5, 6]

@@ -1,4 +1,4 @@
-"""Polygons into triangles: areas, orientation, numbering, and the messages about polygons that are none."""
+"""Polygons into triangles: areas, orientation, numbering, and the messages about invalid polygons."""
 
 from __future__ import annotations
 

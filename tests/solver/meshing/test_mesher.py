@@ -1,4 +1,4 @@
-"""The plan mesher: every boundary edge where it should be, good triangles inside, and plain words for bad plans."""
+"""The plan mesher: boundary edges in their places, good triangles inside, and messages about bad plans."""
 
 from __future__ import annotations
 
@@ -101,8 +101,8 @@ def check(mesh: PlanMesh) -> Domain:
     """The mesh covers exactly what its boundary edges bound, and its boundary is those edges."""
     domain = Domain.from_positions(mesh.positions, mesh.triangles)
     assert domain.euler_characteristic == 1 - mesh.loop.max()
-    found = domain.edges[domain.boundary_edges]
-    assert_array_equal(found[np.argsort(found[:, 0])], mesh.edges)
+    rim = domain.edges[domain.boundary_edges]
+    assert_array_equal(rim[np.argsort(rim[:, 0])], mesh.edges)
     bounded = sum(signed_area(mesh.positions[mesh.edges[mesh.loop == k, 0]]) for k in range(mesh.loop.max() + 1))
     assert_allclose(domain.area, bounded, rtol=1e-11)
     assert domain.vertex_count == len(mesh.positions)
@@ -131,7 +131,7 @@ def test_every_plan_is_meshed_well(name):
 
 
 @pytest.mark.parametrize("name", ["square", "blob", "L", "pavilion"])
-def test_wide_plans_have_the_length_asked_for(name):
+def test_wide_plans_have_the_wanted_edge_length(name):
     mesh = mesh_plan(**ZOO[name])
     lengths = check(mesh).edge_lengths / ZOO[name]["max_edge"]
     assert 0.95 < np.median(lengths) < 1.05
@@ -140,7 +140,7 @@ def test_wide_plans_have_the_length_asked_for(name):
     assert angles.mean() > 53
 
 
-def test_finer_meshes_are_equilateral_but_for_a_rim():
+def test_finer_meshes_are_equilateral_away_from_the_rim():
     mesh = mesh_plan(SQUARE, max_edge=0.12)
     check(mesh)
     angles = np.degrees(smallest_angles(mesh.positions, mesh.triangles))
@@ -297,7 +297,7 @@ def test_the_same_plan_gives_the_same_mesh():
     assert_array_equal(one.triangles, two.triangles)
 
 
-def test_a_boundary_that_delaunay_misses_is_put_back():
+def test_a_boundary_edge_that_delaunay_misses_is_recovered():
     # Two long edges a hair apart with points in between on the far side of each.
     points = np.array([[1, 0], [9, 0], [9, 0.1], [5, 0.05], [1, 0.1], [0, -3], [10, -3], [10, 3], [0, 3]], dtype=float)
     edges = np.array([[5, 6], [6, 7], [7, 8], [8, 5], [0, 4], [4, 3], [3, 2], [2, 1], [1, 0]])
