@@ -58,6 +58,7 @@ class Status(Enum):
 
     @property
     def sentence(self) -> str:
+        """How the solve ended, and the way out if it failed."""
         return _SENTENCES[self]
 
 

@@ -121,6 +121,7 @@ class Domain:
 
     @cached_property
     def vertex_count(self) -> int:
+        """V."""
         return int(self.faces.max()) + 1
 
     @cached_property
@@ -198,10 +199,12 @@ class Domain:
 
     @cached_property
     def euler_characteristic(self) -> int:
+        """V - E + F."""
         return self.vertex_count - len(self.edge_lengths) + len(self.faces)
 
     @cached_property
     def genus(self) -> int:
+        """The number of handles."""
         return (2 - self.euler_characteristic - len(self.boundary_loops)) // 2
 
     @cached_property
@@ -234,6 +237,7 @@ class Domain:
 
     @cached_property
     def area(self) -> float:
+        """The sum of the face areas, in squared model lengths."""
         return float(self.face_areas.sum())
 
     @cached_property

@@ -53,9 +53,9 @@ class Site:
 
 SITES = {
     "vertices": Site("Vertices", "Normals at the vertices of the plan; the standard choice"),
-    "faces": Site("Faces", "Normals at the faces of the plan; the conjugate surface then has flat triangles"),
+    "faces": Site("Faces", "Normals at the faces of the plan; the K-Surface then has flat triangles"),
     "faces_and_rim": Site(
-        "Faces and Rim", "Normals at the faces, and at the edges of the rim, where they are prescribed: more exact"
+        "Faces and Rim", "Normals at the faces and at the rim's edges, where they are prescribed: more exact"
     ),
 }
 
@@ -111,14 +111,17 @@ class SiteGraph:
 
     @property
     def count(self) -> int:
+        """S."""
         return len(self.areas)
 
     @property
     def at_vertices(self) -> bool:
+        """Whether sites are the vertices."""
         return self.name == "vertices"
 
     @property
     def cell_count(self) -> int:
+        """The number of cells: faces for sites at vertices, else vertices."""
         return len(self.domain.faces) if self.at_vertices else self.domain.vertex_count
 
     @cached_property
@@ -202,6 +205,7 @@ class SiteGraph:
         return " and ".join(words), {"faces": faces, "edges": edges}
 
     def subset(self, links: Int) -> LinkSubset:
+        """The data of these links, for an energy."""
         return LinkSubset(self.weights[links], self.angles[links])
 
     def laplacian(self, weights: Array) -> sp.csr_array:

@@ -39,6 +39,7 @@ class Homology:
 
     @classmethod
     def of(cls, domain: Domain) -> Homology:
+        """Generators and cuts of a domain, by a tree of faces and a tree of vertices that do not cross."""
         inside = domain.interior_edges
         tree = Tree.of(domain.edge_faces[inside], len(domain.faces))
         free = np.ones(len(domain.edges), dtype=bool)
@@ -56,6 +57,7 @@ class Homology:
 
     @cached_property
     def is_trivial(self) -> bool:
+        """Whether every closed form has an integral on the domain: a disc or a sphere."""
         return len(self.generators) == 0
 
     @cached_property
@@ -86,6 +88,7 @@ class Homology:
 
     @cached_property
     def sheets(self) -> CutSurface:
+        """The domain cut open along `cut`."""
         return CutSurface.of(self)
 
 

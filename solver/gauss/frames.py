@@ -221,6 +221,7 @@ _PLURALS = {"vertex": "vertices", "edge": "edges", "face": "faces"}
 
 
 def check_range(indices: Int, count: int, noun: str) -> None:
+    """Raise `ConditionError`, naming them, on indices below 0 or not below `count`."""
     bad = np.unique(indices[(indices < 0) | (indices >= count)])
     if bad.size:
         raise ConditionError(

@@ -9,6 +9,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from ..domain.domain import Domain
+from ..domain.shape import DomainLike, as_domain
 from ..domain.trees import Tree
 from ..errors import MeshError, plural
 from ..linalg import sum_rows
@@ -54,12 +55,13 @@ def drifts(problem: EnergyProblem, N: Array) -> Fields | None:
         return None
 
 
-def translations(domain: Domain) -> Fields:
+def translations(domain: DomainLike) -> Fields:
     """N (V, 3) ↦ its derivatives (k, V, 3) along the translations of a flat domain: k = 2 on a torus, 1 on a cylinder.
 
     They keep the energy up to the resolution of the mesh, if the boundary data are constant along each loop. Raises
     `MeshError` if the domain is not flat, turns around a loop, or has a boundary that is not straight.
     """
+    domain = as_domain(domain)
     corners = parallel_layout(domain)
     rim = domain.half_edges[domain.boundary_edges, 0]
     along = corners[rim // 3, (rim + 2) % 3] - corners[rim // 3, (rim + 1) % 3]

@@ -33,6 +33,7 @@ class Loop:
     keep: np.ndarray
 
     def in_units(self, origin: np.ndarray, unit: float) -> Loop:
+        """The loop relative to `origin`, in lengths of `unit`."""
         return replace(self, points=(self.points - origin) / unit)
 
 
