@@ -1,4 +1,4 @@
-"""The tables of docs/bubbles.md, measured: Wente's cylinders and tori, the honeycomb ring, two shells over one rim.
+"""Writes docs/measured/bubbles.md: Wente's cylinders and tori, the honeycomb ring, two shells over one rim.
 
     make gallery                                           # measures, writes the tables, draws the pictures
     .venv/bin/python -m scripts.tables.measure_bubbles heights    # some of them, printed only
@@ -40,7 +40,7 @@ from tests.solver.wente import jittered_cylinder, nearby
 
 ROOT = Path(__file__).resolve().parents[2]
 
-PAGE = ROOT / "docs" / "bubbles.md"
+PAGE = ROOT / "docs" / "measured" / "bubbles.md"
 ANGLES = (30, 45, 60, 75, 90, 105, 120, 135, 150, 165)
 # Degrees → E of the whole cylinder of the continuous surface (Abresch, Walter).
 ENERGIES = {120: 26.8240, 60: 25.2087}

@@ -1,4 +1,4 @@
-"""The tables of docs/combinatorics.md, measured: what converges, what survives poor triangles.
+"""Writes docs/measured/combinatorics.md: what converges, what survives poor triangles.
 
     make gallery                                                # measures, writes the tables, draws the pictures
     .venv/bin/python -m scripts.tables.measure_faces recovery needles  # some of them, printed only
@@ -23,7 +23,7 @@ from tests.solver.surface.test_figure19 import dome
 
 ROOT = Path(__file__).resolve().parents[2]
 
-PAGE = ROOT / "docs" / "combinatorics.md"
+PAGE = ROOT / "docs" / "measured" / "combinatorics.md"
 SIZES = (600, 2400, 9600, 38400)
 KINDS = {
     "vertices, cotangent": ("vertices", "cotan"),

@@ -1,4 +1,4 @@
-"""The tables of docs/fitting.md, measured: how near shells come to an outline, and what it takes.
+"""Writes docs/measured/fitting.md: how near shells come to an outline, and how many evaluations that takes.
 
     make gallery                                       # measures, writes the tables, draws the pictures
     .venv/bin/python -m scripts.tables.measure_fits outlines  # some of them, printed only
@@ -22,7 +22,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 Array = NDArray[np.float64]
 
-PAGE = ROOT / "docs" / "fitting.md"
+PAGE = ROOT / "docs" / "measured" / "fitting.md"
 RISES = (0.05, 0.15, 0.25, 0.35, 0.45)
 SIZES = (2000, 5000, 20000)
 # an outline, the radius of its corners, its area

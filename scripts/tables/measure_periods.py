@@ -1,4 +1,4 @@
-"""The tables of docs/periods.md, measured: two ways to a period, and what it takes to close one.
+"""Writes docs/measured/periods.md: two ways to compute a period, and the cost of closing one.
 
     make gallery                                         # measures, writes the tables, draws the pictures
     .venv/bin/python -m scripts.tables.measure_periods planes   # some of them, printed only
@@ -32,7 +32,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 Array = NDArray[np.float64]
 
-PAGE = ROOT / "docs" / "periods.md"
+PAGE = ROOT / "docs" / "measured" / "periods.md"
 
 
 def around(shape: shapes.Shape) -> dict:

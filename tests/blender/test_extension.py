@@ -147,7 +147,7 @@ def test_contents(archive: Path) -> None:
     }
     assert {"__init__.py", "solver", "cmc_addon", "LICENSE"} <= others
     assert not any("__pycache__" in name for name in names)
-    assert {"help/blender.html", "help/operators/solve.html"} <= set(names)
+    assert {"help/reference/blender.html", "help/reference/operators/solve.html"} <= set(names)
     assert not any(name.endswith(".md") for name in names if name.startswith("help/"))
 
 

@@ -63,16 +63,16 @@ def test_f1_opens_the_page(monkeypatch):
     assert bpy.ops.wm.doc_view_manual(doc_id="cmc.solve") == {"FINISHED"}
     assert bpy.ops.wm.doc_view_manual(doc_id="CMC_OT_solve.span") == {"FINISHED"}
     assert [urlparse(url).fragment for url in opened] == ["cmc.solve", "cmc.solve"]
-    assert opened[0].startswith("file:///") and "/docs/operators/solve.md" in opened[0]
+    assert opened[0].startswith("file:///") and "/docs/reference/operators/solve.md" in opened[0]
 
 
 def test_installed_they_lead_to_the_pages_that_came_along(manual, monkeypatch, tmp_path):
     (tmp_path / "help").mkdir()
     (tmp_path / "blender_manifest.toml").write_text('id = "x"\n')
     monkeypatch.setattr(manual, "ROOT", tmp_path)
-    assert lookup("bpy.ops.cmc.solve") == f"{tmp_path.as_uri()}/help/operators/solve.html#cmc.solve"
+    assert lookup("bpy.ops.cmc.solve") == f"{tmp_path.as_uri()}/help/reference/operators/solve.html#cmc.solve"
     (tmp_path / "blender_manifest.toml").write_text('website = "https://example.org/cmc/"\n')
-    assert lookup("bpy.ops.cmc.solve") == "https://example.org/cmc/docs/operators/solve.md#cmc.solve"
+    assert lookup("bpy.ops.cmc.solve") == "https://example.org/cmc/docs/reference/operators/solve.md#cmc.solve"
 
 
 def test_blenders_own_links_stay():

@@ -49,7 +49,7 @@ def test_python_examples_run(page, tmp_path, monkeypatch, capsys):
 
 
 def test_there_are_examples():
-    assert len(blocks(ROOT / "docs" / "python.md", "python")) >= 8
+    assert len(blocks(ROOT / "docs" / "how-to" / "from-python.md", "python")) >= 8
     assert blocks(ROOT / "README.md", "python") and blocks(ROOT / "README.md", "toml")
 
 
@@ -64,7 +64,7 @@ def test_job_examples_load(page, tmp_path):
 
 def described() -> set[str]:
     """Words in back-quotes on the page of the job file, without quotes."""
-    words = re.findall(r"`([^`\n]+)`", (ROOT / "docs" / "job-file.md").read_text(encoding="utf-8"))
+    words = re.findall(r"`([^`\n]+)`", (ROOT / "docs" / "reference" / "job-file.md").read_text(encoding="utf-8"))
     return {word.strip('"') for word in words}
 
 
@@ -91,14 +91,14 @@ def test_every_key_of_a_job_is_described():
 
 def test_no_key_is_described_that_is_none():
     """Keys stand in the first column of the tables."""
-    text = (ROOT / "docs" / "job-file.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "reference" / "job-file.md").read_text(encoding="utf-8")
     rows = [line.split("|")[1] for line in text.splitlines() if line.startswith("| `")]
     keys = {word for cell in rows for word in re.findall(r"`([^`]+)`", cell)}
     assert keys and keys - job_keys() == set()
 
 
 def test_kinds_and_statuses_are_described():
-    text = (ROOT / "docs" / "conventions.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "reference" / "conventions.md").read_text(encoding="utf-8")
     for name in [*KINDS, *(status.value for status in Status), *SIZES, *GROUNDS, *plan.SHEETS]:
         assert f"`{name}`" in text, name
 
@@ -127,7 +127,7 @@ def test_links_lead_somewhere(page):
 
 def test_every_operator_has_a_paragraph():
     """With an anchor of its name, to which F1 leads; no paragraph is of an operator that is no more."""
-    folder = ROOT / "docs" / "operators"
+    folder = ROOT / "docs" / "reference" / "operators"
     pages = [page for page in folder.glob("*.md") if page.name != "README.md"]
     described = {name for page in pages for name in anchors(page) if name.startswith("cmc.")}
     sources = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "cmc_addon").rglob("*.py"))
@@ -154,4 +154,4 @@ def test_the_nodoid_of_the_page_is_the_exact_one():
     from scipy.special import ellipk
 
     height = 2 / np.sqrt(0.5) * ellipk(-2.0)
-    assert f"{height:.10f}" in (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
+    assert f"{height:.10f}" in (ROOT / "docs" / "how-to" / "from-python.md").read_text(encoding="utf-8")
