@@ -78,7 +78,7 @@ def away_from_corners(name: str, points: Array, found: Fit) -> float:
 
 def height_parameters() -> list[str]:
     """Parts by which the wanted height and volume are missed, and of circles the caps of a sphere."""
-    rows = [f"| wish | vertices | {HEAD} |", "|---|---|" + "---|" * len(RISES)]
+    rows = [f"| goal | vertices | {HEAD} |", "|---|---|" + "---|" * len(RISES)]
     for name in OUTLINES:
         shape = plan(name, 5000)
         found = [fit_outline(shape.domain, shape.positions, rise=rise) for rise in RISES]
