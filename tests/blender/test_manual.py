@@ -1,8 +1,10 @@
-"""F1: every operator and every setting leads to a page and a heading that exist."""
+"""F1 leads every operator and setting to a page and a heading that exist; calls on these pages have valid settings."""
 
 from __future__ import annotations
 
+import ast
 import re
+import shlex
 import webbrowser
 from pathlib import Path
 from urllib.parse import unquote, urlparse
@@ -11,6 +13,8 @@ import bpy
 import pytest
 
 from .test_tooltips import groups, operators, own_properties
+
+DOCS = Path(__file__).parents[2] / "docs"
 
 
 @pytest.fixture
@@ -85,3 +89,28 @@ def test_unregistered_there_are_none(addon):
         assert lookup("bpy.ops.cmc.solve") is None
     finally:
         addon.register()
+
+
+def written(pattern: str) -> list[str]:
+    """All matches on the pages of docs/."""
+    return [match for page in DOCS.rglob("*.md") for match in re.findall(pattern, page.read_text("utf-8"), re.M)]
+
+
+def test_calls_in_the_documentation_have_these_settings():
+    calls = written(r"bpy\.ops\.cmc\.\w+\((?:[^()\n]|\([^()\n]*\))*\)")
+    assert len(calls) > 30
+    for call in calls:
+        node = ast.parse(call, mode="eval").body
+        properties = getattr(bpy.ops.cmc, node.func.attr).get_rna_type().properties
+        for keyword in node.keywords:
+            assert keyword.arg in properties, call
+            if properties[keyword.arg].type == "ENUM" and properties[keyword.arg].enum_items:
+                assert ast.literal_eval(keyword.value) in properties[keyword.arg].enum_items, call
+
+
+def test_command_lines_in_the_documentation_are_understood(addon):
+    lines = written(r"^blender --command cmc .*$")
+    assert len(lines) >= 3
+    for line in lines:
+        arguments = addon.cmc_addon.headless.cli._parser().parse_args(shlex.split(line)[3:])
+        assert arguments.inputs, line

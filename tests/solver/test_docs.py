@@ -167,14 +167,16 @@ def test_every_operator_has_a_paragraph():
             assert not name.startswith("cmc.") or f"({page.name}#{name})" in listed, name
 
 
-def test_every_picture_is_used_and_small():
-    """Pictures of the window are many, so they have to be smaller."""
+def test_every_picture_is_used_small_and_made_here():
+    """By a script of scripts/gallery. Pictures of the window are many, so they have to be smaller."""
     images = ROOT / "docs" / "images"
+    scripts = "".join(script.read_text(encoding="utf-8") for script in (ROOT / "scripts" / "gallery").glob("*.py"))
     used = {
         (page.parent / target).resolve() for page in PAGES for target in LINK.findall(page.read_text(encoding="utf-8"))
     }
     for picture in images.rglob("*.*"):
         assert picture.resolve() in used, picture.name
+        assert f'"{picture.name}"' in scripts or f'"{picture.stem}"' in scripts, picture.name
         assert picture.stat().st_size < (150_000 if picture.parent.name == "window" else 300_000), picture.name
 
 
