@@ -3,7 +3,7 @@
 
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: demo test lint test-solver test-blender test-versions extension docs gui-test bench gallery clean
+.PHONY: demo test lint test-solver test-blender test-versions extension gui-test bench gallery clean
 
 PYTHON := .venv/bin/python
 WORKERS := $(shell n=$$(nproc); echo $$((n < 8 ? n : 8)))
@@ -42,6 +42,7 @@ extension: .venv/ready
 	$(PYTHON) scripts/build/build_extension.py --all
 
 # The documentation as HTML, with a page for each public name and a search page: build/docs/.
+.PHONY: docs
 docs: .venv/ready
 	$(PYTHON) scripts/build/help_pages.py
 

@@ -1,4 +1,4 @@
-"""Pictures of docs/explanation/combinatorics.md: the complexes, the identity of the sphere, a disc of needles.
+"""Pictures of docs/combinatorics.md that show surfaces: the complexes, the identity of the sphere, a disc of needles.
 
 `render_gallery.py` starts Blender and calls them.
 """

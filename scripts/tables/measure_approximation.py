@@ -1,4 +1,4 @@
-"""Writes docs/measured/approximation.md: how near surfaces of constant mean curvature come to given ones.
+"""The tables of docs/approximation.md, measured: how near surfaces of constant mean curvature come to given ones.
 
     make gallery                                            # measures, writes the tables, draws the pictures
     .venv/bin/python -m scripts.tables.measure_approximation cmc   # some of them, printed only

@@ -1,4 +1,4 @@
-"""Writes docs/measured/combinatorics.md: what converges, what survives poor triangles.
+"""The tables of docs/combinatorics.md, measured: what converges, what survives poor triangles.
 
     make gallery                                                # measures, writes the tables, draws the pictures
     .venv/bin/python -m scripts.tables.measure_faces recovery needles  # some of them, printed only

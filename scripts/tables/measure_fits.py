@@ -1,4 +1,4 @@
-"""Writes docs/measured/fitting.md: how near shells come to an outline, and how many evaluations that takes.
+"""The tables of docs/fitting.md, measured: how near shells come to an outline, and what it takes.
 
     make gallery                                       # measures, writes the tables, draws the pictures
     .venv/bin/python -m scripts.tables.measure_fits outlines  # some of them, printed only
@@ -78,7 +78,7 @@ def away_from_corners(name: str, points: Array, found: Fit) -> float:
 
 def height_parameters() -> list[str]:
     """Parts by which the wanted height and volume are missed, and of circles the caps of a sphere."""
-    rows = [f"| goal | vertices | {HEAD} |", "|---|---|" + "---|" * len(RISES)]
+    rows = [f"| wish | vertices | {HEAD} |", "|---|---|" + "---|" * len(RISES)]
     for name in OUTLINES:
         shape = plan(name, 5000)
         found = [fit_outline(shape.domain, shape.positions, rise=rise) for rise in RISES]

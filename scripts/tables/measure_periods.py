@@ -1,4 +1,4 @@
-"""Writes docs/measured/periods.md: two ways to compute a period, and the cost of closing one.
+"""The tables of docs/periods.md, measured: two ways to a period, and what it takes to close one.
 
     make gallery                                         # measures, writes the tables, draws the pictures
     .venv/bin/python -m scripts.tables.measure_periods planes   # some of them, printed only

@@ -1,4 +1,4 @@
-"""Writes docs/measured/symmetry.md: surfaces between mirrors and planes, and their completions.
+"""The tables of docs/symmetry.md, measured: surfaces between mirrors and planes, and what they make when completed.
 
     make gallery                                               # measures, writes the tables, draws the pictures
     .venv/bin/python -m scripts.tables.measure_symmetry vaults gaps   # some of them, printed only

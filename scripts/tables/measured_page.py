@@ -1,4 +1,4 @@
-"""The tables of a page in docs/measured/, written between `<!-- table: NAME -->` and `<!-- end -->`."""
+"""Tables of a page in docs/, written between `<!-- table: NAME -->` and `<!-- end -->`."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ Tables = dict[str, Callable[[], list[str]]]
 
 
 def measure(page: Path, tables: Tables) -> None:
-    """Measure the tables named on the command line; print them, and write them into the page with --write."""
-    parser = argparse.ArgumentParser(description=f"Measure the tables of docs/measured/{page.name}.")
-    parser.add_argument("names", nargs="*", choices=[*tables, []], help="the tables to measure (all)")
-    parser.add_argument("--write", action="store_true", help="write them into the page")
+    """A command line: which of the tables are measured, and whether they are written into the page."""
+    parser = argparse.ArgumentParser(description=f"Measure the tables of docs/{page.name}.")
+    parser.add_argument("names", nargs="*", choices=[*tables, []], help="which of them (all)")
+    parser.add_argument("--write", action="store_true", help="into the page")
     arguments = parser.parse_args()
     for name in arguments.names or tables:
         rows = tables[name]()

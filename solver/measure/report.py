@@ -31,7 +31,7 @@ _SIMILAR = 1e-3
 class Report:
     """A solve and the sheets it gave. Lengths are those of the measured points, `scale` the factor to them.
 
-    `energy` is the Dirichlet energy of the normals, `residual` as in conventions.md, `closure_error` and `gap`
+    `energy` is the Dirichlet energy of the normals, `residual` as in docs/conventions.md, `closure_error` and `gap`
     (the longest period) are lengths; `periods` one vector a hole or handle. `sheet` names the sheet that is
     shown; `planes` are those in which sides of it are to lie, where the solve was asked for any. `index` and `nullity`
     count the modes along which the energy of the map falls, and those along which it stays; None where nobody counted.

@@ -14,7 +14,7 @@ from tests.solver.pieces import edges_where
 
 
 def jittered_cylinder(angle: float, columns: int, seed: int):
-    """A cylinder of the height that closes, its conditions, and the start of docs/explanation/bubbles.md. Radians."""
+    """A cylinder of the height that closes, its conditions, and the start that is told in docs/bubbles.md. Radians."""
     height = wente_height(angle)
     domain, points = exact.cylinder(height, columns, seed=seed)
     bottom, top = (edges_where(domain, points, lambda p, y=y: np.abs(p[:, 1] - y) < 1e-9) for y in (0.0, height))
