@@ -2,8 +2,8 @@
 
     .venv/bin/python scripts/build/help_pages.py     # build/docs/README.html
 
-Covers the Markdown of our pages: headings, paragraphs, lists, tables, code, pictures, links, emphasis, anchors. One page
-more, search.html, holds the text of all of them and a script of a few lines that finds words in it.
+Covers the Markdown of our pages: headings, paragraphs, lists, tables, code, pictures, links, emphasis, anchors.
+search.html holds the text of all pages, and a script of a few lines that finds words in it.
 """
 
 from __future__ import annotations
