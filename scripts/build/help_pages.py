@@ -59,20 +59,20 @@ def write_pages(docs: Path, target: Path) -> list[Path]:
     texts = {source.relative_to(docs): source.read_text(encoding="utf-8") for source in sorted(docs.rglob("*.md"))}
     texts |= api_pages()
     shutil.rmtree(target, ignore_errors=True)
-    pages, found = [], []
+    pages, entries = [], []
     for path, text in texts.items():
         page = (target / path).with_suffix(".html")
         page.parent.mkdir(parents=True, exist_ok=True)
         page.write_text(_without_dead_ends(whole_page(text, _up(path)), path.parent, texts), encoding="utf-8")
         pages.append(page)
-        found += sections(path, text)
+        entries += sections(path, text)
         for picture in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", text):
             file = docs / path.parent / picture
             if file.is_file():
                 (page.parent / picture).parent.mkdir(parents=True, exist_ok=True)
                 shutil.copyfile(file, page.parent / picture)
     search = target / "search.html"
-    search.write_text(_page("Search", "", _SEARCH.replace("SECTIONS", json.dumps(found, ensure_ascii=False))), "utf-8")
+    search.write_text(_page("Search", "", _SEARCH.replace("SECTIONS", json.dumps(entries, ensure_ascii=False))), "utf-8")
     return [*pages, search]
 
 
@@ -83,7 +83,7 @@ def _up(path: Path) -> str:
 
 def sections(path: Path, text: str) -> list[list[str]]:
     """[title, address, words] of the sections of a page, for the search."""
-    found, slugs = [], set()
+    entries, slugs = [], set()
     title = ""
     for part in re.split(r"^(?=#+ )", re.sub(r"^```.*?^```$", _unmarked, text, flags=re.M | re.S), flags=re.M):
         heading, _, words = part.partition("\n")
@@ -93,8 +93,8 @@ def sections(path: Path, text: str) -> list[list[str]]:
         title = title or name
         address = f"{path.with_suffix('.html').as_posix()}#{slug(heading.lstrip('# '), slugs)}"
         plain = re.sub(r"\]\([^)]*\)|<[^>]*>|[*`|\[\]!]|-{3,}", " ", words)
-        found.append([name if name == title else f"{title}: {name}", address, " ".join(plain.split())])
-    return found
+        entries.append([name if name == title else f"{title}: {name}", address, " ".join(plain.split())])
+    return entries
 
 
 def _unmarked(code: re.Match) -> str:
