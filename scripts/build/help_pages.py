@@ -72,7 +72,8 @@ def write_pages(docs: Path, target: Path) -> list[Path]:
                 (page.parent / picture).parent.mkdir(parents=True, exist_ok=True)
                 shutil.copyfile(file, page.parent / picture)
     search = target / "search.html"
-    search.write_text(_page("Search", "", _SEARCH.replace("SECTIONS", json.dumps(entries, ensure_ascii=False))), "utf-8")
+    content = _SEARCH.replace("SECTIONS", json.dumps(entries, ensure_ascii=False))
+    search.write_text(_page("Search", "", content), encoding="utf-8")
     return [*pages, search]
 
 
