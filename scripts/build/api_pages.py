@@ -3,7 +3,7 @@
     .venv/bin/python scripts/build/api_pages.py solve_cmc     # print a page
 
 The pages are not committed. `make docs` and the build of the extension make them, and lead the links of the index,
-docs/reference/python.md, to them. The sources are parsed, not imported, so that any Python can do this.
+docs/reference/python.md, to them.
 """
 
 from __future__ import annotations
@@ -12,147 +12,127 @@ import ast
 import inspect
 import re
 import sys
+import textwrap
+from collections.abc import Iterator
+from functools import cached_property
 from pathlib import Path
-from typing import NamedTuple
+from types import FunctionType, ModuleType
+from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
+if str(ROOT) not in sys.path:
+    sys.path.append(str(ROOT))
+
+import solver
+
 FOLDER = Path("reference/python")
-Function = ast.FunctionDef | ast.AsyncFunctionDef
 _ITEM = re.compile(r"^([a-z_]\w*(?:, \w+)*)((?: \([^)]*\))?: )")
+_NO_VALUE = inspect.Parameter.empty
 
 
-class Definition(NamedTuple):
-    """A public name, the file that defines it, and its syntax tree: a function, class, assignment or module."""
-
-    name: str
-    file: Path
-    node: ast.AST
-
-
-def api_pages(solver: Path = ROOT / "solver") -> dict[Path, str]:
-    """Path below docs/ → Markdown: a page for each name in `__all__`, and the index with links to them."""
-    definitions = {name: find(solver / "__init__.py", name) for name in public_names(solver)}
-    pages = {FOLDER / f"{name}.md": page(definition, set(definitions)) for name, definition in definitions.items()}
+def api_pages() -> dict[Path, str]:
+    """Path below docs/ → Markdown: a page for each name in `solver.__all__`, and the index with links to them."""
     index = FOLDER.with_suffix(".md")
-    text = (solver.parent / "docs" / index).read_text(encoding="utf-8")
-    return pages | {index: re.sub(r"\[`(\w+)`\]\([^)]*\)", rf"[`\1`]({FOLDER.name}/\1.md)", text)}
+    text = (ROOT / "docs" / index).read_text(encoding="utf-8")
+    linked = re.sub(r"\[`(\w+)`\]\([^)]*\)", rf"[`\1`]({FOLDER.name}/\1.md)", text)
+    return {FOLDER / f"{name}.md": page(name) for name in solver.__all__} | {index: linked}
 
 
-def public_names(package: Path) -> list[str]:
-    """The literal list `__all__` of a package."""
-    for node in _tree(package / "__init__.py").body:
-        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__":
-            return sorted(ast.literal_eval(node.value))
-    raise LookupError(f"{package} has no __all__")
-
-
-def find(file: Path, name: str) -> Definition:
-    """Follow relative imports from a file to the definition of a name."""
-    for node in _tree(file).body:
-        if name in _defined(node):
-            return Definition(name, file, node)
-        if isinstance(node, ast.ImportFrom):
-            for alias in node.names:
-                if (alias.asname or alias.name) == name:
-                    return _imported(file, node, alias.name)
-    raise LookupError(f"{file} does not define {name}")
-
-
-def _imported(file: Path, node: ast.ImportFrom, name: str) -> Definition:
-    folder = file.parents[node.level - 1].joinpath(*(node.module or "").split("."))
-    module = folder / f"{name}.py"
-    if module.is_file():
-        return Definition(name, module, _tree(module))
-    return find(folder / "__init__.py" if folder.is_dir() else folder.with_suffix(".py"), name)
-
-
-def _tree(file: Path) -> ast.Module:
-    return ast.parse(file.read_text(encoding="utf-8"))
-
-
-def _defined(node: ast.AST) -> set[str]:
-    """Names that a statement of a module or class defines."""
-    if isinstance(node, Function | ast.ClassDef):
-        return {node.name}
-    if isinstance(node, ast.AnnAssign):
-        return {ast.unparse(node.target)}
-    return {ast.unparse(target) for target in node.targets} if isinstance(node, ast.Assign) else set()
-
-
-def page(definition: Definition, names: set[str] = frozenset()) -> str:
+def page(name: str) -> str:
     """Markdown of a public name; other public names in its docstrings become links."""
-    source = definition.file.relative_to(ROOT).as_posix()
-    node = definition.node
-    parts = [f"# {definition.name}", f"`from solver import {definition.name}`, defined in `{source}`."]
-    if isinstance(node, ast.Module):
-        parts.append(_docstring(node))
-        for each in node.body:
-            if isinstance(each, Function | ast.ClassDef) and not each.name.startswith("_"):
-                parts += [f"## {each.name}", *_described(each)]
+    value = getattr(solver, name)
+    parts = [f"# {name}", f"`from solver import {name}`, defined in `{source_of(value)}`."]
+    if isinstance(value, ModuleType):
+        parts.append(_docstring(value))
+        for key, each in _public(vars(value)):
+            if inspect.isroutine(each) or inspect.isclass(each):
+                parts += [f"## {key}", *_described(key, each)] if each.__module__ == value.__name__ else []
     else:
-        parts += _described(node)
+        parts += _described(name, value)
     text = "\n\n".join(part for part in parts if part) + "\n"
-    others = names - {definition.name}
-    return re.sub(r"(?<!\[)`(\w+)`", lambda m: f"[{m[0]}]({m[1]}.md)" if m[1] in others else m[0], text)
+    others = set(solver.__all__) - {name}
+    return re.sub(r"(?<!\[)`(\w+)`", lambda match: _link(match) if match[1] in others else match[0], text)
 
 
-def _described(node: ast.AST) -> list[str]:
-    """Signature and docstring of a function; of a class also its fields and public methods."""
-    if isinstance(node, Function):
-        return [_code(_signature(node)), _docstring(node)]
-    if not isinstance(node, ast.ClassDef):
-        return [_code(ast.unparse(node))]
-    bases = f"({', '.join(map(ast.unparse, node.bases))})" if node.bases else ""
-    fields = [f"    {ast.unparse(each)}" for each in node.body if _is_field(each)]
-    parts = [_code("\n".join([f"class {node.name}{bases}" + (":" if fields else ""), *fields])), _docstring(node)]
-    for each in node.body:
-        if isinstance(each, Function) and not each.name.startswith("_"):
-            parts += [f"### {each.name}", _code(_signature(each)), _docstring(each)]
+def source_of(value: Any) -> str:
+    """The file that defines a function, class or module, from the project's folder."""
+    file = inspect.getsourcefile(inspect.unwrap(value) if callable(value) else value)
+    return Path(file or "").relative_to(ROOT).as_posix()
+
+
+def _link(match: re.Match[str]) -> str:
+    return f"[{match[0]}]({match[1]}.md)"
+
+
+def _public(names: Any) -> Iterator[tuple[str, Any]]:
+    return ((name, value) for name, value in list(names.items()) if not name.startswith("_"))
+
+
+def _described(name: str, value: Any) -> list[str]:
+    """Signature and docstring of a function; of a class also its fields, properties and methods."""
+    if not inspect.isclass(value):
+        return [_code(_signature(f"def {name}", value)), _docstring(value)]
+    fields = _fields(value)
+    head = f"class {name}:\n" + "\n".join(fields) if fields else _signature(f"class {name}", value)
+    parts = [_code(head), _docstring(value)]
+    for key, each in _public(vars(value)):
+        if isinstance(each, property | cached_property):
+            getter = each.fget if isinstance(each, property) else each.func
+            parts += [f"### {key}", _code("@property\n" + _signature(f"def {key}", getter)), _docstring(each)]
+        elif isinstance(each, FunctionType | classmethod | staticmethod):
+            function = each if isinstance(each, FunctionType) else each.__func__
+            made = "" if each is function else f"@{type(each).__name__}\n"
+            parts += [f"### {key}", _code(made + _signature(f"def {key}", function)), _docstring(function)]
     return parts
 
 
-def _is_field(node: ast.AST) -> bool:
-    """Whether a statement of a class defines a public field of a dataclass, or a member of an enum."""
-    return isinstance(node, ast.Assign | ast.AnnAssign) and not any(name.startswith("_") for name in _defined(node))
+def _fields(kind: type) -> list[str]:
+    """Lines of the public fields of a dataclass, or the members of an enum."""
+    if issubclass(kind, Exception):
+        return []
+    (node,) = ast.parse(textwrap.dedent(inspect.getsource(kind))).body
+    assert isinstance(node, ast.ClassDef)
+    lines = [ast.unparse(each) for each in node.body if isinstance(each, ast.Assign | ast.AnnAssign)]
+    return [f"    {line}" for line in lines if not line.startswith("_")]
 
 
-def _signature(node: Function) -> str:
+def _signature(head: str, value: Any) -> str:
     """`def name(…) -> result`, with an argument a line if it is long; no `self`, `cls`."""
-    decorators = "".join(f"@{name}\n" for name in map(ast.unparse, node.decorator_list) if "property" in name)
-    returned = f" -> {ast.unparse(node.returns)}" if node.returns else ""
-    words = _arguments(node.args)
-    line = f"def {node.name}({', '.join(words)}){returned}"
-    if len(line) > 100:
-        line = f"def {node.name}(\n    " + ",\n    ".join(words) + f",\n){returned}"
-    return decorators + line
+    try:
+        signature = inspect.signature(value)
+    except ValueError:  # exceptions of Python's own kind have none
+        return head
+    words, named = [], False
+    for parameter in signature.parameters.values():
+        if parameter.kind is parameter.KEYWORD_ONLY and not named:
+            words.append("*")
+        named = named or parameter.kind in (parameter.KEYWORD_ONLY, parameter.VAR_POSITIONAL)
+        words += [_argument(parameter)] if parameter.name not in ("self", "cls") else []
+    result = "" if signature.return_annotation in (_NO_VALUE, None) else f" -> {_kind(signature.return_annotation)}"
+    result = "" if head.startswith("class ") else result
+    line = f"{head}({', '.join(words)}){result}"
+    return line if len(line) <= 100 else f"{head}(\n    " + ",\n    ".join(words) + f",\n){result}"
 
 
-def _arguments(given: ast.arguments) -> list[str]:
-    places = [*given.posonlyargs, *given.args]
-    defaults = [None] * (len(places) - len(given.defaults)) + given.defaults
-    words = [_argument(each, default) for each, default in zip(places, defaults, strict=True)]
-    if given.vararg or given.kwonlyargs:
-        words.append(f"*{_argument(given.vararg, None) if given.vararg else ''}")
-    words += [_argument(each, default) for each, default in zip(given.kwonlyargs, given.kw_defaults, strict=True)]
-    words += [f"**{_argument(given.kwarg, None)}"] if given.kwarg else []
-    return [word for word in words if word not in ("self", "cls")]
+def _argument(parameter: inspect.Parameter) -> str:
+    star = {parameter.VAR_POSITIONAL: "*", parameter.VAR_KEYWORD: "**"}.get(parameter.kind, "")
+    kind = "" if parameter.annotation is _NO_VALUE else f": {_kind(parameter.annotation)}"
+    if parameter.default is _NO_VALUE:
+        return star + parameter.name + kind
+    return f"{parameter.name}{kind}{' = ' if kind else '='}{parameter.default!r}"
 
 
-def _argument(argument: ast.arg, default: ast.expr | None) -> str:
-    kind = f": {ast.unparse(argument.annotation)}" if argument.annotation else ""
-    if default is None:
-        return argument.arg + kind
-    return f"{argument.arg}{kind}{' = ' if kind else '='}{ast.unparse(default)}"
+def _kind(annotation: Any) -> str:
+    return annotation if isinstance(annotation, str) else inspect.formatannotation(annotation)
 
 
 def _code(text: str) -> str:
     return f"```py\n{text}\n```"
 
 
-def _docstring(node: ast.AST) -> str:
+def _docstring(value: Any) -> str:
     """A docstring as Markdown: paragraphs of `name: text` lines become lists."""
-    assert isinstance(node, Function | ast.ClassDef | ast.Module)
-    paragraphs = inspect.cleandoc(ast.get_docstring(node) or "").split("\n\n")
+    paragraphs = (inspect.getdoc(value) or "").split("\n\n")
     return "\n\n".join(_list(text) if _ITEM.match(text) else text for text in paragraphs)
 
 
@@ -162,4 +142,4 @@ def _list(paragraph: str) -> str:
 
 
 if __name__ == "__main__":
-    print(*(page(find(ROOT / "solver" / "__init__.py", name)) for name in sys.argv[1:]), sep="\n")
+    print(*map(page, sys.argv[1:]), sep="\n")
