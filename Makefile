@@ -11,7 +11,7 @@ WORKERS := $(shell n=$$(nproc); echo $$((n < 8 ? n : 8)))
 PYTEST := OPENBLAS_NUM_THREADS=1 $(PYTHON) -m pytest --timeout=300 -n $(WORKERS) --dist loadfile
 SETUP := Makefile pyproject.toml scripts/build/setup_env.sh scripts/build/requirements.py scripts/build/system_libraries.sh
 SHIPPED := __init__.py blender_manifest.toml pyproject.toml scripts/build/build_extension.py scripts/build/help_pages.py \
-           $(shell find solver cmc_addon -name '*.py') $(shell find docs -name '*.md')
+           scripts/build/api_pages.py $(shell find solver cmc_addon -name '*.py') $(shell find docs -name '*.md')
 BLENDERS := .venvs/bpy-4.5/ready .venvs/bpy-5.0/ready .venvs/bpy-5.2/ready
 
 # Form one of the plans and render it: build/demo/.
@@ -40,6 +40,11 @@ test-versions: .venvs/full-4.5/ready .venvs/full-5.2/ready
 # The zips to install in Blender, one a platform: dist/.
 extension: .venv/ready
 	$(PYTHON) scripts/build/build_extension.py --all
+
+# The documentation as HTML, with a page for each public name and a search page: build/docs/.
+.PHONY: docs
+docs: .venv/ready
+	$(PYTHON) scripts/build/help_pages.py
 
 # Stories told in a real Blender with a window, in a Debian of its own, with the extension built for it and installed;
 # pictures in build/gui/. Needs root; CMC_GUI_ROOT is where that Debian is (.venvs/gui-root).

@@ -1,8 +1,8 @@
-"""F1 over a button or a setting: its paragraph in the documentation.
+"""F1 over a button or a setting opens its paragraph in the documentation.
 
-Operators have an anchor of their own (`<a id="cmc.solve"></a>`) on the pages docs/operators/; settings lead to the
-section that tells about them. The pages are those of the website that the manifest names; without one those that came
-with the extension (`help/`, made from docs/ by the build), and in a checkout docs/ itself.
+Operators have their own anchors (`<a id="cmc.solve"></a>`) on the pages docs/reference/operators/; settings lead to the
+section that describes them. The pages are on the website that the manifest names; without a website they are those
+bundled with the extension (`help/`, made from docs/ by the build), and in a checkout docs/ itself.
 """
 
 from __future__ import annotations
@@ -25,69 +25,70 @@ PAGES = {
     "periods": ("close_periods", "tile_periods"),
     "export": ("export",),
 }
-"""Page below docs/operators/ → the operators on it."""
+"""Page in docs/reference/operators/ → the operators on it."""
 
 SETTINGS = {
-    "cmcgroup.across": "blender#mirrors-and-planes",
-    "cmcgroup": "blender#boundary",
-    "cmcmesh": "blender#boundary",
-    "cmcscene.edge_length": "blender#plan",
-    "cmcscene.round_corners": "blender#plan",
-    "cmcscene.corner_radius": "blender#plan",
-    "cmcscene": "operators/look",
-    "cmcobject.complete_": "blender#symmetry",
-    "cmcobject.close_": "blender#close-periods",
-    "cmcobject.tile_": "blender#tile-by-periods",
-    "cmcobject.export_": "blender#export",
-    "cmcobject.fit_": "blender#fit-to-outline",
-    "cmcobject.height_parameter": "blender#fit-to-outline",
-    "cmcobject.free_heights": "blender#fit-to-outline",
-    "cmcobject.limit_tilt": "blender#fit-to-outline",
-    "cmcobject.tilt_": "blender#fit-to-outline",
-    "cmcobject.hanging": "blender#fit-to-outline",
-    "cmcobject.follow": "blender#fit-to-outline",
-    "cmcobject.anchor_weight": "blender#fit-to-outline",
-    "cmcobject.smoothness": "blender#approximate-surface",
-    "cmcobject.match": "blender#approximate-surface",
-    "cmcobject.near": "blender#approximate-surface",
-    "cmcobject.sites": "blender#advanced",
-    "cmcobject.energy": "blender#advanced",
-    "cmcobject.method": "blender#advanced",
-    "cmcobject.delaunay": "blender#advanced",
-    "cmcobject.averaging": "blender#advanced",
-    "cmcobject.combinatorics": "blender#advanced",
-    "cmcobject.live": "operators/live",
-    "cmcobject.colour_": "operators/look",
-    "cmcobject.stroke": "operators/look",
-    "cmcobject": "blender#shell",
-    "cmcrun": "operators/solve",
-    "cmcpreferences": "blender#preferences",
+    "cmcgroup.across": "reference/blender#mirrors-and-planes",
+    "cmcgroup": "reference/blender#boundary",
+    "cmcmesh": "reference/blender#boundary",
+    "cmcscene.edge_length": "reference/blender#plan",
+    "cmcscene.round_corners": "reference/blender#plan",
+    "cmcscene.corner_radius": "reference/blender#plan",
+    "cmcscene": "reference/operators/look",
+    "cmcobject.complete_": "reference/blender#symmetry",
+    "cmcobject.close_": "reference/blender#close-gaps",
+    "cmcobject.tile_": "reference/blender#repeat-by-gaps",
+    "cmcobject.export_": "reference/blender#export",
+    "cmcobject.fit_": "reference/blender#fit-to-outline",
+    "cmcobject.height_parameter": "reference/blender#fit-to-outline",
+    "cmcobject.free_heights": "reference/blender#fit-to-outline",
+    "cmcobject.limit_tilt": "reference/blender#fit-to-outline",
+    "cmcobject.tilt_": "reference/blender#fit-to-outline",
+    "cmcobject.hanging": "reference/blender#fit-to-outline",
+    "cmcobject.follow": "reference/blender#fit-to-outline",
+    "cmcobject.anchor_weight": "reference/blender#fit-to-outline",
+    "cmcobject.smoothness": "reference/blender#approximate-surface",
+    "cmcobject.match": "reference/blender#approximate-surface",
+    "cmcobject.near": "reference/blender#approximate-surface",
+    "cmcobject.sites": "reference/blender#advanced",
+    "cmcobject.energy": "reference/blender#advanced",
+    "cmcobject.method": "reference/blender#advanced",
+    "cmcobject.delaunay": "reference/blender#advanced",
+    "cmcobject.averaging": "reference/blender#advanced",
+    "cmcobject.combinatorics": "reference/blender#advanced",
+    "cmcobject.live": "reference/operators/live",
+    "cmcobject.colour_": "reference/operators/look",
+    "cmcobject.curvature_line": "reference/operators/look",
+    "cmcobject": "reference/blender#shell",
+    "cmcrun": "reference/operators/solve",
+    "cmcpreferences": "reference/blender#preferences",
 }
-"""Beginning of a setting's name, the more special before the more general → page and heading."""
+"""Start of a setting's name, specific ones before general ones → page and heading."""
 
 
 def links(suffix: str) -> tuple[tuple[str, str], ...]:
-    """(pattern, what follows the prefix) of every name, as `bpy.utils.register_manual_map` wants them; `suffix` is
-    that of the pages. Blender's names are in small letters."""
-    found = []
+    """(pattern, rest of the URL) of every name, in the form of `bpy.utils.register_manual_map`. `suffix` is the
+    pages' file suffix; patterns are in lower case, as Blender looks them up."""
+    pairs = []
     for page, names in PAGES.items():
         for name in names:
-            found += [(f"bpy.ops.cmc.{each}", f"operators/{page}{suffix}#cmc.{each}") for each in _spelt_out(name)]
+            place = f"reference/operators/{page}{suffix}"
+            pairs += [(f"bpy.ops.cmc.{each}", f"{place}#cmc.{each}") for each in _matching(name)]
     for beginning, place in SETTINGS.items():
         page, _, heading = place.partition("#")
-        found.append((f"bpy.types.{beginning}*", f"{page}{suffix}" + (f"#{heading}" if heading else "")))
-    return tuple(found)
+        pairs.append((f"bpy.types.{beginning}*", f"{page}{suffix}" + (f"#{heading}" if heading else "")))
+    return tuple(pairs)
 
 
-def _spelt_out(name: str) -> list[str]:
-    """The operators that a name with a star stands for; each has an anchor of its own."""
+def _matching(name: str) -> list[str]:
+    """The operators that match a name with a star; each has its own anchor."""
     if not name.endswith("*"):
         return [name]
     return [each for each in dir(bpy.ops.cmc) if each.startswith(name[:-1])]
 
 
 def where() -> tuple[str, str]:
-    """What all links begin with, and the suffix of the pages."""
+    """The common start of all links, and the suffix of the pages."""
     manifest = ROOT / "blender_manifest.toml"
     website = tomllib.loads(manifest.read_text(encoding="utf-8")).get("website") if manifest.is_file() else None
     if website:
@@ -107,5 +108,5 @@ def register() -> None:
 
 
 def unregister() -> None:
-    with suppress(ValueError):  # was never registered: registering failed before it came to this
+    with suppress(ValueError):  # never registered: registration failed earlier
         bpy.utils.unregister_manual_map(manual_map)

@@ -1,20 +1,50 @@
-"""docs/*.md as plain HTML pages, which the extension brings along for F1: no server, no script, nothing fetched.
+"""docs/ as plain HTML: the pages of the extension's help (F1), and of `make docs`. No server, nothing fetched.
 
-Knows the Markdown that our pages use: headings, paragraphs, lists, tables, code, pictures, links, emphasis, anchors.
+    .venv/bin/python scripts/build/help_pages.py     # build/docs/README.html
+
+Covers the Markdown of our pages: headings, paragraphs, lists, tables, code, pictures, links, emphasis, anchors.
+search.html holds the text of all pages, and a script of a few lines that finds words in it.
 """
 
 from __future__ import annotations
 
 import html
+import json
+import os
 import re
 import shutil
 from pathlib import Path
+
+from api_pages import api_pages
+
+ROOT = Path(__file__).resolve().parents[2]
 
 _STYLE = (
     "body{max-width:46rem;margin:2rem auto;padding:0 1rem;font:16px/1.55 system-ui,sans-serif;color:#222}"
     "img{max-width:100%}table{border-collapse:collapse}td,th{border:1px solid #ccc;padding:.3rem .6rem;text-align:left;"
     "vertical-align:top}pre{background:#f4f4f4;padding:.8rem;overflow-x:auto}code{background:#f4f4f4}:target{background:#ffc}"
 )
+_SEARCH = """<h1>Search</h1>
+<input id="words" autofocus placeholder="courtyard gap"><div id="hits"></div>
+<script>
+const sections = SECTIONS;
+const field = document.getElementById("words"), hits = document.getElementById("hits");
+field.oninput = () => {
+  const words = field.value.toLowerCase().split(/\\s+/).filter(word => word);
+  const score = ([title, , text]) => words.every(word => (title + " " + text).toLowerCase().includes(word))
+    ? 1 + words.filter(word => title.toLowerCase().includes(word)).length : 0;
+  const ranked = words.length ? sections.map(each => [score(each), each]).filter(([points]) => points) : [];
+  ranked.sort((a, b) => b[0] - a[0]);
+  hits.replaceChildren(...ranked.slice(0, 30).map(([, [title, address, text]]) => {
+    const hit = document.createElement("p"), link = document.createElement("a");
+    const at = Math.max(0, text.toLowerCase().indexOf(words[0]) - 60);
+    link.href = address;
+    link.textContent = title;
+    hit.append(link, document.createElement("br"), text.slice(at, at + 160));
+    return hit;
+  }));
+};
+</script>"""
 _INLINE = (
     (r"`([^`]+)`", None),
     (r"!\[([^\]]*)\]\(([^)]+)\)", r'<img alt="\1" src="\2">'),
@@ -25,48 +55,84 @@ _INLINE = (
 
 
 def write_pages(docs: Path, target: Path) -> list[Path]:
-    """Make a page of every file of docs/, with its pictures, in another folder; returns the pages."""
+    """Write a page for each file of docs/ and each public name of the solver, and their pictures; return the pages."""
+    texts = {source.relative_to(docs): source.read_text(encoding="utf-8") for source in sorted(docs.rglob("*.md"))}
+    texts |= api_pages()
     shutil.rmtree(target, ignore_errors=True)
-    pages = []
-    for source in sorted(docs.rglob("*.md")):
-        page = target / source.relative_to(docs).with_suffix(".html")
+    pages, entries = [], []
+    for path, text in texts.items():
+        page = (target / path).with_suffix(".html")
         page.parent.mkdir(parents=True, exist_ok=True)
-        text = source.read_text(encoding="utf-8")
-        page.write_text(_without_dead_ends(whole_page(text), source.parent, docs), encoding="utf-8")
+        page.write_text(_without_dead_ends(whole_page(text, _up(path)), path.parent, texts), encoding="utf-8")
         pages.append(page)
+        entries += sections(path, text)
         for picture in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", text):
-            file = source.parent / picture
+            file = docs / path.parent / picture
             if file.is_file():
                 (page.parent / picture).parent.mkdir(parents=True, exist_ok=True)
                 shutil.copyfile(file, page.parent / picture)
-    return pages
+    search = target / "search.html"
+    content = _SEARCH.replace("SECTIONS", json.dumps(entries, ensure_ascii=False))
+    search.write_text(_page("Search", "", content), encoding="utf-8")
+    return [*pages, search]
 
 
-def _without_dead_ends(page: str, folder: Path, docs: Path) -> str:
-    """Links to files that are no pages (the README, sources) become plain words."""
+def _up(path: Path) -> str:
+    """The way from a page to the folder of all pages."""
+    return "../" * (len(path.parts) - 1)
+
+
+def sections(path: Path, text: str) -> list[list[str]]:
+    """[title, address, words] of the sections of a page, for the search."""
+    entries, slugs = [], set()
+    title = ""
+    for part in re.split(r"^(?=#+ )", re.sub(r"^```.*?^```$", _unmarked, text, flags=re.M | re.S), flags=re.M):
+        heading, _, words = part.partition("\n")
+        if not heading.startswith("#"):
+            continue
+        name = re.sub(r"[*`]", "", heading.lstrip("# "))
+        title = title or name
+        address = f"{path.with_suffix('.html').as_posix()}#{slug(heading.lstrip('# '), slugs)}"
+        plain = re.sub(r"\]\([^)]*\)|<[^>]*>|[*`|\[\]!]|-{3,}", " ", words)
+        entries.append([name if name == title else f"{title}: {name}", address, " ".join(plain.split())])
+    return entries
+
+
+def _unmarked(code: re.Match) -> str:
+    """Code whose comments are no headings."""
+    return code[0].replace("#", " ")
+
+
+def _without_dead_ends(page: str, folder: Path, texts: dict[Path, str]) -> str:
+    """Replace links to files that are no pages (the README, sources) by their words."""
 
     def kept(match: re.Match) -> str:
         target = match.group(1)
-        file = (folder / target.partition("#")[0]).resolve()
-        leads = file.is_relative_to(docs.resolve()) and file.with_suffix(".md").is_file()
+        file = Path(os.path.normpath(folder / target.partition("#")[0]))
+        leads = file.with_suffix(".md") in texts or file.name == "search.html"
         return match.group(0) if leads or re.match(r"\w+:|#", target) else match.group(2)
 
     return re.sub(r'<a href="([^"]*)">(.*?)</a>', kept, page)
 
 
-def whole_page(text: str) -> str:
+def whole_page(text: str, up: str = "") -> str:
+    """A page of Markdown as HTML; `up` leads to the folder of all pages."""
     title = re.search(r"^# (.+)$", text, re.M)
-    name = html.escape(re.sub(r"[*`]", "", title.group(1))) if title else "CMC Form-Finding"
+    return _page(re.sub(r"[*`]", "", title.group(1)) if title else "CMC Form-Finding", up, body(text))
+
+
+def _page(title: str, up: str, content: str) -> str:
+    ways = f'<a href="{up}README.html">Contents</a> · <a href="{up}search.html">Search</a>'
     return (
-        f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{name}</title>'
-        f"<style>{_STYLE}</style></head>\n<body>\n{body(text)}\n</body></html>\n"
+        f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)}</title>'
+        f"<style>{_STYLE}</style></head>\n<body>\n<nav>{ways}</nav>\n{content}\n</body></html>\n"
     )
 
 
 def body(text: str) -> str:
     """HTML of a page's Markdown, block by block."""
     blocks, slugs = [], set()
-    lines = text.split("\n")
+    lines = re.sub(r"^<!-- .* -->\n?", "", text, flags=re.M).split("\n")
     while lines:
         if not lines[0].strip():
             lines.pop(0)
@@ -123,7 +189,7 @@ def _table(rows: list[str]) -> str:
 
 
 def _list(lines: list[str]) -> str:
-    """Items of one level; what is indented goes on with its item."""
+    """Items of one level; indented lines continue their item."""
     tag = "ol" if lines[0][0].isdigit() else "ul"
     items: list[str] = []
     for line in lines:
@@ -131,7 +197,9 @@ def _list(lines: list[str]) -> str:
             items.append(line[mark.end():])
         else:
             items[-1] += " " + line.strip()
-    return f"<{tag}>" + "\n".join(f"<li>{inline(item)}</li>" for item in items) + f"</{tag}>"
+    first = re.match(r"(\d+)\.", lines[0])
+    start = f' start="{first[1]}"' if first and first[1] != "1" else ""
+    return f"<{tag}{start}>" + "\n".join(f"<li>{inline(item)}</li>" for item in items) + f"</{tag}>"
 
 
 def slug(words: str, taken: set[str]) -> str:
@@ -159,3 +227,7 @@ def inline(text: str) -> str:
         text = re.sub(pattern, wanted, text)
     text = re.sub(r'(href="(?!\w+:)[^"#]*)\.md(#[^"]*)?"', r'\1.html\2"', text)
     return re.sub("\x00(\\d+)\x00", lambda match: kept[int(match.group(1))], text)
+
+
+if __name__ == "__main__":
+    print(f"{len(write_pages(ROOT / 'docs', ROOT / 'build' / 'docs'))} pages in build/docs; begin with README.html")

@@ -22,7 +22,7 @@ from tests.solver.fitting.test_gauss_map_fit import SADDLES, cap, off, over_the_
 
 ROOT = Path(__file__).resolve().parents[2]
 
-PAGE = ROOT / "docs" / "approximation.md"
+PAGE = ROOT / "docs" / "measured" / "approximation.md"
 WEIGHTS = (1e-4, 1e-3, 1e-2)
 LARGE = 20000
 

@@ -40,7 +40,7 @@ from tests.solver.wente import jittered_cylinder, nearby
 
 ROOT = Path(__file__).resolve().parents[2]
 
-PAGE = ROOT / "docs" / "bubbles.md"
+PAGE = ROOT / "docs" / "measured" / "bubbles.md"
 ANGLES = (30, 45, 60, 75, 90, 105, 120, 135, 150, 165)
 # Degrees → E of the whole cylinder of the continuous surface (Abresch, Walter).
 ENERGIES = {120: 26.8240, 60: 25.2087}

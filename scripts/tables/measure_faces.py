@@ -23,7 +23,7 @@ from tests.solver.surface.test_figure19 import dome
 
 ROOT = Path(__file__).resolve().parents[2]
 
-PAGE = ROOT / "docs" / "combinatorics.md"
+PAGE = ROOT / "docs" / "measured" / "combinatorics.md"
 SIZES = (600, 2400, 9600, 38400)
 KINDS = {
     "vertices, cotangent": ("vertices", "cotan"),

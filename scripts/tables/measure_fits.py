@@ -22,7 +22,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 Array = NDArray[np.float64]
 
-PAGE = ROOT / "docs" / "fitting.md"
+PAGE = ROOT / "docs" / "measured" / "fitting.md"
 RISES = (0.05, 0.15, 0.25, 0.35, 0.45)
 SIZES = (2000, 5000, 20000)
 # an outline, the radius of its corners, its area

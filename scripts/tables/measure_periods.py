@@ -32,7 +32,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 Array = NDArray[np.float64]
 
-PAGE = ROOT / "docs" / "periods.md"
+PAGE = ROOT / "docs" / "measured" / "periods.md"
 
 
 def around(shape: shapes.Shape) -> dict:

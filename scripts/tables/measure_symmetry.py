@@ -29,7 +29,7 @@ from tests.solver.symmetry.test_symmetry_modules import HEXAGON, NODE, neck, wro
 
 ROOT = Path(__file__).resolve().parents[2]
 
-PAGE = ROOT / "docs" / "symmetry.md"
+PAGE = ROOT / "docs" / "measured" / "symmetry.md"
 COLUMNS = (24, 48, 96)
 NODOIDS = (0.1, 0.2, 0.5, 1.0, 2.0, 4.0)
 UNDULOIDS = (-0.9, -0.7, -0.5, -0.3, -0.1)

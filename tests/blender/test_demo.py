@@ -1,4 +1,4 @@
-"""`make demo` but for the rendering, and what docs/blender.md says about scripts."""
+"""`make demo` but for the rendering, and what docs/reference/blender.md says about scripts."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def test_the_blend_of_the_demo_opens_ready_to_render(demo, tmp_path, capsys):
 
 
 def text() -> str:
-    return (ROOT / "docs" / "blender.md").read_text(encoding="utf-8")
+    return (ROOT / "docs" / "reference" / "blender.md").read_text(encoding="utf-8")
 
 
 def test_scripts_in_the_documentation_run(monkeypatch, tmp_path):
@@ -77,7 +77,7 @@ def test_scripts_in_the_documentation_run(monkeypatch, tmp_path):
     mesh_object("Dome", rings, [tuple(range(24)), *quads])
     mesh_object("Hall", corners, [(0, 1, 2, 3)])
     names: dict[str, object] = {}
-    exec(compile(example, "docs/blender.md", "exec"), names)
+    exec(compile(example, "docs/reference/blender.md", "exec"), names)
     assert names["shell"].name == "Hall Plan f+"
     assert names["plan"].cmc.fit["cmc_met"] and bpy.data.objects["Dome"].cmc.fit is None
     assert json.loads(bpy.context.object.cmc.report)["closing"]["closed"]

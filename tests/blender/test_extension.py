@@ -147,7 +147,8 @@ def test_contents(archive: Path) -> None:
     }
     assert {"__init__.py", "solver", "cmc_addon", "LICENSE"} <= others
     assert not any("__pycache__" in name for name in names)
-    assert {"help/blender.html", "help/operators/solve.html"} <= set(names)
+    pages = ("reference/blender", "reference/operators/solve", "reference/python/solve_cmc", "search")
+    assert {f"help/{page}.html" for page in pages} <= set(names)
     assert not any(name.endswith(".md") for name in names if name.startswith("help/"))
 
 

@@ -1,4 +1,4 @@
-"""What docs/ and README say is true: examples run, job files load, every key is described, links lead somewhere."""
+"""docs/ and README are true: examples run, jobs load, every key is described, links and commands lead somewhere."""
 
 from __future__ import annotations
 
@@ -33,6 +33,7 @@ DOCS = sorted((ROOT / "docs").rglob("*.md"))
 PAGES = [ROOT / "README.md", *DOCS]
 IDS = [str(page.relative_to(ROOT)) for page in PAGES]
 LINK = re.compile(r"\]\(([^)\s]+)\)")
+MEASURED = ROOT / "docs" / "measured"
 
 
 def blocks(page: Path, language: str) -> list[str]:
@@ -41,7 +42,7 @@ def blocks(page: Path, language: str) -> list[str]:
 
 @pytest.mark.parametrize("page", PAGES, ids=IDS)
 def test_python_examples_run(page, tmp_path, monkeypatch, capsys):
-    """The examples of a page run from top to bottom, as they stand, in the project's folder."""
+    """The examples of a page run from top to bottom, unchanged, in the project's folder."""
     monkeypatch.chdir(ROOT)
     names: dict[str, object] = {}
     for example in blocks(page, "python"):
@@ -49,22 +50,50 @@ def test_python_examples_run(page, tmp_path, monkeypatch, capsys):
 
 
 def test_there_are_examples():
-    assert len(blocks(ROOT / "docs" / "python.md", "python")) >= 8
+    assert len(blocks(ROOT / "docs" / "how-to" / "from-python.md", "python")) >= 8
     assert blocks(ROOT / "README.md", "python") and blocks(ROOT / "README.md", "toml")
 
 
 @pytest.mark.parametrize("page", PAGES, ids=IDS)
 def test_job_examples_load(page, tmp_path):
-    """Jobs with a mesh stand where the plan of that name is."""
+    """Jobs with a mesh are loaded from the folder of the plan of that name."""
     for example in blocks(page, "toml"):
         data = tomllib.loads(example)
         loaded = job.make_job(data, ROOT / "assets" / "job.toml" if "mesh" in data else tmp_path / "job.toml")
         assert len(loaded.plan.triangles)
 
 
+@pytest.mark.parametrize("page", PAGES, ids=IDS)
+def test_commands_exist(page):
+    """Modules, files and targets of make in console examples; files of an example's own have no folder."""
+    text = page.read_text(encoding="utf-8")
+    targets = re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), flags=re.MULTILINE)
+    assert set(re.findall(r"(?:`|^    )make ([\w-]+)", text, flags=re.MULTILINE)) <= set(targets)
+    commands = "\n".join(blocks(page, "console")) + "\n".join(re.findall(r"`([^`\n]+)`", text))
+    for module in re.findall(r"-m (scripts[\w.]*)", commands) + re.findall(r"`(scripts\.[\w.]+)", text):
+        assert (ROOT / module.replace(".", "/")).with_suffix(".py").is_file(), module
+    for file in re.findall(r"\b(?:assets|tests|scripts|solver)/[\w./-]*\w(?:/|\.\w+)", commands):
+        assert (ROOT / file).exists(), file
+
+
+def test_tables_stand_where_a_script_writes_them():
+    """Every table of docs/measured belongs to the script that writes its page, and no other page has any."""
+    marks = {page: re.findall(r"^<!-- table: (\w+) -->$", page.read_text(encoding="utf-8"), re.M) for page in PAGES}
+    written = {}
+    for script in (ROOT / "scripts" / "tables").glob("measure_*.py"):
+        text = script.read_text(encoding="utf-8")
+        page = re.search(r'"measured" / "(\w+\.md)"', text)[1]
+        written[MEASURED / page] = re.findall(r'"(\w+)": \w+', text[text.index("TABLES: Tables"):])
+        words = " ".join((MEASURED / page).read_text(encoding="utf-8").split())
+        assert f"`.venv/bin/python -m scripts.tables.{script.stem} --write`" in words
+    assert {page: sorted(names) for page, names in marks.items() if names} == {
+        page: sorted(names) for page, names in written.items()
+    }
+
+
 def described() -> set[str]:
-    """Words in back-quotes on the page of the job file, without quotes."""
-    words = re.findall(r"`([^`\n]+)`", (ROOT / "docs" / "job-file.md").read_text(encoding="utf-8"))
+    """Words in back-quotes on the page about job files, without quotes."""
+    words = re.findall(r"`([^`\n]+)`", (ROOT / "docs" / "reference" / "job-file.md").read_text(encoding="utf-8"))
     return {word.strip('"') for word in words}
 
 
@@ -91,20 +120,20 @@ def test_every_key_of_a_job_is_described():
 
 def test_no_key_is_described_that_is_none():
     """Keys stand in the first column of the tables."""
-    text = (ROOT / "docs" / "job-file.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "reference" / "job-file.md").read_text(encoding="utf-8")
     rows = [line.split("|")[1] for line in text.splitlines() if line.startswith("| `")]
     keys = {word for cell in rows for word in re.findall(r"`([^`]+)`", cell)}
     assert keys and keys - job_keys() == set()
 
 
 def test_kinds_and_statuses_are_described():
-    text = (ROOT / "docs" / "conventions.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "reference" / "conventions.md").read_text(encoding="utf-8")
     for name in [*KINDS, *(status.value for status in Status), *SIZES, *GROUNDS, *plan.SHEETS]:
         assert f"`{name}`" in text, name
 
 
 def anchors(page: Path) -> set[str]:
-    """What can stand after # in a link to a page: its headings as GitHub writes them, and anchors of its own."""
+    """Valid fragments of a link to a page: its headings as GitHub writes them, and its explicit anchors."""
     text = page.read_text(encoding="utf-8")
     headings = re.findall(r"^#+ (.*)$", text, flags=re.MULTILINE)
     slugs = {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
@@ -126,8 +155,8 @@ def test_links_lead_somewhere(page):
 
 
 def test_every_operator_has_a_paragraph():
-    """With an anchor of its name, to which F1 leads; no paragraph is of an operator that is no more."""
-    folder = ROOT / "docs" / "operators"
+    """With an anchor of its name, to which F1 leads; no paragraph describes an operator that does not exist."""
+    folder = ROOT / "docs" / "reference" / "operators"
     pages = [page for page in folder.glob("*.md") if page.name != "README.md"]
     described = {name for page in pages for name in anchors(page) if name.startswith("cmc.")}
     sources = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "cmc_addon").rglob("*.py"))
@@ -138,14 +167,16 @@ def test_every_operator_has_a_paragraph():
             assert not name.startswith("cmc.") or f"({page.name}#{name})" in listed, name
 
 
-def test_every_picture_is_used_and_small():
-    """Those of the window are many, so they have to be smaller."""
+def test_every_picture_is_used_small_and_made_here():
+    """By a script of scripts/gallery. Pictures of the window are many, so they have to be smaller."""
     images = ROOT / "docs" / "images"
+    scripts = "".join(script.read_text(encoding="utf-8") for script in (ROOT / "scripts" / "gallery").glob("*.py"))
     used = {
         (page.parent / target).resolve() for page in PAGES for target in LINK.findall(page.read_text(encoding="utf-8"))
     }
     for picture in images.rglob("*.*"):
         assert picture.resolve() in used, picture.name
+        assert f'"{picture.name}"' in scripts or f'"{picture.stem}"' in scripts, picture.name
         assert picture.stat().st_size < (150_000 if picture.parent.name == "window" else 300_000), picture.name
 
 
@@ -154,4 +185,4 @@ def test_the_nodoid_of_the_page_is_the_exact_one():
     from scipy.special import ellipk
 
     height = 2 / np.sqrt(0.5) * ellipk(-2.0)
-    assert f"{height:.10f}" in (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
+    assert f"{height:.10f}" in (ROOT / "docs" / "how-to" / "from-python.md").read_text(encoding="utf-8")

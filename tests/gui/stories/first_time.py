@@ -1,7 +1,7 @@
 """The first time: from Blender as it starts to a saved shell whose rim is on its outline, in ten clicks.
 
-Add, Mesh, CMC, Rectangle; the sidebar and its tab; Solve; Fit to Outline; save, and confirm. docs/blender.md tells the
-same path with the mouse.
+Add, Mesh, CMC, Rectangle; the sidebar and its tab; Solve; Fit to Outline; save, and confirm.
+docs/how-to/ten-clicks.md is the same path with the mouse.
 """
 
 from __future__ import annotations
