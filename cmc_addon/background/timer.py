@@ -52,15 +52,3 @@ def rest(tick: Callable[[], float | None]) -> None:
     """No more ticks."""
     if bpy.app.timers.is_registered(tick):
         bpy.app.timers.unregister(tick)
-
-
-def listen(handlers: dict[str, Callable]) -> None:
-    """Attach functions to the lists of `bpy.app.handlers`."""
-    for name, told in handlers.items():
-        getattr(bpy.app.handlers, name).append(told)
-
-
-def unlisten(handlers: dict[str, Callable]) -> None:
-    for name, told in handlers.items():
-        if told in getattr(bpy.app.handlers, name):
-            getattr(bpy.app.handlers, name).remove(told)

@@ -13,12 +13,13 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ...solver.errors import CmcError
-from ..background.timer import TICK, Errand, listen, may_start, rest, unlisten, wake
+from ..background.timer import TICK, Errand, may_start, rest, wake
 from ..drawing import preview
 from ..drawing.viewport import redraw
 from ..properties.changes import watchers
 from ..properties.design_settings import FIT_SETTINGS, HEIGHT_PROPERTY, stored_settings
 from ..properties.links import by_uid, result_of
+from ..properties.registration import registration
 from ..results.objects import check_writable
 from ..tasks.fit_outline import FitOrder, Latest, fulfilled, go_on, take_fit
 
@@ -136,12 +137,12 @@ def _on_load(*_) -> None:
     Latest.fit = Latest.drawn = Latest.settings = None
 
 
-_HANDLERS = {"undo_pre": _on_undo, "redo_pre": _on_undo, "load_pre": _on_load}
+_listen, _unlisten = registration(handlers={"undo_pre": _on_undo, "redo_pre": _on_undo, "load_pre": _on_load})
 
 
 def register() -> None:
     watchers.append(changed)
-    listen(_HANDLERS)
+    _listen()
 
 
 def unregister() -> None:
@@ -149,4 +150,4 @@ def unregister() -> None:
     rest(tick)
     if changed in watchers:
         watchers.remove(changed)
-    unlisten(_HANDLERS)
+    _unlisten()

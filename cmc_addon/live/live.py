@@ -18,11 +18,12 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ...solver.errors import CmcError
-from ..background.timer import TICK, Errand, listen, may_start, rest, unlisten, wake
+from ..background.timer import TICK, Errand, may_start, rest, wake
 from ..drawing.viewport import redraw
 from ..properties.changes import watchers
 from ..properties.links import results_of
 from ..properties.live_settings import limit
+from ..properties.registration import registration
 from ..results.objects import check_writable
 from .update import COARSE, FINAL, QUICK, WHOLE, Anew, GoingOn, Memory, Reading, read
 
@@ -276,18 +277,20 @@ def _forget(uid: int) -> None:
     del Live.states[uid]
 
 
-_HANDLERS = {
-    "depsgraph_update_post": _on_change,
-    "frame_change_post": _on_frame,
-    "undo_post": _on_other_data,
-    "redo_post": _on_other_data,
-    "load_post": _on_other_data,
-}
+_listen, _unlisten = registration(
+    handlers={
+        "depsgraph_update_post": _on_change,
+        "frame_change_post": _on_frame,
+        "undo_post": _on_other_data,
+        "redo_post": _on_other_data,
+        "load_post": _on_other_data,
+    }
+)
 
 
 def register() -> None:
     watchers.append(changed)
-    listen(_HANDLERS)
+    _listen()
 
 
 def unregister() -> None:
@@ -296,4 +299,4 @@ def unregister() -> None:
     rest(tick)
     if changed in watchers:
         watchers.remove(changed)
-    unlisten(_HANDLERS)
+    _unlisten()

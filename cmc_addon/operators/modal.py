@@ -144,6 +144,3 @@ def _status(context: bpy.types.Context, text: str | None) -> None:
     """What the status bar says below all editors; None gives it back to Blender."""
     if context.workspace is not None and not bpy.app.background:
         context.workspace.status_text_set(text)
-
-
-CLASSES = ()

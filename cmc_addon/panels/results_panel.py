@@ -7,6 +7,7 @@ import bpy
 
 from ...solver.fitting.targets import RimOnCurve
 from ..properties.links import result_of
+from ..properties.registration import registration
 from ..properties.reports import last_report
 from ..properties.units import length_text, per_length
 from .periods_text import gap_sentence
@@ -175,17 +176,15 @@ def distance_text(length: float, span: float) -> str:
 
 
 CLASSES = (CMC_PT_results, CMC_PT_checks, CMC_PT_solver)
+_register, _unregister = registration(CLASSES)
 
 
 def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
+    _register()
     BESIDE_SOLVE.append(draw_nearness)
 
 
 def unregister() -> None:
     if draw_nearness in BESIDE_SOLVE:
         BESIDE_SOLVE.remove(draw_nearness)
-    for cls in reversed(CLASSES):
-        if cls.is_registered:
-            bpy.utils.unregister_class(cls)
+    _unregister()

@@ -10,6 +10,7 @@ from ...solver.catalogue.module_presets import PRESETS
 from ...solver.errors import CmcError
 from ..bridges.mesh_cache import mirror_corners
 from ..properties.links import plan_to_solve
+from ..properties.registration import registration
 from ..properties.reports import last_report
 from ..properties.symmetry_settings import COMPLETE_SETTINGS, draw_complete
 from ..properties.units import length_text
@@ -174,16 +175,14 @@ def _in_add_menu(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
 
 
 CLASSES = (CMC_PT_complete, CMC_PT_symmetry, CMC_MT_add)
+_register, _unregister = registration(CLASSES)
 
 
 def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
+    _register()
     bpy.types.VIEW3D_MT_mesh_add.append(_in_add_menu)
 
 
 def unregister() -> None:
     bpy.types.VIEW3D_MT_mesh_add.remove(_in_add_menu)
-    for cls in reversed(CLASSES):
-        if cls.is_registered:
-            bpy.utils.unregister_class(cls)
+    _unregister()

@@ -26,6 +26,7 @@ from ..bridges.periods_bridge import check_movable, move_vertices
 from ..bridges.result_bridge import find_cut
 from ..properties.links import wanted_roles
 from ..properties.periods_settings import CLOSE_SETTINGS, TILE_SETTINGS, closure_of, may_move
+from ..properties.registration import registration
 from ..properties.stored import ROLES
 from .complete import CompleteOrder, CompleteOutcome
 from .solve import Order, Outcome, check_unchanged, deliver, plan_depsgraph, settings_of, solver_settings, take_order
@@ -174,15 +175,4 @@ def _on_undo(*_: object) -> None:
     solve_cache.forget(lambda outcome: bool(outcome.more))
 
 
-_HANDLERS = ("undo_post", "redo_post")
-
-
-def register() -> None:
-    for name in _HANDLERS:
-        getattr(bpy.app.handlers, name).append(_on_undo)
-
-
-def unregister() -> None:
-    for name in _HANDLERS:
-        if _on_undo in getattr(bpy.app.handlers, name):
-            getattr(bpy.app.handlers, name).remove(_on_undo)
+register, unregister = registration(handlers={"undo_post": _on_undo, "redo_post": _on_undo})
