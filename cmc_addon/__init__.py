@@ -6,7 +6,7 @@ import importlib
 from types import ModuleType
 
 MODULES = (
-    "properties.stored", "background.worker", "operators", "bridges.group_history", "bridges.mesh_cache",
+    "properties.stored", "background.worker", "operators", "bridges.group_history", "bridges.geometry_changes",
     "drawing.overlay_draw", "drawing.shading", "results.colours", "drawing.preview", "live.follow",
     "background.solve_cache", "tasks.complete", "panels.tab", "panels.overlay_panel", "panels.boundary_panel",
     "panels.design_panel", "panels.symmetry_panel", "panels.results_panel", "drawing.legend",

@@ -26,4 +26,6 @@ MODULES = (
 )
 """Files with a tuple CLASSES of operator classes."""
 
-register, unregister = registration(cls for module in MODULES for cls in module.CLASSES)
+CLASSES = tuple(cls for module in MODULES for cls in module.CLASSES)
+
+register, unregister = registration(CLASSES)
