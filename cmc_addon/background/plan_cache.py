@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import hashlib
 from collections import OrderedDict
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,6 +33,14 @@ class Prepared:
     triangles: NDArray[np.int32]
     owners: NDArray[np.int32]
     solver: CmcSolver
+
+    @contextmanager
+    def plan_numbers(self, mesh: PlanMesh) -> Iterator[None]:
+        """A block whose errors number faces and edges as the plan does."""
+        try:
+            yield
+        except CmcError as error:
+            raise in_plan_numbers(error, mesh, self.triangles, self.owners) from error
 
 
 Choice = tuple[str, str, bool]
@@ -98,10 +108,8 @@ def prepare_near(plan: PlanMesh, choice: Choice, other: PlanMesh, prepared: Prep
         return prepare(plan, choice)
     a, b = prepared.solver.domain.edges.T
     lengths = np.linalg.norm(plan.positions[b] - plan.positions[a], axis=1)
-    try:
+    with prepared.plan_numbers(plan):
         return Prepared(prepared.triangles, prepared.owners, prepared.solver.moved(lengths))
-    except CmcError as error:
-        raise in_plan_numbers(error, plan, prepared.triangles, prepared.owners) from error
 
 
 def same_polygons(plan: PlanMesh, other: PlanMesh) -> bool:

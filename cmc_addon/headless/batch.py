@@ -24,9 +24,10 @@ from ...solver.errors import CmcError, JobError
 from ...solver.io.mesh_files import write_bytes
 from ..bridges.start_bridge import has_start
 from ..properties.links import result_of, results_of, wanted_roles
+from ..properties.reports import solve_report
 from ..properties.settings import SETTINGS, fitted_settings
 from ..results.objects import check_writable
-from ..tasks.solve import deliver, settings_of, take_order
+from ..tasks.solve import SolveTask, settings_of
 from .batch_files import EXPORTERS, export, open_input, save_blend
 
 OUTPUTS = ("blend", *EXPORTERS)
@@ -90,7 +91,7 @@ def run_plan(context: bpy.types.Context, plan: bpy.types.Object, request: Reques
         for suffix in request.formats:
             if suffix in EXPORTERS:
                 export(context, [ob for ob in wanted if ob is not None], place, f"shell.{suffix}")
-        report = {**json.loads(plan.cmc.report), "warnings": warnings}
+        report = {**(solve_report(plan) or {}), "warnings": warnings}
         _write_report(place, report)
     except CmcError as error:
         return _failed(place, name, error)
@@ -130,10 +131,10 @@ def _solve(
     context.view_layer.update()
     settings = fitted_settings({name: getattr(plan.cmc, name) for name in SETTINGS} | dict(overrides), overrides)
     check_writable(plan)
-    order = take_order(context, plan, settings)
-    outcome = order.work(lambda iteration, residual: True)
-    warnings = deliver(context, plan, order, outcome)
-    return outcome.shell.report.summary(), warnings, outcome.converged
+    task = SolveTask.read(context, plan, settings)
+    result = task.work(lambda iteration, residual: True)
+    warnings = task.write(context, plan, result)
+    return result.shell.report.summary(), warnings, result.converged
 
 
 def _failed(place: Path, name: str, error: CmcError) -> Done:

@@ -41,7 +41,7 @@ from ..bridges import outline_bridge
 from ..properties import group_list
 from ..properties.links import by_uid
 from ..properties.stored import PLAN_SETTINGS, kind_parameters, plan_annotations
-from .modal import Working
+from .modal import ModalOperator
 from .poll import RUNNING
 
 
@@ -60,7 +60,7 @@ def plan_of(ob: bpy.types.Object) -> bpy.types.Object | None:
     return None
 
 
-class CMC_OT_mesh_plan(Working, bpy.types.Operator):
+class CMC_OT_mesh_plan(ModalOperator, bpy.types.Operator):
     """Make a mesh of well-shaped triangles inside the outline, or update the one made before"""
 
     bl_idname = "cmc.mesh_plan"
@@ -96,7 +96,7 @@ class CMC_OT_mesh_plan(Working, bpy.types.Operator):
         work = partial(_mesh, outline, self.edge_length, self.corner_radius if self.round_corners else None)
         meshed = yield from worker.steps(lambda progress: work(), 1.0, wait)
         if meshed is None:
-            return self._say_cancelled()
+            return self._report_cancelled()
         ob = by_uid(uid)
         if ob is None:
             raise CmcError("The outline was deleted while it was being meshed.")
@@ -107,7 +107,7 @@ class CMC_OT_mesh_plan(Working, bpy.types.Operator):
         _show(context, plan, outline_of(ob))
         for name in PLAN_SETTINGS:
             setattr(context.scene.cmc, name, getattr(self, name))
-        self._tell(plan, outline, meshed)
+        self._report_plan(plan, outline, meshed)
         return {"FINISHED"}
 
     def draw(self, context):
@@ -120,12 +120,12 @@ class CMC_OT_mesh_plan(Working, bpy.types.Operator):
         row.prop(self, "corner_radius")
 
     def _take_settings(self, stored) -> None:
-        """What a call does not say is as it was last used; the redo panel then shows all of it."""
+        """Settings that the call leaves out are those last used; the redo panel then shows them all."""
         for name in PLAN_SETTINGS:
             if not self.properties.is_property_set(name):
                 setattr(self, name, getattr(stored, name))
 
-    def _tell(self, plan: bpy.types.Object, outline: Outline, meshed: PlanMesh) -> None:
+    def _report_plan(self, plan: bpy.types.Object, outline: Outline, meshed: PlanMesh) -> None:
         text = f"'{plan.name}': {len(meshed.triangles)} triangles, {len(meshed.edges)} boundary edges"
         if is_flat(outline):
             self.report({"INFO"}, text)

@@ -8,11 +8,11 @@ from ..operators.add_plan import first_in_add_menu, in_add_menu
 from ..properties.links import plan_to_solve
 from ..properties.periods_settings import draw_close, draw_tile
 from ..properties.registration import registration
-from ..properties.reports import last_report
+from ..properties.reports import complete_report, last_report
 from ..tasks.close_periods import tile_counts
 from .periods_text import closing_rows, gap_rows
 from .results_panel import ResultPanel, numbers, paragraph
-from .symmetry_panel import completed_rows, has_holes, last_completion
+from .symmetry_panel import completed_rows, has_holes
 from .tab import TALL, hint, properties_column
 
 
@@ -47,7 +47,7 @@ class CMC_PT_periods(ResultPanel, bpy.types.Panel):
         self._counts(layout, context, plan, len(report["holes"]))
         self._button(layout, "cmc.tile_periods")
         if plan.cmc.complete_report:
-            numbers(layout, completed_rows(last_completion(plan.cmc.complete_report)))
+            numbers(layout, completed_rows(complete_report(plan)))
 
     def _counts(self, layout, context, plan, holes):
         """How many copies there will be."""

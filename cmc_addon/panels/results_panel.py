@@ -1,6 +1,5 @@
 """The last solve in numbers, under the shell it belongs to. Drawn from the report which the solve has left."""
 
-import json
 import textwrap
 
 import bpy
@@ -8,7 +7,7 @@ import bpy
 from ...solver.fitting.targets import RimOnCurve
 from ..properties.links import result_of
 from ..properties.registration import registration
-from ..properties.reports import last_report
+from ..properties.reports import design_report, last_report
 from ..properties.units import length_text, per_length
 from .periods_text import gap_sentence
 from .tab import BESIDE_SOLVE, Tab
@@ -161,9 +160,9 @@ def fitted_rows(plan: bpy.types.Object) -> list[tuple[str, str]]:
     if result_of(plan, "FIT") is None:
         return []
     try:
-        told = json.loads(plan.cmc.design_report)
-        off, span = told["distances"][RimOnCurve.label], told["sheets"][told["sheet"]]["span"]
-    except (ValueError, KeyError, TypeError):  # of another design, or somebody else wrote into the property
+        report = design_report(plan) or {}
+        off, span = report["distances"][RimOnCurve.label], report["sheets"][report["sheet"]]["span"]
+    except (KeyError, TypeError):  # no fit, or one of another design
         return []
     return [("Fitted", distance_text(off, span))]
 

@@ -86,8 +86,8 @@ def wavy(name="Wavy"):
 def hand_for(design, operator):
     """Stands for the operator that Blender makes, to turn its crank by hand."""
 
-    class Hand(design.Designing):
-        bl_label, take = "Fit to Outline", operator.take
+    class Hand(design.DesignOperator):
+        bl_label, read_task = "Fit to Outline", operator.read_task
         properties = SimpleNamespace(is_property_set=lambda name: False)
 
         def __init__(self):

@@ -50,11 +50,11 @@ def state_of(live, plan):
 
 def solved_anew(addon, plan) -> np.ndarray:
     """Points that a solve gives for the plan as it is, with nothing kept from before."""
-    forming, plan_cache = addon.cmc_addon.tasks.solve, addon.cmc_addon.background.plan_cache
+    solve, plan_cache = addon.cmc_addon.tasks.solve, addon.cmc_addon.background.plan_cache
     bpy.context.view_layer.update()
-    order = forming.take_order(bpy.context, plan, forming.settings_of(plan.cmc))
+    task = solve.SolveTask.read(bpy.context, plan, solve.settings_of(plan.cmc))
     plan_cache.forget()
-    return order.work(lambda *_: True).shell.placed[forming.ROLES[plan.cmc.sheet]]
+    return task.work(lambda *_: True).shell.placed[solve.ROLES[plan.cmc.sheet]]
 
 
 def off_by(addon, plan) -> float:

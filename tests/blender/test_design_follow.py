@@ -70,37 +70,37 @@ def test_other_settings_count_too(following, plan):
 
 
 @pytest.fixture
-def delivered(addon, monkeypatch):
-    """Every order that is delivered, and what its fit gave."""
-    order, found = addon.cmc_addon.tasks.fit_outline.FitOrder, []
-    real = order.deliver
-    monkeypatch.setattr(order, "deliver", lambda self, *args: found.append((self, args[2].fit)) or real(self, *args))
-    return found
+def written(addon, monkeypatch):
+    """Every task that is written, and its fit."""
+    task, written = addon.cmc_addon.tasks.fit_outline.FitTask, []
+    real = task.write
+    monkeypatch.setattr(task, "write", lambda self, *args: written.append((self, args[2].fit)) or real(self, *args))
+    return written
 
 
-def test_the_newest_number_wins(following, plan, delivered):
+def test_the_newest_number_wins(following, plan, written):
     """A fit that is out of date is cut short, but not before it has got anywhere."""
     for k in range(20):
         plan.cmc.fit_rise = 0.61 + 0.01 * k
         following.tick()
     run(following)
     assert height(plan) == pytest.approx(3.2, rel=5e-3)
-    assert 2 <= len(delivered) < 20
-    (first, cut), (last, whole) = delivered[0], delivered[-1]
+    assert 2 <= len(written) < 20
+    (first, cut), (last, whole) = written[0], written[-1]
     assert first.newer.is_set() and cut.status.value == "cancelled" and 5 <= len(cut.history) < 10
     assert last.settings.fit_rise == pytest.approx(0.8) and not last.newer.is_set() and whole.met
 
 
-def test_it_goes_on_from_the_last_fit(following, plan, delivered):
+def test_it_goes_on_from_the_last_fit(following, plan, written):
     for rise in (0.45, 0.5):
         plan.cmc.fit_rise = rise
         run(following)
-    (_, earlier), (order, _) = delivered
-    assert order.initial is earlier
+    (_, earlier), (task, _) = written
+    assert task.initial is earlier
     plan.data.vertices[0].co.x += 0.1  # another plan: the last fit is none of it
     plan.cmc.fit_rise = 0.55
     run(following)
-    assert delivered[-1][0].initial is None
+    assert written[-1][0].initial is None
     assert height(plan) == pytest.approx(2.2, rel=5e-3)
 
 

@@ -194,7 +194,7 @@ def test_a_click_that_fails_ends_there(addon):
     class Operator(CMC_OT_solve.__mro__[1]):
         bl_label, properties = "Solve", None
 
-        def order_settings(self, plan):
+        def task_settings(self, plan):
             return addon.cmc_addon.tasks.solve.settings_of(plan.cmc)
 
         def report(self, kind, text):

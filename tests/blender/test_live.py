@@ -140,11 +140,11 @@ def test_a_ring_that_is_cut_open(addon, live):
 def test_the_newest_wins(addon, live, plan, monkeypatch):
     """Twenty changes in a hurry: a few answers, each newer than the one before, the last one to the last change."""
     work, told = addon.cmc_addon.live.update, []
-    for cls in (work.GoingOn, work.Anew):
-        def deliver(self, *args, real=cls.deliver):
-            told.append(self.reading.order.groups[0].parameters["tilt"])
+    for cls in (work.QuickTask, work.FullTask):
+        def write(self, *args, real=cls.write):
+            told.append(self.reading.solve.groups[0].parameters["tilt"])
             return real(self, *args)
-        monkeypatch.setattr(cls, "deliver", deliver)
+        monkeypatch.setattr(cls, "write", write)
     for k in range(20):
         group(plan).tilt = 0.31 + 0.01 * k
         live.tick()
@@ -190,10 +190,10 @@ def test_what_is_at_rest_gives_way(addon, live, plan):
     state = state_of(live, plan)
     state.since = state.served = 0.0
     live.tick()
-    assert live.Live.errand is not None and live.Live.can_wait
+    assert live.Live.running is not None and live.Live.can_wait
     group(plan).tilt = 0.5
     live.tick()
-    assert live.Live.errand is None or not live.Live.can_wait
+    assert live.Live.running is None or not live.Live.can_wait
     settle(live)
     assert off_by(addon, plan) < EXACT
 
@@ -215,7 +215,7 @@ def test_at_rest_there_are_no_ticks(live, plan):
     assert settle(live) == 1
     plan.select_set(True)
     plan.name = "Hall"
-    assert settle(live) <= 2 and live.Live.errand is None
+    assert settle(live) <= 2 and live.Live.running is None
 
 
 @pytest.mark.parametrize("how", ["edit mode", "modifiers"])

@@ -59,7 +59,7 @@ def test_undo_while_it_is_dragged(addon, live, plan):
     group(plan).tilt = 0.9
     live.tick()
     bpy.ops.ed.undo()
-    assert live.Live.errand is None, "what is for later input is not written any more"
+    assert live.Live.running is None, "what is for later input is not written any more"
     plan = bpy.data.objects["Disc"]
     settle(live)
     assert off_by(addon, plan) < EXACT
@@ -107,7 +107,7 @@ def test_an_animated_plan(addon, live, plan):
 def test_the_plan_is_deleted_while_it_is_dragged(addon, live, plan, how):
     group(plan).tilt = 0.6
     live.tick()
-    assert live.Live.errand is not None
+    assert live.Live.running is not None
     if how == "removed":
         bpy.data.objects.remove(plan)
     else:
@@ -115,7 +115,7 @@ def test_the_plan_is_deleted_while_it_is_dragged(addon, live, plan, how):
         plan.select_set(True)
         bpy.ops.object.delete()
     settle(live)
-    assert not live.Live.states and live.Live.errand is None
+    assert not live.Live.states and live.Live.running is None
     assert addon.cmc_addon.background.worker.Running.stop is None
 
 
@@ -134,7 +134,7 @@ def test_another_file(addon, live, plan, tmp_path):
     group(plan).tilt = 0.9
     live.tick()
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    assert live.Live.errand is None and not live.Live.states
+    assert live.Live.running is None and not live.Live.states
     import addon_utils
 
     addon_utils.enable(addon.__name__, default_set=True)
@@ -151,7 +151,7 @@ def test_the_extension_is_switched_off(addon, live, plan):
     group(plan).tilt = 0.6
     live.tick()
     addon_utils.disable(addon.__name__)
-    assert live.Live.errand is None and not live.Live.states
+    assert live.Live.running is None and not live.Live.states
     assert live._on_change not in bpy.app.handlers.depsgraph_update_post
     addon_utils.enable(addon.__name__, default_set=True)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import threading
 
 import bpy
@@ -380,13 +381,13 @@ class Hand:
 
     def __init__(self, addon, context):
         solve = addon.cmc_addon.operators.solve
-        for name in ("modal", "_advance", "_cleanup", "_fail", "_say_cancelled", "take", "tell"):
-            setattr(self, name, getattr(solve.Solving, name).__get__(self))
+        for name in ("modal", "_advance", "_cleanup", "_fail", "_report_cancelled", "read_task", "progress_of"):
+            setattr(self, name, getattr(solve.TaskOperator, name).__get__(self))
         self.context, self.reports = context, []
-        self.order_settings = lambda plan: addon.cmc_addon.tasks.solve.settings_of(plan.cmc)
+        self.task_settings = lambda plan: addon.cmc_addon.tasks.solve.settings_of(plan.cmc)
         self.selection = lambda: None
         self.bl_label, self._about = "Solve", 0
-        self._work, self._timer = solve.Solving.steps(self, context, 0.0), None
+        self._work, self._timer = solve.TaskOperator.steps(self, context, 0.0), None
 
     def report(self, kind, text):
         self.reports.append((kind, text))
@@ -524,3 +525,22 @@ def test_angles_of_neighbouring_groups_blend_over_a_length():
         normals = np.array(values(plan.cmc.f_plus.data.attributes["cmc_normal"]))[-64:]
         steps.append(np.abs(np.diff(np.append(normals[:, 2], normals[0, 2]))).max())
     assert steps[0] > 0.3 and steps[1] < 0.15
+
+
+def test_the_message_says_how_even_the_curvature_is(addon):
+    """The measured error of the shown sheet; a coarser plan has a larger one."""
+    errors = []
+    for rings in (4, 8):
+        plan = quad_disc(f"Disc {rings}", rings=rings, columns=8 * rings)
+        edges = boundary_edges(plan.data)
+        add_group(plan, "Half", edges[: len(edges) // 2], "BINORMAL", tilt=0.3)
+        solved(plan)
+        report = json.loads(plan.cmc.report)
+        errors.append(report["sheets"]["f+"]["mean_curvature"]["relative_l2"])
+        assert plan.cmc.message == report["message"] == f"Done. Curvature is even to {100 * errors[-1]:.2g} %."
+    assert errors[1] < errors[0] < 1.0
+
+
+@pytest.mark.parametrize(("part", "text"), [(1e-9, "0.01 %"), (0.00612, "0.61 %"), (0.14, "14 %"), (1.234, "123 %")])
+def test_percentages_have_no_powers_of_ten(addon, part, text):
+    assert addon.cmc_addon.tasks.solve.percent(part) == text
