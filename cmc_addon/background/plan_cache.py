@@ -1,8 +1,8 @@
-"""Plans made ready for solving, kept between solves.
+"""Plans prepared for solving, kept between solves.
 
-A plan that has not moved keeps its triangles, its domain and the solver's factorisation. It is found by a fingerprint
-of its positions and polygons and by what the solver is made for (sites, energy, triangulation), so that changing a
-boundary condition costs no new factorisation.
+A plan that has not moved keeps its triangles, its domain and the solver's factorisation. The key is a fingerprint of
+its positions and polygons, with the choice of solver (sites, energy, triangulation); so changing a boundary condition
+costs no new factorisation.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _KEPT = 4
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """A plan made ready: triangles (T, 3), the polygon (T,) each is part of, and the solver of its domain."""
+    """A plan prepared for solving: triangles (T, 3), the polygon (T,) of each, and the solver of its domain."""
 
     triangles: NDArray[np.int32]
     owners: NDArray[np.int32]
@@ -53,7 +53,7 @@ _prepared: OrderedDict[tuple[bytes, Choice], Prepared] = OrderedDict()
 
 
 def fingerprint(plan: PlanMesh) -> bytes:
-    """Changes with the positions, the polygons, the own lengths or the start of a plan, and with nothing else."""
+    """A hash of the positions, the polygons, the edge lengths and the start of a plan, and of nothing else."""
     digest = hashlib.blake2b(digest_size=16)
     for array in (plan.positions, plan.corners, plan.starts, plan.lengths, plan.initial):
         digest.update(b"" if array is None else np.ascontiguousarray(array))
@@ -63,7 +63,7 @@ def fingerprint(plan: PlanMesh) -> bytes:
 
 
 def prepare(plan: PlanMesh, choice: Choice = USUAL) -> Prepared:
-    """Triangles and solver of a plan, from the last few if it is one of them.
+    """Triangles and solver of a plan, from the cache if they are there.
 
     choice: `Settings.solver_choice`. Raises `MeshError` in the plan's own numbering.
     """
@@ -95,10 +95,10 @@ def forget() -> None:
 
 
 def prepare_near(plan: PlanMesh, choice: Choice, other: PlanMesh, prepared: Prepared) -> Prepared:
-    """A plan made ready for an answer while its vertices are dragged, from `other`, prepared, before the last move.
+    """A plan whose vertices are being dragged, prepared from `other`, the same plan before the last move.
 
-    Where only positions have changed, and the triangles are the same, what was worked out of them serves again, and
-    the factors do nearly. Nothing of this is kept here. Raises `MeshError` in the plan's own numbering.
+    Where only positions have changed and the triangles are equal, their topology serves again, and the old factors as
+    a preconditioner. The cache keeps none of this. Raises `MeshError` in the plan's own numbering.
     """
     if not same_polygons(plan, other) or plan.lengths is not None or plan.initial is not None:
         return prepare(plan, choice)
@@ -123,7 +123,7 @@ def same_polygons(plan: PlanMesh, other: PlanMesh) -> bool:
 
 
 def _same_triangles(plan: PlanMesh, other: PlanMesh, prepared: Prepared) -> bool:
-    """Whether the polygons with more than three corners of which a vertex has moved are cut as before."""
+    """Whether the polygons with more than three corners and a moved vertex have the same triangles as before."""
     sizes = np.diff(plan.starts)
     has_moved = (plan.positions != other.positions).any(axis=1)
     touched = (sizes > 3) & np.logical_or.reduceat(has_moved[plan.corners], plan.starts[:-1])
@@ -134,6 +134,6 @@ def _same_triangles(plan: PlanMesh, other: PlanMesh, prepared: Prepared) -> bool
         polygons = [polygon[::-1] for polygon in polygons]
     try:
         triangles = triangulate_polygons(plan.positions, polygons)[0]
-    except CmcError:  # told where the whole plan is made ready
+    except CmcError:  # raised again where the whole plan is prepared
         return False
     return np.array_equal(triangles, prepared.triangles[touched[prepared.owners]])

@@ -1,6 +1,6 @@
 """Runs work in a thread that never touches Blender's data.
 
-`steps` is the only way to run it, for a script that waits and for a window that goes on drawing.
+`steps` is the only way to run it, for a script that waits and for a window that keeps drawing.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _PATIENT = 20_000
 
 
 def register() -> None:
-    """With a window, factor large matrices in a way that lets it go on drawing."""
+    """With a window, factor large matrices in a way that lets it keep drawing."""
     Patience.largest = math.inf if bpy.app.background else _PATIENT
 
 

@@ -1,4 +1,8 @@
-"""The operators `bpy.ops.cmc.*`, one file an idea. A new file is named in MODULES."""
+"""The operators `bpy.ops.cmc.*`, one file an idea.
+
+An operator checks whether it can run (`poll.py`), reads its settings and runs a task (`modal.py`, `solve.py`). What it
+does to the scene is written in `tasks` and `results`. A new file goes into MODULES.
+"""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """How long work runs: one generator, to its end or in small steps.
 
 A script, the redo panel and Blender without a window run it to its end. A click advances it twenty times a second, so
-that the window goes on drawing, the status bar shows the progress, and Esc works. Work of a moment is done at once.
+that the window keeps drawing, the status bar shows the progress, and Esc works. Work of a moment is done at once.
 Where the mesh itself is at fault, a click ends in edit mode with the faulty elements selected (see
 `highlight_bridge`).
 """

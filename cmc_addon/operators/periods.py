@@ -1,4 +1,4 @@
-"""Close Periods and Tile by Periods; they run as Solve does, see `solve`."""
+"""Close Gaps and Repeat by Gaps; they run as Solve does, see `solve`."""
 
 from types import SimpleNamespace
 
@@ -43,7 +43,7 @@ class CMC_OT_close_periods(PeriodsOperator, bpy.types.Operator):
     """Close the shell's gaps around the holes of its plan, by the least change of its rim or by moving the holes"""
 
     bl_idname = "cmc.close_periods"
-    bl_label = "Close Periods"
+    bl_label = "Close Gaps"
     __annotations__ = close_annotations({"SKIP_SAVE"})
     names = CLOSE_SETTINGS
 
@@ -63,7 +63,7 @@ class CMC_OT_tile_periods(PeriodsOperator, bpy.types.Operator):
     """Repeat the shell by its gaps around the holes of the plan: each copy continues the last one across the gap"""
 
     bl_idname = "cmc.tile_periods"
-    bl_label = "Tile by Periods"
+    bl_label = "Repeat by Gaps"
     __annotations__ = tile_annotations({"SKIP_SAVE"})
     names = TILE_SETTINGS
 

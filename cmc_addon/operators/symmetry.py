@@ -1,6 +1,6 @@
-"""Complete by Symmetry; and on the plan the planes of its mirrors and the corners between two of them.
+"""Repeat by Symmetry; and on the plan the planes of its mirrors and the corners between two of them.
 
-Complete by Symmetry runs as Solve does, see `solve`.
+Repeat by Symmetry runs as Solve does, see `solve`.
 """
 
 from types import SimpleNamespace
@@ -25,7 +25,7 @@ class CMC_OT_complete(TaskOperator, bpy.types.Operator):
     """Continue the shell across its mirrors and the planes it touches, with as many copies as you want"""
 
     bl_idname = "cmc.complete"
-    bl_label = "Complete by Symmetry"
+    bl_label = "Repeat by Symmetry"
     __annotations__ = complete_annotations({"SKIP_SAVE"})
 
     @classmethod
@@ -54,7 +54,7 @@ class CMC_OT_complete(TaskOperator, bpy.types.Operator):
         return 0.5 * step.fraction, f"Solving, step {step.iteration}"
 
     def _report_cancelled(self):
-        self.report({"INFO"}, "Complete by Symmetry was cancelled; nothing was changed.")
+        self.report({"INFO"}, "Repeat by Symmetry was cancelled; nothing was changed.")
         return {"CANCELLED"}
 
     def draw(self, context):

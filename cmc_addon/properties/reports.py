@@ -1,4 +1,4 @@
-"""The reports that tasks leave with their plan, parsed once and shared by all who read them."""
+"""The reports that a solve and a fit leave with their plan, parsed once and shared by all that show them."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ def last_design(context: bpy.types.Context) -> dict | None:
 
 
 def solve_report(plan: bpy.types.Object) -> dict | None:
-    """The report of the last solve of this plan; None where it has none."""
+    """What the last solve of this plan left; None where there was none."""
     return _of_shell(plan.cmc.report, ("converged",))
 
 
 def design_report(plan: bpy.types.Object) -> dict | None:
-    """The report of the last fit of this plan; None where it has none."""
+    """What the last fit of this plan left; None where there was none."""
     return _of_shell(plan.cmc.design_report, ("met", "distances"))
 
 

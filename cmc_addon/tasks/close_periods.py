@@ -1,4 +1,4 @@
-"""Close Periods and Tile by Periods: from a plan with holes to the shell that closes, or to its copies.
+"""Close Gaps and Repeat by Gaps: from a plan with holes to the shell that closes, or to its copies.
 
 A closed shell takes the place of the shell of Solve. The groups of the plan stay, so that the next Solve gives the
 shell with its gap again.
@@ -137,8 +137,8 @@ def tile_counts(plan: bpy.types.Object, holes: int, repeat) -> tuple[int, int]:
 
 @persistent
 def _on_undo(*_: object) -> None:
-    """After undo the plan no longer has its closed shell: Complete by Symmetry must not start from it."""
-    solve_cache.forget(lambda outcome: bool(outcome.more))
+    """After undo the plan no longer has its closed shell: Repeat by Symmetry must not start from it."""
+    solve_cache.forget(lambda result: bool(result.more))
 
 
 register, unregister = registration(handlers={"undo_post": _on_undo, "redo_post": _on_undo})

@@ -1,4 +1,4 @@
-"""Complete by Symmetry: the copies of a shell, as instances or as one welded mesh."""
+"""Repeat by Symmetry: the copies of a shell, as instances or as one welded mesh."""
 
 from __future__ import annotations
 

@@ -30,10 +30,10 @@ class CountTask(ShellTask[CountResult]):
 
     @classmethod
     def read(cls, context: bpy.types.Context, plan: bpy.types.Object) -> CountTask:
-        """Read the plan. Raises `CmcError` where it cannot be read, and where Close Periods made its shell."""
+        """Read the plan. Raises `CmcError` where it cannot be read, and where Close Gaps made its shell."""
         if "closing" in (solve_report(plan) or {}):
             raise CmcError(
-                f"The shell of '{plan.name}' was closed by Close Periods, and modes are counted on the shell that "
+                f"The shell of '{plan.name}' was closed by Close Gaps, and modes are counted on the shell that "
                 "Solve makes; solve again first."
             )
         return cls(*read_solve(context, plan))

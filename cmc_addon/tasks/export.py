@@ -18,7 +18,7 @@ from ..properties.links import copies_of, result_of
 from ..properties.reports import complete_report, design_report, solve_report
 from .task import Task
 
-_MADE_BY = {"SHELL": "Solve", "FIT": "Fit to Outline", "COMPLETED": "Complete by Symmetry"}
+_MADE_BY = {"SHELL": "Solve", "FIT": "Fit to Outline", "COMPLETED": "Repeat by Symmetry"}
 
 
 @dataclass(frozen=True, eq=False)

@@ -198,6 +198,6 @@ def _anchors(
         return None
     empties = [ob for ob in objects if ob.type == "EMPTY" and ob.cmc.anchor_weight > 0.0]
     if not empties:
-        raise CmcError(f"{where}; add empties where the shell is to be held, and select them, or choose a collection.")
+        raise CmcError(f"{where}; add empties where the shell must pass, and select them, or choose a collection.")
     places = np.array([ob.matrix_world.translation for ob in empties], dtype=np.float64)
     return places, np.array([ob.cmc.anchor_weight for ob in empties])

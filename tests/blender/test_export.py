@@ -152,7 +152,7 @@ def test_what_goes_wrong_is_said_and_leaves_nothing(plan, tmp_path):
     with pytest.raises(RuntimeError, match="cannot be written"):
         bpy.ops.cmc.export(filepath=str(tmp_path / "hall.glb"))
     assert sorted(os.listdir(tmp_path)) == ["file", "hall.glb"]
-    with pytest.raises(RuntimeError, match="Complete by Symmetry makes it"):
+    with pytest.raises(RuntimeError, match="Repeat by Symmetry makes it"):
         bpy.ops.cmc.export(filepath=str(tmp_path / "x.glb"), export_what="COMPLETED")
     activate(None)
     with pytest.raises(RuntimeError, match="No object is active"):
