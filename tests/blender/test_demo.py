@@ -1,4 +1,4 @@
-"""`make demo` but for the rendering, and what docs/blender.md says about scripts."""
+"""`make demo` without the rendering, and the scripts in docs/blender.md."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Export: what is written and where, in every format; read back by the solver's own reader."""
+"""Export: files in every format, read back by the solver's own reader."""
 
 from __future__ import annotations
 
@@ -46,8 +46,8 @@ def test_every_format_has_the_shell_in_its_place(plan, tmp_path, suffix):
     assert len(mesh.positions) == len(wanted)
     np.testing.assert_allclose(mesh.positions[task[0]], wanted[task[1]], atol=2e-4)
     assert sorted(os.listdir(tmp_path)) == sorted([f"hall.{suffix}", "hall.json"])
-    told = json.loads((tmp_path / "hall.json").read_text(encoding="utf-8"))
-    assert told["objects"] == [shell.name] and told["energy"] == json.loads(plan.cmc.report)["energy"]
+    reported = json.loads((tmp_path / "hall.json").read_text(encoding="utf-8"))
+    assert reported["objects"] == [shell.name] and reported["energy"] == json.loads(plan.cmc.report)["energy"]
 
 
 def test_an_obj_has_uvs_and_materials(plan, tmp_path):

@@ -102,7 +102,7 @@ def test_far_from_the_origin():
     assert_allclose(solved(plan) - [1000.0, -2000.0, 50.0], expected, rtol=0, atol=2e-3)
 
 
-def test_modifiers_on_wish():
+def test_modifiers_if_chosen():
     """The result then has the modified plan's polygons, and is that of the plan with the modifier applied."""
     plan = quad_disc(columns=16)
     plan.modifiers.new("Subdivision", "SUBSURF").levels = 1
@@ -262,7 +262,7 @@ def test_selection_goes_before_groups():
 # --- settings, undo, running ---------------------------------------------------------------
 
 def test_settings_are_the_objects_unless_given():
-    """A call's own settings win and are kept on the plan; they are not taken over to another plan."""
+    """The settings of a call win and stay with the plan; another plan does not get them."""
     plan, other = quad_disc("One"), quad_disc("Other")
     solved(plan, size="RISE", rise=2.0)
     assert (plan.cmc.size, plan.cmc.rise) == ("RISE", 2.0)
@@ -342,31 +342,31 @@ def test_a_second_solve_factors_nothing(addon, monkeypatch):
 
 
 def test_cancelled_changes_nothing(addon, monkeypatch):
-    forming, session = addon.cmc_addon.tasks.solve, addon.cmc_addon.background.worker
+    solve, worker = addon.cmc_addon.tasks.solve, addon.cmc_addon.background.worker
     plan = quad_disc()
     solved(plan)
     add_group(plan, "Rim", boundary_edges(plan.data)[:5], "BINORMAL", tilt=0.3)
-    real = forming.form.form
+    real = solve.form.form
 
     def form(*args, **keywords):
-        session.cancel()
+        worker.cancel()
         return real(*args, **keywords)
 
-    monkeypatch.setattr(forming.form, "form", form)
+    monkeypatch.setattr(solve.form, "form", form)
     before = snapshot()
     assert bpy.ops.cmc.solve() == {"CANCELLED"}
     assert snapshot() == before
-    assert session.Running.stop is None
+    assert worker.Running.stop is None
 
 
 def test_only_our_own_errors_are_caught(addon, monkeypatch):
-    """A mistake of ours is shown as one, with its traceback, and leaves nothing behind."""
-    forming = addon.cmc_addon.tasks.solve
+    """A bug of ours shows its traceback and leaves nothing behind."""
+    solve = addon.cmc_addon.tasks.solve
 
     def form(*args, **keywords):
         raise ZeroDivisionError("a mistake")
 
-    monkeypatch.setattr(forming.form, "form", form)
+    monkeypatch.setattr(solve.form, "form", form)
     quad_disc()
     before = snapshot()
     with pytest.raises(RuntimeError, match=r"Traceback(.|\n)*ZeroDivisionError"):
@@ -377,7 +377,7 @@ def test_only_our_own_errors_are_caught(addon, monkeypatch):
 # --- the window's way: a little at a time --------------------------------------------------
 
 class Hand:
-    """Stands for the operator that Blender makes, to turn its crank by hand."""
+    """Stands in for Blender's operator; the test calls its ticks."""
 
     def __init__(self, addon, context):
         solve = addon.cmc_addon.operators.solve
@@ -431,8 +431,8 @@ def test_escape_cancels(addon, hand):
 
 
 def test_cancelled_while_it_measures(addon):
-    """Work that has no more steps is not waited for; the next solve starts when it is through."""
-    session = addon.cmc_addon.background.worker
+    """Nobody waits for work without further steps; the next solve starts when it has ended."""
+    worker = addon.cmc_addon.background.worker
     order, gate, begun = [], threading.Event(), threading.Event()
 
     def slow(progress):
@@ -440,14 +440,14 @@ def test_cancelled_while_it_measures(addon):
         gate.wait(10.0)
         order.append("slow")
 
-    first = session.steps(slow, 1e-6, 0.01)
+    first = worker.steps(slow, 1e-6, 0.01)
     assert next(first) is None
     assert begun.wait(10.0)
-    session.cancel()
+    worker.cancel()
     with pytest.raises(StopIteration) as end:
         next(first)
     assert end.value.value is None
-    second = session.steps(lambda progress: order.append("next"), 1e-6, 0.01)
+    second = worker.steps(lambda progress: order.append("next"), 1e-6, 0.01)
     assert next(second) is None
     gate.set()
     for update in second:
