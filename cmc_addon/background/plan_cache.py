@@ -56,7 +56,7 @@ def fingerprint(plan: PlanMesh) -> bytes:
     """A hash of the positions, the polygons, the edge lengths and the start of a plan, and of nothing else."""
     digest = hashlib.blake2b(digest_size=16)
     for array in (plan.positions, plan.corners, plan.starts, plan.lengths, plan.initial):
-        digest.update(b"" if array is None else np.ascontiguousarray(array))
+        digest.update(b"" if array is None else np.ascontiguousarray(array).data)
         digest.update(bytes([array is None]))
     digest.update(bytes([plan.mirrored]))
     return digest.digest()

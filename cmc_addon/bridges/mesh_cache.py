@@ -34,4 +34,4 @@ def _cached(mesh: bpy.types.Mesh, what: str, make: Callable[[], T]) -> T:
     if known is None or known[0] != state:
         known = (state, make())
         _known[mesh.session_uid, what] = known
-    return known[1]
+    return known[1]  # type: ignore[return-value]

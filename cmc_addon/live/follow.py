@@ -29,7 +29,7 @@ class Follow:
     """The plan whose shell follows, as the number that survives undo; its running fit; whether the shell has moved;
     the plan whose fit failed, and why."""
 
-    uid: int | None = None
+    uid: int = 0
     running: BackgroundTask | None = None
     moved: bool = False
     problem: tuple[int, str] | None = None
@@ -121,7 +121,7 @@ def stop() -> None:
     if Follow.running is not None:
         Follow.running.drop()
         preview.clear()
-    Follow.uid = Follow.running = None
+    Follow.uid, Follow.running = 0, None
     Follow.moved, Follow.problem = False, None
 
 

@@ -35,7 +35,7 @@ _RENDERING = 0.5
 
 @dataclass(eq=False)
 class State:
-    """What is known of a live plan.
+    """The state of a live plan.
 
     reading: the plan as last read; since: when it last changed; is_dirty: it may have changed again. shown: key of what
     the results show, None where that is not known; grade: how good they are. failed: key of a reading that cannot be
@@ -64,7 +64,7 @@ class State:
 
     def next_grade(self, now: float) -> int:
         """The grade of the next update; 0 for none now."""
-        if self.is_settled:
+        if self.reading is None or self.is_settled:
             return 0
         if self.is_behind:
             if self.memory is None or not self.memory.serves(self.reading):
@@ -81,7 +81,7 @@ class Live:
 
     states: dict[int, State] = {}
     running: BackgroundTask | None = None
-    uid: int | None = None
+    uid: int = 0
     can_wait: bool = False
     is_deaf: bool = False
 
@@ -221,9 +221,12 @@ def _start(context: bpy.types.Context, plans: dict[int, bpy.types.Object]) -> No
         return
     uid, state, grade = min(wanted, key=lambda one: (not one[1].is_behind, one[1].served))
     Live.uid, Live.can_wait = uid, not state.is_behind
-    is_full = grade in (WHOLE, FINAL)
-    task = FullTask(state.reading, grade) if is_full else QuickTask(state.reading, grade, state.memory)
-    Live.running = BackgroundTask(task)
+    reading, memory = state.reading, state.memory
+    assert reading is not None  # else there is no grade
+    if memory is None or grade in (WHOLE, FINAL):
+        Live.running = BackgroundTask(FullTask(reading, grade))
+    else:
+        Live.running = BackgroundTask(QuickTask(reading, grade, memory))
     _look(context, plans)
 
 

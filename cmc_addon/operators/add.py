@@ -10,6 +10,8 @@ from ..bridges.mesh_bridge import set_attribute
 from ..bridges.outline_bridge import write_boundary_groups
 from ..bridges.result_bridge import build_polygons
 from ..properties import group_list
+from .activate import activate
+from .poll import allow, why_not_object_mode
 
 
 class CMC_OT_add_module(bpy.types.Operator):
@@ -34,10 +36,7 @@ class CMC_OT_add_module(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        if context.mode != "OBJECT":
-            cls.poll_message_set("Leave edit mode first")
-            return False
-        return True
+        return allow(cls, why_not_object_mode(context))
 
     @classmethod
     def description(cls, context, properties):
@@ -49,10 +48,7 @@ class CMC_OT_add_module(bpy.types.Operator):
         except CmcError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        for other in context.selected_objects:
-            other.select_set(False)
-        plan.select_set(True)
-        context.view_layer.objects.active = plan
+        activate(context, plan)
         return {"FINISHED"}
 
     def draw(self, context):

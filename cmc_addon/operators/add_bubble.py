@@ -7,7 +7,7 @@ from bpy.props import EnumProperty, FloatProperty, IntProperty
 
 from ...solver.catalogue.bubble_plans import ring_plan, torus_plan, wente_plan
 from .add_plan import add
-from .poll import LEAVE_EDIT_MODE, allow
+from .poll import allow, why_not_object_mode
 
 BUBBLES = [
     ("WENTE", "Wente Cylinder", "A quarter of one of the cylinders that make up a Wente torus; Solve, then Complete "
@@ -54,7 +54,7 @@ class CMC_OT_add_bubble(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return allow(cls, LEAVE_EDIT_MODE if context.mode != "OBJECT" else "")
+        return allow(cls, why_not_object_mode(context))
 
     @classmethod
     def description(cls, context, properties):

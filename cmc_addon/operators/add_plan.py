@@ -13,6 +13,8 @@ from ..bridges.periods_bridge import mark_seams
 from ..bridges.result_bridge import build_polygons
 from ..bridges.start_bridge import write_lengths, write_normals
 from ..properties import group_list
+from .activate import activate
+from .poll import allow, why_not_object_mode
 
 ORDINARY = [
     ("RECTANGLE", "Rectangle", "A rectangular plan with rounded corners; Solve makes a shell, Fit to Outline one "
@@ -79,10 +81,7 @@ class CMC_OT_add_plan(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        if context.mode != "OBJECT":
-            cls.poll_message_set("Leave edit mode first")
-            return False
-        return True
+        return allow(cls, why_not_object_mode(context))
 
     @classmethod
     def description(cls, context, properties):
@@ -109,11 +108,7 @@ def add(operator: bpy.types.Operator, context: bpy.types.Context, make, names) -
     except CmcError as error:
         operator.report({"ERROR"}, str(error))
         return {"CANCELLED"}
-    plan = new_plan(context, start)
-    for other in context.selected_objects:
-        other.select_set(False)
-    plan.select_set(True)
-    context.view_layer.objects.active = plan
+    activate(context, new_plan(context, start))
     return {"FINISHED"}
 
 

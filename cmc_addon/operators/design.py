@@ -37,10 +37,6 @@ class DesignOperator(TaskOperator):
         off = 100.0 * math.sqrt(2.0 * max(step.residual, 0.0))  # the value is half a square, relative to the size
         return step.iteration / (step.iteration + _USUAL), f"Step {step.iteration}, off by {off:.2g} %"
 
-    def _report_cancelled(self) -> set[str]:
-        self.report({"INFO"}, "The fit was cancelled; nothing was changed.")
-        return {"CANCELLED"}
-
     def _advance(self, context: bpy.types.Context) -> set[str]:
         if self._task is not None and self._task.latest is not None:
             preview.show(*self._task.latest)

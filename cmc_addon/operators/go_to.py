@@ -4,6 +4,7 @@ import bpy
 from bpy.props import EnumProperty
 
 from ..properties.links import result_of
+from .activate import activate
 from .plan import outline_of
 from .plan import plan_of as meshed_plan_of
 
@@ -62,13 +63,9 @@ class CMC_OT_go_to(bpy.types.Operator):
             return {"CANCELLED"}
         if context.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
-        for other in context.selected_objects:
-            other.select_set(False)
         if there.cmc.parked:
             there.cmc.parked = there.hide_viewport = there.hide_render = False
-        there.hide_set(False)
-        there.select_set(True)
-        context.view_layer.objects.active = there
+        activate(context, there)
         return {"FINISHED"}
 
 

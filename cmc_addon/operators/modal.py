@@ -17,6 +17,7 @@ from ..bridges import highlight_bridge
 from ..drawing.viewport import redraw
 from ..properties.links import by_uid
 
+Steps = Generator[worker.Step | None, None, set[str]]
 TICK = 0.05
 _MOMENT = 0.15  # seconds in which nobody misses a progress bar
 
@@ -25,13 +26,13 @@ class ModalOperator:
     """An operator whose work is the generator `steps`; a mixin for `bpy.types.Operator`."""
 
     bl_options = {"REGISTER", "UNDO"}
-    _work: Generator | None = None
+    _work: Steps | None = None
     _timer = None
     _about = 0
 
     # --- what differs between operators
 
-    def steps(self, context: bpy.types.Context, wait: float) -> Generator:
+    def steps(self, context: bpy.types.Context, wait: float) -> Steps:
         """Do the work and write its result; yields steps of `worker.steps`, or None after `wait` seconds without one.
 
         Returns what the operator returns. Raises `CmcError`, with nothing changed.
@@ -109,6 +110,7 @@ class ModalOperator:
 
     def _advance(self, context: bpy.types.Context) -> set[str]:
         """Take in the steps since the last tick."""
+        assert self._work is not None
         try:
             for _ in range(1000):  # a thread with more steps than that in a tick must not hold up the window
                 step = next(self._work)

@@ -4,16 +4,15 @@ import bpy
 import numpy as np
 
 from ...solver.errors import CmcError
-from ..background import worker
 from ..bridges import start_bridge
 from ..properties.links import plan_of
 from ..tasks.count_modes import CountTask
 from ..tasks.shell_task import read_solve
-from .poll import LEAVE_EDIT_MODE, allow, why_not_solve
-from .solve import TaskOperator
+from .poll import allow, why_not_object_mode, why_not_solve
+from .solve import ShellOperator
 
 
-class CMC_OT_count_modes(TaskOperator, bpy.types.Operator):
+class CMC_OT_count_modes(ShellOperator, bpy.types.Operator):
     """Count the ways in which the shell is unstable, as a saddle is; a minimum has none"""
 
     bl_idname = "cmc.count_modes"
@@ -21,13 +20,6 @@ class CMC_OT_count_modes(TaskOperator, bpy.types.Operator):
 
     def read_task(self, context, plan):
         return CountTask.read(context, plan)
-
-    def progress_of(self, step: worker.Step) -> tuple[float, str]:
-        return 0.5 * step.fraction, f"Solving, step {step.iteration}"
-
-    def _report_cancelled(self):
-        self.report({"INFO"}, "Counting was cancelled; nothing was changed.")
-        return {"CANCELLED"}
 
 
 class OnStart:
@@ -37,7 +29,7 @@ class OnStart:
 
     @classmethod
     def poll(cls, context):
-        return allow(cls, LEAVE_EDIT_MODE if context.mode != "OBJECT" else why_not_solve(context))
+        return allow(cls, why_not_object_mode(context) or why_not_solve(context))
 
     def execute(self, context):
         try:

@@ -14,8 +14,8 @@ from ..properties.periods_settings import (
     tile_annotations,
 )
 from ..tasks.close_periods import CloseTask, TileTask
-from .poll import LEAVE_EDIT_MODE, allow, why_not_solve
-from .solve import TaskOperator, as_settings
+from .poll import allow, why_not_object_mode, why_not_solve
+from .solve import ShellOperator, TaskOperator, as_settings
 
 # Newton steps of a usual closing, after which the progress bar is half full.
 _USUAL = 4
@@ -33,10 +33,6 @@ class PeriodsOperator(TaskOperator):
                 setattr(self, name, getattr(plan.cmc, name))
         values = {name: getattr(self, name) for name in self.names}
         return SimpleNamespace(**{k: v if isinstance(v, (str, int, float)) else tuple(v) for k, v in values.items()})
-
-    def _report_cancelled(self) -> set[str]:
-        self.report({"INFO"}, f"{self.bl_label} was cancelled; nothing was changed.")
-        return {"CANCELLED"}
 
 
 class CMC_OT_close_periods(PeriodsOperator, bpy.types.Operator):
@@ -59,7 +55,7 @@ class CMC_OT_close_periods(PeriodsOperator, bpy.types.Operator):
         draw_close(self.layout, self)
 
 
-class CMC_OT_tile_periods(PeriodsOperator, bpy.types.Operator):
+class CMC_OT_tile_periods(PeriodsOperator, ShellOperator, bpy.types.Operator):
     """Repeat the shell by its gaps around the holes of the plan: each copy continues the last one across the gap"""
 
     bl_idname = "cmc.tile_periods"
@@ -69,13 +65,10 @@ class CMC_OT_tile_periods(PeriodsOperator, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return allow(cls, LEAVE_EDIT_MODE if context.mode != "OBJECT" else why_not_solve(context))
+        return allow(cls, why_not_object_mode(context) or why_not_solve(context))
 
     def read_task(self, context, plan):
         return TileTask.read(context, plan, self.wanted(plan))
-
-    def progress_of(self, step: worker.Step) -> tuple[float, str]:
-        return 0.5 * step.fraction, f"Solving, step {step.iteration}"
 
     def draw(self, context):
         as_settings(self.layout)

@@ -39,6 +39,7 @@ from ..bridges import outline_bridge
 from ..properties import group_list
 from ..properties.links import by_uid
 from ..properties.stored import PLAN_SETTINGS, kind_parameters, plan_annotations
+from .activate import activate
 from .modal import ModalOperator
 from .poll import RUNNING
 
@@ -137,8 +138,9 @@ def _mesh(outline: Outline, edge_length: float, corner_radius: float | None) -> 
     edge = edge_length or default_edge_length(outline.size)
     check_count(outline, edge)
     radius = 0.0 if corner_radius is None else corner_radius or default_corner_radius(outline.size)
+    borders = [border.tolist() for border in outline.borders()]
     try:
-        return mesh_plan(first, holes, max_edge=edge, corner_radius=radius, keep=outline.borders())
+        return mesh_plan(first, holes, max_edge=edge, corner_radius=radius, keep=borders)
     except MeshError as error:
         raise explained(error, outline) from error
 
@@ -197,11 +199,7 @@ def _counterpart(mesh: bpy.types.Mesh, group):
 
 def _show(context: bpy.types.Context, plan: bpy.types.Object, source: bpy.types.Object) -> None:
     """Make the plan the only selected object; hide an outline whose faces would coincide with the plan's."""
-    for other in context.selected_objects:
-        other.select_set(False)
-    plan.hide_set(False)
-    plan.select_set(True)
-    context.view_layer.objects.active = plan
+    activate(context, plan)
     if plan != source and source.type == "MESH" and source.data.polygons and source.name in context.view_layer.objects:
         source.hide_set(True)
         source.hide_render = True

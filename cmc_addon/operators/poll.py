@@ -10,7 +10,11 @@ from ..properties.links import plan_of
 from ..results.objects import check_writable
 
 RUNNING = "A solve is running; wait for it, or cancel it (Esc) first"
-LEAVE_EDIT_MODE = "Leave edit mode first"
+
+
+def why_not_object_mode(context: bpy.types.Context) -> str:
+    """What to do first where an operator needs object mode; "" in object mode."""
+    return "" if context.mode == "OBJECT" else "Leave edit mode first"
 
 
 def why_not_solve(context: bpy.types.Context) -> str:

@@ -1,7 +1,5 @@
 """Solve, Solve from Selection, Flip, Cancel; and `TaskOperator`, which runs a task of the room `tasks`."""
 
-from collections.abc import Generator
-
 import bpy
 
 from ...solver.errors import CmcError
@@ -12,7 +10,7 @@ from ..properties.stored import condition_annotations, kind_parameters, paramete
 from ..results.objects import check_writable
 from ..tasks.solve import SolveTask, settings_of
 from ..tasks.task import Task
-from .modal import ModalOperator
+from .modal import ModalOperator, Steps
 from .poll import allow, why_not_solve
 
 
@@ -40,7 +38,7 @@ class TaskOperator(ModalOperator):
 
     # --- what all have in common
 
-    def steps(self, context: bpy.types.Context, wait: float) -> Generator:
+    def steps(self, context: bpy.types.Context, wait: float) -> Steps:
         context.view_layer.update()
         plan = plan_of(context.view_layer.objects.active)
         check_writable(plan)
@@ -71,9 +69,12 @@ class TaskOperator(ModalOperator):
     def about(self, context: bpy.types.Context) -> bpy.types.Object | None:
         return plan_of(context.view_layer.objects.active)
 
-    def _report_cancelled(self) -> set[str]:
-        self.report({"INFO"}, "The solve was cancelled; nothing was changed.")
-        return {"CANCELLED"}
+
+class ShellOperator(TaskOperator):
+    """An operator that continues from the shell, which is solved first where that is not known."""
+
+    def progress_of(self, step: worker.Step) -> tuple[float, str]:
+        return 0.5 * step.fraction, f"Solving, step {step.iteration}"
 
 
 def as_settings(layout: bpy.types.UILayout) -> None:

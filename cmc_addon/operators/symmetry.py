@@ -11,17 +11,17 @@ from bpy.props import EnumProperty, IntProperty
 
 from ...solver.errors import CmcError, ConditionError
 from ...solver.shells.plan_sides import own_plane
-from ..background import plan_cache, worker
+from ..background import plan_cache
 from ..bridges import corner_bridge
 from ..bridges.mesh_bridge import read_plan
 from ..properties.symmetry_settings import COMPLETE_SETTINGS, complete_annotations, draw_complete
 from ..tasks.complete import CompleteTask
 from .boundary import GroupOperator, OnOneGroup
-from .poll import LEAVE_EDIT_MODE, allow, why_not_solve
-from .solve import TaskOperator, as_settings
+from .poll import allow, why_not_object_mode, why_not_solve
+from .solve import ShellOperator, as_settings
 
 
-class CMC_OT_complete(TaskOperator, bpy.types.Operator):
+class CMC_OT_complete(ShellOperator, bpy.types.Operator):
     """Continue the shell across its mirrors and the planes it touches, with as many copies as you want"""
 
     bl_idname = "cmc.complete"
@@ -30,7 +30,7 @@ class CMC_OT_complete(TaskOperator, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return allow(cls, LEAVE_EDIT_MODE if context.mode != "OBJECT" else why_not_solve(context))
+        return allow(cls, why_not_object_mode(context) or why_not_solve(context))
 
     def read_task(self, context, plan):
         return CompleteTask.read(context, plan, self._wanted(plan))
@@ -49,13 +49,6 @@ class CMC_OT_complete(TaskOperator, bpy.types.Operator):
             if name in given and "complete_extent" not in given:
                 self.complete_extent = extent
         return SimpleNamespace(**{name: getattr(self, name) for name in (*COMPLETE_SETTINGS, "box")})
-
-    def progress_of(self, step: worker.Step) -> tuple[float, str]:
-        return 0.5 * step.fraction, f"Solving, step {step.iteration}"
-
-    def _report_cancelled(self):
-        self.report({"INFO"}, "Repeat by Symmetry was cancelled; nothing was changed.")
-        return {"CANCELLED"}
 
     def draw(self, context):
         as_settings(self.layout)

@@ -89,7 +89,7 @@ def range_of(settings, shell: bpy.types.Object, values: Array, target: float | N
     if not settings.colour_fit:
         inside = centre is not None and settings.colour_min <= centre <= settings.colour_max
         return fixed_range(values, settings.colour_min, settings.colour_max, centre if inside else None)
-    if by == "MEAN_CURVATURE":
+    if by == "MEAN_CURVATURE" and centre is not None:
         return fit_about(values, centre, _LEAST_H * abs(centre))
     if by == "GAUSS_CURVATURE":
         return fit_around_zero(values)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...solver.errors import CmcError
 from ...solver.surface.placement import rim_weights
 from ..bridges.colour_bridge import surface_of
-from ..bridges.mesh_bridge import read_plan
+from ..bridges.mesh_bridge import PlanMesh, read_plan
 from ..properties.links import result_of
 from . import colours
 from .objects import Writer, write_report
@@ -59,17 +59,17 @@ def _make(context: bpy.types.Context, plan: bpy.types.Object, shell: bpy.types.O
         raise CmcError(f"'{shell.name}' has no report; solve again.")
     radius = 0.5 / float(shell["cmc_mean_curvature"])
     towards = surface_of(shell.data)[2] * (1.0 if plan.cmc.sheet == "F_PLUS" else -1.0)
-    writer = Writer(context, plan, None, None, None)
-    image = writer.write_alike("GAUSS", shell, _middle(plan) + radius * towards, towards)
+    mesh = read_plan(plan)
+    writer = Writer(context, plan, None, mesh, None)
+    image = writer.write_alike("GAUSS", shell, _middle(mesh) + radius * towards, towards)
     write_report(image, {"plan": plan.name})
     if "cmc_report" in shell:
         image["cmc_report"] = shell["cmc_report"]
     return image
 
 
-def _middle(plan: bpy.types.Object) -> NDArray[np.float64]:
+def _middle(mesh: PlanMesh) -> NDArray[np.float64]:
     """The centre of the image that Solve uses: the mean of the plan's rim, or of all vertices of a closed plan."""
-    mesh = read_plan(plan)
     if not mesh.boundary.any():
         return mesh.positions.mean(axis=0)
     rim, weights = rim_weights(mesh.positions, mesh.edges[mesh.boundary])

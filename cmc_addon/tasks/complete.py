@@ -48,7 +48,7 @@ _WIDE = 0.01
 
 @dataclass(frozen=True, eq=False)
 class CompleteResult(ShellResult):
-    """The copies. cut: the welded mesh by where all of it comes from in the plan; None for instances."""
+    """The copies. cut: the welded mesh, each part with its source in the plan; None for instances."""
 
     completed: Completed
     report: dict
@@ -59,7 +59,7 @@ class CompleteResult(ShellResult):
         return self.completed.summary()
 
     def measures(self, task: SolveTask) -> Measured:
-        """What is measured at the vertices of the welded mesh: the numbers of the shell, at every copy."""
+        """The measures at the vertices of the welded mesh: those of the shell, at every copy."""
         completion = self.completed.completion
         table = {sheet: sheet_numbers(self.solved, sheet, task) for sheet in set(completion.sheets)}
         measured: Measured = {}
@@ -70,7 +70,7 @@ class CompleteResult(ShellResult):
 
     @property
     def warnings(self) -> list[str]:
-        """What is not as exact as it looks."""
+        """Gaps and offsets that were closed, and how the solve ended."""
         notes, scale = [] if self.converged else [self.solved.message], self.solved.shell.similarity.scale
         if self.report["relative_gap"] > _WIDE:
             notes.append(
@@ -230,7 +230,7 @@ def whole_mesh(completed: Completed, plan, mesh) -> Cut:
     """The welded mesh, each part with its source in the plan `mesh`, a PlanMesh, from which it takes its layers."""
     polygons = completed.polygons(plan)
     sizes = np.diff(polygons.starts)
-    owner = np.repeat(polygons.faces, sizes)
+    owner = np.repeat(polygons.faces, sizes).astype(np.int32)
     corners = corners_of(mesh, owner, completed.shell.source[polygons.rows])
     rows = polygons.corners
     if mesh.mirrored:  # a mesh stores its polygons the other way round, see `find_cut`

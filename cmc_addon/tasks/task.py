@@ -1,4 +1,4 @@
-"""What all tasks share: they read Blender's data, work on arrays and write what the work gave.
+"""What all tasks share: they read Blender's data, work on arrays and write the result.
 
     task = SolveTask.read(context, plan, settings)    from objects to arrays
     result = task.work(progress)                      no bpy: may run in a thread
@@ -40,7 +40,7 @@ class Task(ABC, Generic[R]):
 
 
 class Result(ABC):
-    """What the work gave, as far as whoever runs a task needs to know."""
+    """The result of a task's work, as far as the operator needs it."""
 
     @property
     @abstractmethod
