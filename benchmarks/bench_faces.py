@@ -1,5 +1,5 @@
-"""Normals on faces beside normals on vertices: Möbius on the 50k faces of a disc with 25k vertices, as a multiple of
-the cotangent solve on a disc with 50k vertices, in the same run. Both have as many normals to find.
+"""Normals on faces against normals on vertices: the Möbius energy on a disc with 25k vertices and 50k faces, as a
+multiple of the cotangent solve on a disc with 50k vertices, in the same run. Both have equally many unknowns.
 
 `make bench` prints the ratios; rounds are interleaved and the median is quoted, as in bench_solve.py.
 """
@@ -15,7 +15,7 @@ VERTICES = 50_000
 
 
 def on_faces(points, faces, m: int, delaunay: bool) -> CmcSolver:
-    """Everything, from arrays to f±."""
+    """The whole solve, from arrays to f±."""
     domain = Domain.from_positions(points, faces)
     solver = CmcSolver(domain, sites="faces", energy="mobius", delaunay=delaunay)
     solver.solve(conditions.twisted(domain, points, domain.boundary_edges, m))
@@ -25,7 +25,7 @@ def on_faces(points, faces, m: int, delaunay: bool) -> CmcSolver:
 @pytest.mark.parametrize("m", [1, 2, 3])
 def test_mobius_on_as_many_faces(m, capsys):
     coarse, fine = plan(VERTICES // 2), plan(VERTICES)
-    unit, found = ratios(
+    unit, measured = ratios(
         {
             f"Möbius on {len(coarse[1])} faces": lambda: on_faces(*coarse, m, delaunay=False),
             "the same on their Delaunay triangulation": lambda: on_faces(*coarse, m, delaunay=True),
@@ -34,5 +34,5 @@ def test_mobius_on_as_many_faces(m, capsys):
     )
     with capsys.disabled():
         print(f"\nm = {m}; cotangents on {len(fine[0])} vertices, from positions to f±: {unit:.3f} s")
-        for name, ratio in found.items():
+        for name, ratio in measured.items():
             print(f"  {name:<44s} {ratio:5.2f} x")

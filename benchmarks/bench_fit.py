@@ -1,4 +1,4 @@
-"""How long a fit to an outline takes, as a multiple of one cold solve of the same plan in the same run.
+"""The time of a fit to an outline, as a multiple of one cold solve of the same plan in the same run.
 
 `make bench` prints the ratios; rounds are interleaved and the median is quoted, as in bench_solve.py.
 """
@@ -12,7 +12,7 @@ from benchmarks.bench_solve import ratios
 from solver import CmcSolver, Domain, conditions, fit_outline, shapes
 
 VERTICES = 5_000
-# an outline, the radius of its corners, its area
+# outline, radius of its corners, area
 OUTLINES = {
     "square": ([[0, 0], [2, 0], [2, 2], [0, 2]], 0.2, 4.0),
     "rectangle 3 : 1": ([[0, 0], [3, 0], [3, 1], [0, 1]], 0.3, 3.0),
@@ -31,16 +31,16 @@ def test_fit_to_an_outline(name, capsys):
         domain = Domain.from_positions(points, faces)
         CmcSolver(domain).solve(conditions.binormal(domain, points, domain.boundary_edges, 0.6))
 
-    def fitted(rise: float) -> None:
+    def fit(rise: float) -> None:
         fit_outline(Domain.from_positions(points, faces), points, rise=rise)
 
     solver = CmcSolver(shape.domain)
     before = fit_outline(shape.domain, points, rise=0.25, solver=solver)
-    works = {f"rise {rise:g}, from positions": lambda rise=rise: fitted(rise) for rise in (0.05, 0.25, 0.45)}
+    works = {f"rise {rise:g}, from positions": lambda rise=rise: fit(rise) for rise in (0.05, 0.25, 0.45)}
     on = {"initial": before, "solver": solver}
-    works["rise 0.25 to 0.3, going on"] = lambda: fit_outline(shape.domain, points, rise=0.3, **on)
-    unit, found = ratios(works, cold)
+    works["rise 0.25 to 0.3, from the last fit"] = lambda: fit_outline(shape.domain, points, rise=0.3, **on)
+    unit, measured = ratios(works, cold)
     with capsys.disabled():
         print(f"\n{name}, {len(points)} vertices; one cold solve {unit:.3f} s")
-        for label, ratio in found.items():
+        for label, ratio in measured.items():
             print(f"  {label:<34s} {ratio:5.1f} x")

@@ -1,7 +1,7 @@
-"""Live: how long it takes from a change to the written mesh, as a multiple of the solver's own solve on a cached factor
-from the last map, in the same run; and a thousand edits.
+"""Live: the time from a change to the written mesh, as a multiple of the bare solve from the last map with a cached
+factor, in the same run; and a thousand edits.
 
-`make bench` prints the ratios. Each test is a Blender of its own, see live_session.py.
+`make bench` prints the ratios. Each test runs its own Blender, see live_session.py.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ SESSION = Path(__file__).with_name("live_session.py")
 
 
 def session(*arguments: str) -> dict:
-    """What live_session.py finds, in one thread of BLAS."""
+    """The output of live_session.py, with one thread of BLAS."""
     done = subprocess.run(
         [sys.executable, str(SESSION), *arguments],
         capture_output=True,
@@ -35,20 +35,20 @@ def session(*arguments: str) -> dict:
 @pytest.mark.timeout(900)
 @pytest.mark.parametrize("vertices", [5_000, 50_000])
 def test_a_change_until_the_mesh_is_written(vertices, capsys):
-    found = session("speed", str(vertices))
-    bare = found["bare"]
+    times = session("speed", str(vertices))
+    bare = times["bare"]
     with capsys.disabled():
-        print(f"\n{found['vertices']} vertices; the bare solve, factor cached, {1e3 * bare:.0f} ms")
+        print(f"\n{times['vertices']} vertices; the bare solve, factor cached, {1e3 * bare:.0f} ms")
         for name in ("tilt", "vertex", "coarse"):
-            print(f"  {name:<8s} {found[name] / bare:5.2f} x, {1.0 / found[name]:5.1f} a second")
-        print(f"  the window is held up for {1e3 * found['held up']:.1f} ms at a time, {found['held up'] / bare:.3f} x")
+            print(f"  {name:<8s} {times[name] / bare:5.2f} x, {1.0 / times[name]:5.1f} a second")
+        print(f"  the window is held up for {1e3 * times['held up']:.1f} ms at a time, {times['held up'] / bare:.3f} x")
 
 
 @pytest.mark.timeout(3600)
 def test_a_thousand_edits(capsys):
-    found = session("edits", "1000")
+    times = session("edits", "1000")
     with capsys.disabled():
-        used = ", ".join(f"{number:.0f}" for number in found["MB"])
-        print(f"\n{found['edits']} edits in {found['seconds']:.0f} s; {found['off by']:.1e} of the size off; {used} MB")
-    assert found["off by"] < 1e-6
-    assert found["MB"][-1] < 1.05 * found["MB"][0]
+        used = ", ".join(f"{number:.0f}" for number in times["MB"])
+        print(f"\n{times['edits']} edits in {times['seconds']:.0f} s; {times['off by']:.1e} of the size off; {used} MB")
+    assert times["off by"] < 1e-6
+    assert times["MB"][-1] < 1.05 * times["MB"][0]

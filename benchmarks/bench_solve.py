@@ -1,4 +1,4 @@
-"""How long a solve takes, as a multiple of one sparse factorisation of the same Laplacian in the same run.
+"""The time of a solve, as a multiple of one sparse factorisation of the same Laplacian in the same run.
 
 `make bench` prints the ratios; `pytest benchmarks -k size` adds the table over mesh sizes. Rounds are
 interleaved, so that a machine whose speed drifts slows both sides of a ratio, and the median over the rounds
@@ -23,7 +23,7 @@ TILT = np.radians(5.0)
 
 
 def plan(vertices: int) -> tuple[np.ndarray, np.ndarray]:
-    """Positions and faces of a disc, its inside jittered."""
+    """Positions and faces of a disc with jittered inner vertices."""
     shape = shapes.disc(vertices)
     inside = np.linalg.norm(shape.positions, axis=1) < 1 - 1e-9
     move = 0.15 * shape.domain.edge_lengths.mean() * np.random.default_rng(1).uniform(-1, 1, shape.positions.shape)
@@ -41,7 +41,7 @@ def factorise(A: sp.csc_matrix) -> None:
 
 
 def from_scratch(points: np.ndarray, faces: np.ndarray, m: int) -> CmcSolver:
-    """Everything, from arrays to f±; the report is not included."""
+    """The whole solve, from arrays to f±, without the report."""
     domain = Domain.from_positions(points, faces)
     solver = CmcSolver(domain)
     solver.solve(conditions.twisted(domain, points, domain.boundary_edges, m))
@@ -49,7 +49,7 @@ def from_scratch(points: np.ndarray, faces: np.ndarray, m: int) -> CmcSolver:
 
 
 def tilted(domain: Domain, points: np.ndarray, m: int, tilt: float) -> conditions.Conditions:
-    """Normals of Figure 3, all turned by a further angle around the boundary tangent."""
+    """Normals of Figure 3 (paper), all turned by a further angle around the boundary tangent."""
     data = conditions.twisted(domain, points, domain.boundary_edges, m)
     radial = np.column_stack([points[data.vertices], np.zeros(len(data.vertices))])
     around = np.cross(radial, [0.0, 0.0, 1.0])
@@ -73,10 +73,10 @@ def ratios(works: dict[str, Callable[[], object]], unit: Callable[[], object]) -
     return float(np.median(units)), {name: float(np.median(values)) for name, values in rows.items()}
 
 
-def show(capsys: pytest.CaptureFixture[str], title: str, unit: float, found: dict[str, float]) -> None:
+def show(capsys: pytest.CaptureFixture[str], title: str, unit: float, measured: dict[str, float]) -> None:
     with capsys.disabled():
         print(f"\n{title}; one factorisation {unit:.3f} s")
-        for name, ratio in found.items():
+        for name, ratio in measured.items():
             print(f"  {name:<44s} {ratio:5.2f} x")
 
 
@@ -87,7 +87,7 @@ def test_full_solve_and_edit(m, capsys):
     solver = from_scratch(points, faces, m)
     before = solver.solve(tilted(solver.domain, points, m, 0.0)).normals
     edit = tilted(solver.domain, points, m, TILT)
-    found = ratios(
+    measured = ratios(
         {
             f"m = {m}, from positions to f±": lambda: from_scratch(points, faces, m),
             f"m = {m}, tilted by 5°, cached, from the old map": lambda: solver.solve(edit, before),
@@ -95,7 +95,7 @@ def test_full_solve_and_edit(m, capsys):
         },
         lambda: factorise(A),
     )
-    show(capsys, f"{len(points)} vertices", *found)
+    show(capsys, f"{len(points)} vertices", *measured)
 
 
 def test_dome_with_report(capsys):
@@ -111,7 +111,7 @@ def test_dome_with_report(capsys):
     solver = dome()
     leaning = conditions.binormal(solver.domain, points, solver.domain.boundary_edges, tilt=TILT)
     surface = solver.solve(leaning)
-    found = ratios(
+    measured = ratios(
         {
             "dome, from positions to f±": dome,
             "dome, tilted by 5°, cached": lambda: solver.solve(leaning),
@@ -119,12 +119,12 @@ def test_dome_with_report(capsys):
         },
         lambda: factorise(A),
     )
-    show(capsys, f"{len(points)} vertices", *found)
+    show(capsys, f"{len(points)} vertices", *measured)
 
 
 @pytest.mark.parametrize("vertices", [5_000, 50_000, 200_000])
 def test_sizes(vertices, capsys):
     points, faces = plan(vertices)
     A = interior_laplacian(points, faces)
-    found = ratios({"m = 1, from positions to f±": lambda: from_scratch(points, faces, 1)}, lambda: factorise(A))
-    show(capsys, f"{len(points)} vertices", *found)
+    measured = ratios({"m = 1, from positions to f±": lambda: from_scratch(points, faces, 1)}, lambda: factorise(A))
+    show(capsys, f"{len(points)} vertices", *measured)

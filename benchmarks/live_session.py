@@ -1,9 +1,9 @@
 """Live in a real Blender (the bpy module), in a process of its own; `bench_live.py` starts it.
 
-    python benchmarks/live_session.py speed 5000     from the change of a property, or of a vertex, to the written mesh
-    python benchmarks/live_session.py edits 1000     random edits: how far the end is off a solve anew, and the memory
+    python benchmarks/live_session.py speed 5000     from a change of a property or a vertex to the written mesh
+    python benchmarks/live_session.py edits 1000     random edits: distance from a fresh solve at the end, and memory
 
-The crank that Blender's timer turns is turned by hand, as fast as it goes. Prints one line of JSON.
+The timer's ticks are called directly, as fast as they return. Prints one line of JSON.
 """
 
 from __future__ import annotations
@@ -35,14 +35,14 @@ ROUNDS = 7
 
 
 def live_plan(vertices: int) -> bpy.types.Object:
-    """A round plan of triangles of about so many vertices; half of its rim is tilted."""
+    """A round plan with about this many vertices; half of its rim is tilted."""
     bpy.ops.mesh.primitive_circle_add(vertices=int(4 * math.sqrt(vertices)), radius=4.0, fill_type="NGON")
     bpy.ops.cmc.mesh_plan(edge_length=math.sqrt(16.0 * math.pi / vertices / (0.5 * math.sqrt(3.0))))
     plan = bpy.context.object
     plan.name = "Plan"
     edges = boundary_edges(plan.data)
     add_group(plan, "Half", edges[: len(edges) // 2], "BINORMAL", tilt=0.3)
-    plan.cmc.intersections = False  # only asked for at rest
+    plan.cmc.intersections = False  # only measured at rest
     plan.cmc.live = True
     return plan
 
@@ -50,7 +50,7 @@ def live_plan(vertices: int) -> bpy.types.Object:
 # --- speed ---------------------------------------------------------------------------------
 
 def updated(live, change) -> tuple[float, float]:
-    """Seconds from a change until the results show it, and the longest that a tick held up the window."""
+    """Seconds from a change until the results show it, and the longest tick, which holds up the window."""
     state = next(iter(live.Live.states.values()))
     began = time.perf_counter()
     change()
@@ -65,17 +65,17 @@ def updated(live, change) -> tuple[float, float]:
 
 
 def bare_solves(addon, live, plan, changes):
-    """As a function of k: the solver's own solve after change k, on the plan's cached factor, from the last map."""
-    forming, work = addon.cmc_addon.tasks.solve, addon.cmc_addon.live.update
+    """A function of k: the bare solve after change k, with the plan's cached factor, from the last map."""
+    tasks, update = addon.cmc_addon.tasks.solve, addon.cmc_addon.live.update
     plan_cache = addon.cmc_addon.background.plan_cache
     conditions = __import__(f"{PACKAGE}.solver.shells.plan", fromlist=["plan_conditions"]).plan_conditions
     made = []
     for change in changes:
         change()
-        reading = work.read(bpy.context, plan)
-        settings = forming.solver_settings(reading.order.settings)
-        prepared = plan_cache.prepare(reading.order.mesh, settings.solver_choice)
-        made.append((prepared.solver, conditions(reading.order.plan(prepared), settings, prepared.solver.domain)))
+        reading = update.read(bpy.context, plan)
+        settings = tasks.solver_settings(reading.solve.settings)
+        prepared = plan_cache.prepare(reading.solve.mesh, settings.solver_choice)
+        made.append((prepared.solver, conditions(reading.solve.plan(prepared), settings, prepared.solver.domain)))
     last = [made[-1][0].solve(made[-1][1]).harmonic.normals]
 
     def solve(k: int) -> None:
@@ -87,7 +87,7 @@ def bare_solves(addon, live, plan, changes):
 
 
 def speed(addon, vertices: int) -> dict:
-    """Medians over interleaved rounds of a tilt that goes to and fro by two degrees."""
+    """Medians over interleaved rounds, with a tilt that alternates by two degrees."""
     live = addon.cmc_addon.live.live
     plan = live_plan(vertices)
     group = plan.data.cmc.groups[0]
@@ -101,27 +101,27 @@ def speed(addon, vertices: int) -> dict:
         plan.data.update()
         bpy.context.view_layer.update()
 
-    found: dict[str, list[float]] = {"bare": [], "tilt": [], "held up": [], "vertex": [], "coarse": []}
+    taken: dict[str, list[float]] = {"bare": [], "tilt": [], "held up": [], "vertex": [], "coarse": []}
     for k in range(ROUNDS):
         began = time.perf_counter()
         solve(k % 2)
-        found["bare"].append(time.perf_counter() - began)
+        taken["bare"].append(time.perf_counter() - began)
         for name, limit in (("coarse", 0), ("tilt", 10**9)):
             live.limit = lambda limit=limit: limit
             tilts[1 - k % 2]()
             updated(live, lambda: None)
             seconds, longest = updated(live, tilts[k % 2])
-            found[name].append(seconds)
-            found["held up"].append(longest)
-        found["vertex"].append(updated(live, lambda k=k: moved(k))[0])
+            taken[name].append(seconds)
+            taken["held up"].append(longest)
+        taken["vertex"].append(updated(live, lambda k=k: moved(k))[0])
     settle(live, 600.0)
-    return {"vertices": len(plan.data.vertices), **{name: statistics.median(times) for name, times in found.items()}}
+    return {"vertices": len(plan.data.vertices), **{name: statistics.median(times) for name, times in taken.items()}}
 
 
 # --- many edits ----------------------------------------------------------------------------
 
 def memory() -> float:
-    """Megabytes that this process has in use, once all that is free is given back."""
+    """Megabytes in use by this process after all free memory is returned."""
     gc.collect()
     with suppress(OSError, AttributeError):
         ctypes.CDLL("libc.so.6").malloc_trim(0)
@@ -130,7 +130,7 @@ def memory() -> float:
 
 
 def edits(addon, count: int) -> dict:
-    """Memory after a fifth of the edits, when the steps of undo are as many as are kept, and at the end."""
+    """Memory after each fifth of the edits; after the first, the undo stack is full."""
     live = addon.cmc_addon.live.live
     live_plan(1_000)
     settle(live)

@@ -1,4 +1,20 @@
-"""The Blender side of the extension: what the user sees, and the way to the solver and back."""
+"""The Blender side of the extension: what the user sees, and the way to the solver and back.
+
+One Solve, from the click to the shell, room by room:
+
+1. `panels` draw the button; `operators/poll.py` says whether it can be pressed.
+2. `operators/modal.py` runs the steps of `operators/solve.py` a little at a time, so that the window keeps drawing.
+3. `properties/links.py` finds the plan of the active object.
+4. `tasks/solve.py`, `SolveTask.read`: `bridges/mesh_bridge.py` reads the mesh and its boundary groups into arrays.
+5. `background/worker.py` starts a thread; in it `SolveTask.work` takes triangles and solver of the plan from
+   `background/plan_cache.py`, and `solver.shells.form` forms, sizes, places and measures the shell.
+6. `background/solve_cache.py` keeps the result for Repeat by Symmetry and its like.
+7. Back in Blender's thread `SolveTask.write` checks that the plan is unchanged; `results/objects.py` makes or updates
+   the result objects through `bridges/result_bridge.py`, and `results/colours.py` colours them.
+8. `drawing` shows the overlay at the next redraw, and the panels the report, parsed by `properties/reports.py`.
+
+`live` and `headless` are the two other ways in; both run the same tasks.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +22,7 @@ import importlib
 from types import ModuleType
 
 MODULES = (
-    "properties.stored", "background.worker", "operators", "bridges.group_history", "bridges.mesh_cache",
+    "properties.stored", "background.worker", "operators", "bridges.group_history", "bridges.geometry_changes",
     "drawing.overlay_draw", "drawing.shading", "results.colours", "drawing.preview", "live.follow",
     "background.solve_cache", "tasks.complete", "panels.tab", "panels.overlay_panel", "panels.boundary_panel",
     "panels.design_panel", "panels.symmetry_panel", "panels.results_panel", "drawing.legend",
@@ -14,7 +30,7 @@ MODULES = (
     "tasks.close_periods", "panels.periods_panel", "panels.export_panel", "panels.menus", "properties.preferences",
     "panels.sidebar", "operators.manual", "headless.cli",
 )
-"""Sub-modules with register() and unregister(), in the order in which they need each other."""
+"""Sub-modules with register() and unregister(), each after those it needs."""
 
 
 def _modules() -> list[ModuleType]:
@@ -22,8 +38,10 @@ def _modules() -> list[ModuleType]:
 
 
 def register() -> None:
-    """Register every module in order. If one fails, those before it are taken back, in reverse,
-    and the error goes on to Blender: a half-registered add-on is worse than none."""
+    """Register every module in order.
+
+    If one fails, unregister those before it, in reverse, and raise: a half-registered add-on is worse than none.
+    """
     done: list[ModuleType] = []
     try:
         for module in _modules():
@@ -39,6 +57,6 @@ def unregister() -> None:
 
 
 def _unregister(modules: list[ModuleType]) -> None:
-    """Unregister in reverse order; modules must bear being asked when only half registered."""
+    """Unregister in reverse order. A module may be only half registered, see `properties.registration`."""
     for module in reversed(modules):
         module.unregister()

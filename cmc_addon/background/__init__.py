@@ -1,1 +1,5 @@
-"""Work that runs beside Blender: a worker thread, a timer, and the caches of what was computed last."""
+"""What runs beside Blender and what it remembers.
+
+Here belong the one worker thread, the timer that looks after tasks without a click, and the caches of prepared plans
+and solved shells. Nothing here knows what a task does.
+"""

@@ -1,14 +1,16 @@
-"""Plans made ready for solving, kept between solves.
+"""Plans prepared for solving, kept between solves.
 
-A plan that has not moved keeps its triangles, its domain and the solver's factorisation. It is found by a fingerprint
-of its positions and polygons and by what the solver is made for (sites, energy, triangulation), so that changing a
-boundary condition costs no new factorisation.
+A plan that has not moved keeps its triangles, its domain and the solver's factorisation. The key is a fingerprint of
+its positions and polygons, with the choice of solver (sites, energy, triangulation); so changing a boundary condition
+costs no new factorisation.
 """
 
 from __future__ import annotations
 
 import hashlib
 from collections import OrderedDict
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,11 +28,19 @@ _KEPT = 4
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """A plan made ready: triangles (T, 3), the polygon (T,) each is part of, and the solver of its domain."""
+    """A plan prepared for solving: triangles (T, 3), the polygon (T,) of each, and the solver of its domain."""
 
     triangles: NDArray[np.int32]
     owners: NDArray[np.int32]
     solver: CmcSolver
+
+    @contextmanager
+    def plan_numbers(self, mesh: PlanMesh) -> Iterator[None]:
+        """A block whose errors number faces and edges as the plan does."""
+        try:
+            yield
+        except CmcError as error:
+            raise in_plan_numbers(error, mesh, self.triangles, self.owners) from error
 
 
 Choice = tuple[str, str, bool]
@@ -43,17 +53,17 @@ _prepared: OrderedDict[tuple[bytes, Choice], Prepared] = OrderedDict()
 
 
 def fingerprint(plan: PlanMesh) -> bytes:
-    """Changes with the positions, the polygons, the own lengths or the start of a plan, and with nothing else."""
+    """A hash of the positions, the polygons, the edge lengths and the start of a plan, and of nothing else."""
     digest = hashlib.blake2b(digest_size=16)
     for array in (plan.positions, plan.corners, plan.starts, plan.lengths, plan.initial):
-        digest.update(b"" if array is None else np.ascontiguousarray(array))
+        digest.update(b"" if array is None else np.ascontiguousarray(array).data)
         digest.update(bytes([array is None]))
     digest.update(bytes([plan.mirrored]))
     return digest.digest()
 
 
 def prepare(plan: PlanMesh, choice: Choice = USUAL) -> Prepared:
-    """Triangles and solver of a plan, from the last few if it is one of them.
+    """Triangles and solver of a plan, from the cache if they are there.
 
     choice: `Settings.solver_choice`. Raises `MeshError` in the plan's own numbering.
     """
@@ -85,10 +95,10 @@ def forget() -> None:
 
 
 def prepare_near(plan: PlanMesh, choice: Choice, other: PlanMesh, prepared: Prepared) -> Prepared:
-    """A plan made ready for an answer while its vertices are dragged, from `other`, prepared, before the last move.
+    """A plan whose vertices are being dragged, prepared from `other`, the same plan before the last move.
 
-    Where only positions have changed, and the triangles are the same, what was worked out of them serves again, and
-    the factors do nearly. Nothing of this is kept here. Raises `MeshError` in the plan's own numbering.
+    Where only positions have changed and the triangles are equal, their topology serves again, and the old factors as
+    a preconditioner. The cache keeps none of this. Raises `MeshError` in the plan's own numbering.
     """
     if not same_polygons(plan, other) or plan.lengths is not None or plan.initial is not None:
         return prepare(plan, choice)
@@ -98,10 +108,8 @@ def prepare_near(plan: PlanMesh, choice: Choice, other: PlanMesh, prepared: Prep
         return prepare(plan, choice)
     a, b = prepared.solver.domain.edges.T
     lengths = np.linalg.norm(plan.positions[b] - plan.positions[a], axis=1)
-    try:
+    with prepared.plan_numbers(plan):
         return Prepared(prepared.triangles, prepared.owners, prepared.solver.moved(lengths))
-    except CmcError as error:
-        raise in_plan_numbers(error, plan, prepared.triangles, prepared.owners) from error
 
 
 def same_polygons(plan: PlanMesh, other: PlanMesh) -> bool:
@@ -115,7 +123,7 @@ def same_polygons(plan: PlanMesh, other: PlanMesh) -> bool:
 
 
 def _same_triangles(plan: PlanMesh, other: PlanMesh, prepared: Prepared) -> bool:
-    """Whether the polygons with more than three corners of which a vertex has moved are cut as before."""
+    """Whether the polygons with more than three corners and a moved vertex have the same triangles as before."""
     sizes = np.diff(plan.starts)
     has_moved = (plan.positions != other.positions).any(axis=1)
     touched = (sizes > 3) & np.logical_or.reduceat(has_moved[plan.corners], plan.starts[:-1])
@@ -126,6 +134,6 @@ def _same_triangles(plan: PlanMesh, other: PlanMesh, prepared: Prepared) -> bool
         polygons = [polygon[::-1] for polygon in polygons]
     try:
         triangles = triangulate_polygons(plan.positions, polygons)[0]
-    except CmcError:  # told where the whole plan is made ready
+    except CmcError:  # raised again where the whole plan is prepared
         return False
     return np.array_equal(triangles, prepared.triangles[touched[prepared.owners]])

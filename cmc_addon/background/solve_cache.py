@@ -1,4 +1,4 @@
-"""The last solves, for what is made of their shells: Complete by Symmetry does not solve again what is solved."""
+"""The last solves, for tasks on their shells: a plan that is solved is not solved again."""
 
 from __future__ import annotations
 
@@ -10,49 +10,50 @@ import numpy as np
 
 from . import plan_cache
 
-Order = Outcome = Any  # of `forming`, which this module is a part of
+SolveTask = SolveResult = Any  # of the room `tasks`, which is above this one
 
 _KEPT = 3
-_solved: OrderedDict[tuple, tuple[Order, Outcome]] = OrderedDict()
+_solved: OrderedDict[tuple, tuple[SolveTask, SolveResult]] = OrderedDict()
 
 
-def remember(order: Order, outcome: Outcome) -> None:
-    """Keep what an order gave."""
-    _solved[key_of(order)] = (order, outcome)
-    _solved.move_to_end(key_of(order))
+def remember(task: SolveTask, result: SolveResult) -> None:
+    """Keep the result of a task."""
+    key = key_of(task)
+    _solved[key] = (task, result)
+    _solved.move_to_end(key)
     while len(_solved) > _KEPT:
         _solved.popitem(last=False)
 
 
-def recall(order: Order) -> Outcome | None:
-    """What the same order gave, if that is still known."""
-    known = _solved.get(key_of(order))
+def recall(task: SolveTask) -> SolveResult | None:
+    """The result of an equal task, if it is still known."""
+    known = _solved.get(key_of(task))
     return None if known is None else known[1]
 
 
-def latest(name: str) -> tuple[Order, Outcome] | None:
-    """The last order of a plan of this name and what it gave, whatever was changed since; for the screen."""
+def latest(name: str) -> tuple[SolveTask, SolveResult] | None:
+    """The last task of the plan of this name and its result, whatever has changed since; for the screen."""
     return next((pair for pair in reversed(_solved.values()) if pair[0].name == name), None)
 
 
-def forget(which: Callable[[Outcome], bool]) -> None:
-    """Drop some outcomes."""
-    for key in [key for key, (_, outcome) in _solved.items() if which(outcome)]:
+def forget(which: Callable[[SolveResult], bool]) -> None:
+    """Drop some results."""
+    for key in [key for key, (_, result) in _solved.items() if which(result)]:
         del _solved[key]
 
 
-def key_of(order: Order) -> tuple:
-    """Equal for orders that give the same: plan, conditions, settings."""
+def key_of(task: SolveTask) -> tuple:
+    """Equal for tasks with equal results: plan, conditions, settings."""
     groups = [
         (group.name, group.kind, sorted(group.parameters.items()), np.asarray(group.edges).tobytes())
-        for group in order.groups
+        for group in task.groups
     ]
-    settings = sorted(vars(order.settings).items())
-    return plan_cache.fingerprint(order.mesh), order.mesh.flipped_corners, repr(groups), repr(settings)
+    settings = sorted(vars(task.settings).items())
+    return plan_cache.fingerprint(task.mesh), task.mesh.flipped_corners, repr(groups), repr(settings)
 
 
 def register() -> None:
-    """Nothing to do: what is kept comes with use."""
+    """Nothing to do: the cache fills with use."""
 
 
 def unregister() -> None:

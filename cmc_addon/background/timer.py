@@ -1,6 +1,6 @@
-"""Work that is done beside Blender without being asked for each time: what Follow and Live have in common.
+"""Background tasks that start by themselves: what Follow and Live have in common.
 
-An errand is one order, worked on in a thread; a tick of Blender's timer looks after it and writes what it brings.
+A task runs in a thread; a tick of Blender's timer looks after it and writes its result.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ TICK = 0.01
 """Seconds between two ticks while there is something to look after."""
 
 
-class Errand:
-    """An order on its way; it gives way to the solves that the user starts."""
+class BackgroundTask:
+    """A task under way; it gives way to the solves that the user starts."""
 
-    def __init__(self, order: Any) -> None:
-        self.order = order
-        self._steps = worker.steps(order.work, order.settings.tolerance, wait=0.0, gives_way=True)
+    def __init__(self, task: Any) -> None:
+        self.task = task
+        self._steps = worker.steps(task.work, task.tolerance, wait=0.0, gives_way=True)
 
     def look(self) -> tuple[bool, Any]:
-        """Whether it has ended, and what it brings: None where it has given way. Raises what the work raises."""
+        """Whether the task has ended, and its result: None if it has given way. Raises what the work raises."""
         try:
             while next(self._steps) is not None:
                 pass
@@ -33,34 +33,22 @@ class Errand:
         return False, None
 
     def drop(self) -> None:
-        """Want it no more."""
+        """Cancel the task."""
         self._steps.close()
 
 
 def may_start() -> bool:
-    """Whether no other work is going on."""
+    """Whether no other work runs."""
     return worker.Running.stop is None
 
 
 def wake(tick: Callable[[], float | None]) -> None:
-    """See to it that a tick comes, and goes on coming until it returns None. Without a window there are no ticks."""
+    """Call tick from the timer until it returns None. Without a window there is no timer."""
     if not bpy.app.background and not bpy.app.timers.is_registered(tick):
         bpy.app.timers.register(tick, first_interval=0.0)
 
 
 def rest(tick: Callable[[], float | None]) -> None:
-    """No more ticks."""
+    """Stop calling tick."""
     if bpy.app.timers.is_registered(tick):
         bpy.app.timers.unregister(tick)
-
-
-def listen(handlers: dict[str, Callable]) -> None:
-    """Attach functions to the lists of `bpy.app.handlers`."""
-    for name, told in handlers.items():
-        getattr(bpy.app.handlers, name).append(told)
-
-
-def unlisten(handlers: dict[str, Callable]) -> None:
-    for name, told in handlers.items():
-        if told in getattr(bpy.app.handlers, name):
-            getattr(bpy.app.handlers, name).remove(told)

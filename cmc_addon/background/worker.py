@@ -1,7 +1,6 @@
-"""How work runs beside Blender.
+"""Runs work in a thread that never touches Blender's data.
 
-It runs in a thread that never touches Blender's data; `steps` is the one way to run it, for a script that waits and for
-a window that goes on drawing.
+`steps` is the only way to run it, for a script that waits and for a window that keeps drawing.
 """
 
 from __future__ import annotations
@@ -21,12 +20,12 @@ from .plan_cache import forget
 
 T = TypeVar("T")
 
-# Unknowns whose factorisation by cholespy would hold up a window for about a tenth of a second.
+# Unknowns whose factorisation by cholespy holds up a window for about a tenth of a second.
 _PATIENT = 20_000
 
 
 def register() -> None:
-    """Beside a window large matrices are factored in a way that lets it go on drawing."""
+    """With a window, factor large matrices in a way that lets it keep drawing."""
     Patience.largest = math.inf if bpy.app.background else _PATIENT
 
 
@@ -38,17 +37,17 @@ def unregister() -> None:
 
 
 @dataclass(frozen=True)
-class Update:
-    """How far a solve is: `part` goes from 0 to 1 as the residual falls to the tolerance."""
+class Step:
+    """A step of the work: `fraction` goes from 0 to 1 as the residual falls to the tolerance."""
 
     iteration: int
     residual: float
-    part: float
+    fraction: float
 
 
 class Running:
-    """The solve that runs now, if any: `cmc.cancel` stops it, and so does the next one where it gives way. `thread` is
-    the last one that was started; it may still be at work after it was cancelled."""
+    """The work that runs now, if any: `cmc.cancel` stops it, and so does the next work where it gives way. `thread` is
+    the last one started; after being cancelled it may still be busy."""
 
     stop: threading.Event | None = None
     gives_way: bool = False
@@ -56,7 +55,7 @@ class Running:
 
 
 def cancel() -> bool:
-    """Stop waiting for the running solve, which ends after its present step; False where none runs."""
+    """Stop waiting for the running work, which ends after its current step; False where none runs."""
     if Running.stop is None:
         return False
     Running.stop.set()
@@ -65,12 +64,12 @@ def cancel() -> bool:
 
 def steps(
     work: Callable[[Progress], T], tolerance: float, wait: float, gives_way: bool = False
-) -> Generator[Update | None, None, T | None]:
-    """Run `work(progress)` in a thread; yield each update, or None after `wait` seconds without one.
+) -> Generator[Step | None, None, T | None]:
+    """Run `work(progress)` in a thread; yield each step, or None after `wait` seconds without one.
 
-    Returns what the work returns, or None as soon as it is cancelled; raises what it raises, and `CmcError`
-    while another solve runs which does not give way. Closing the generator cancels. A cancelled thread is not waited
-    for: it may be measuring, which has no steps to stop after. The next one starts when it is through.
+    Returns the result of the work, or None as soon as it is cancelled. Raises what the work raises, and `CmcError`
+    while other work runs that does not give way. Closing the generator cancels. Nobody waits for a cancelled thread:
+    it may be measuring, which has no steps to stop after. The next one starts when it has ended.
     """
     if Running.stop is not None:
         if not Running.gives_way:
@@ -96,7 +95,7 @@ def steps(
                 raise value
             iteration, residual = value
             first = first or residual
-            yield Update(iteration, residual, _part(first, residual, tolerance))
+            yield Step(iteration, residual, _fraction(first, residual, tolerance))
         return None
     finally:
         if Running.stop is stop:
@@ -112,19 +111,19 @@ def _run(
 ) -> None:
     def progress(iteration: int, residual: float) -> bool:
         if iteration >= 0:
-            news.put(("update", (iteration, residual)))
+            news.put(("step", (iteration, residual)))
         return not stop.is_set()
 
     try:
         if before is not None:
-            before.join()  # what is kept between solves is for one at a time
+            before.join()  # the caches serve one thread at a time
         if not stop.is_set():
             news.put(("done", work(progress)))
-    except BaseException as error:  # handed over whole: `steps` raises it in the thread that asked
+    except BaseException as error:  # handed over whole: `steps` raises it in Blender's thread
         news.put(("error", error))
 
 
-def _part(first: float, residual: float, tolerance: float) -> float:
+def _fraction(first: float, residual: float, tolerance: float) -> float:
     if not (first > tolerance and residual > 0 and math.isfinite(residual)):
         return 0.0
     return min(max(math.log(first / residual) / math.log(first / tolerance), 0.0), 1.0)

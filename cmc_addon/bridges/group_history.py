@@ -16,6 +16,7 @@ from itertools import count
 import bpy
 from bpy.app.handlers import persistent
 
+from ..properties.registration import registration
 from ..properties.stored import kind_parameters
 from . import edge_bridge
 
@@ -100,16 +101,9 @@ def _on_load(*_: object) -> None:
     _histories.clear()
 
 
-_HANDLERS = (("undo_post", _on_undo), ("redo_post", _on_undo), ("load_post", _on_load))
-
-
-def register() -> None:
-    for name, handler in _HANDLERS:
-        getattr(bpy.app.handlers, name).append(handler)
+register, _unlisten = registration(handlers={"undo_post": _on_undo, "redo_post": _on_undo, "load_post": _on_load})
 
 
 def unregister() -> None:
-    for name, handler in _HANDLERS:
-        if handler in getattr(bpy.app.handlers, name):
-            getattr(bpy.app.handlers, name).remove(handler)
+    _unlisten()
     _histories.clear()

@@ -1,8 +1,4 @@
-"""What is worked out from a mesh for the screen: once a change, not once a redraw.
-
-The sidebar and the viewport are redrawn at every movement of the mouse. Blender announces every change of
-geometry to the dependency graph; from then on nothing worked out before is used any more.
-"""
+"""What the sidebar shows of a mesh, computed once a change, not once a redraw."""
 
 from __future__ import annotations
 
@@ -10,14 +6,14 @@ from collections.abc import Callable
 from typing import TypeVar
 
 import bpy
-from bpy.app.handlers import persistent
 
 from ..properties import group_list
 from . import corner_bridge, edge_bridge
+from .geometry_changes import watched
 
 T = TypeVar("T")
 
-_known: dict[tuple[int, str], tuple[tuple, object]] = {}
+_known: dict[tuple[int, str], tuple[tuple, object]] = watched({})
 
 
 def boundary_counts(mesh: bpy.types.Mesh) -> tuple[int, int]:
@@ -38,35 +34,4 @@ def _cached(mesh: bpy.types.Mesh, what: str, make: Callable[[], T]) -> T:
     if known is None or known[0] != state:
         known = (state, make())
         _known[mesh.session_uid, what] = known
-    return known[1]
-
-
-@persistent
-def _on_change(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-    if _known and any(update.is_updated_geometry for update in depsgraph.updates):
-        _known.clear()
-
-
-@persistent
-def _on_other_data(*_: object) -> None:
-    _known.clear()
-
-
-_HANDLERS = (
-    ("depsgraph_update_post", _on_change),
-    ("undo_post", _on_other_data),
-    ("redo_post", _on_other_data),
-    ("load_post", _on_other_data),
-)
-
-
-def register() -> None:
-    for name, handler in _HANDLERS:
-        getattr(bpy.app.handlers, name).append(handler)
-
-
-def unregister() -> None:
-    for name, handler in _HANDLERS:
-        if handler in getattr(bpy.app.handlers, name):
-            getattr(bpy.app.handlers, name).remove(handler)
-    _known.clear()
+    return known[1]  # type: ignore[return-value]

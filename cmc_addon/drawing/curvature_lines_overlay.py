@@ -16,6 +16,7 @@ from mathutils import Matrix
 from ..bridges.colour_bridge import points_and_lines
 from ..properties.colour_settings import watchers
 from ..properties.links import families, plan_to_solve
+from ..properties.registration import registration
 from .curvature_lines import spread, strokes, usual_spacing
 
 # Along the larger and the smaller principal curvature; under both a dark edge, to be seen on any colour.
@@ -139,18 +140,19 @@ def _on_setting(_plan: bpy.types.Object, context: bpy.types.Context, _name: str)
                 area.tag_redraw()
 
 
-_HANDLERS = (
-    ("depsgraph_update_post", _on_change),
-    ("undo_post", _on_other_data),
-    ("redo_post", _on_other_data),
-    ("load_post", _on_other_data),
+_listen, _unlisten = registration(
+    handlers={
+        "depsgraph_update_post": _on_change,
+        "undo_post": _on_other_data,
+        "redo_post": _on_other_data,
+        "load_post": _on_other_data,
+    }
 )
 
 
 def register() -> None:
     global _handle
-    for name, told in _HANDLERS:
-        getattr(bpy.app.handlers, name).append(told)
+    _listen()
     watchers.append(_on_setting)
     if not bpy.app.background:
         _handle = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
@@ -163,7 +165,5 @@ def unregister() -> None:
         _handle = None
     if _on_setting in watchers:
         watchers.remove(_on_setting)
-    for name, told in _HANDLERS:
-        if told in getattr(bpy.app.handlers, name):
-            getattr(bpy.app.handlers, name).remove(told)
+    _unlisten()
     _on_other_data()

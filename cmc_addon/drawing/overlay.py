@@ -16,6 +16,7 @@ from mathutils import Matrix
 from numpy.typing import NDArray
 
 from ...solver.errors import CmcError
+from ..bridges.geometry_changes import version
 from ..bridges.overlay_bridge import cut_of, points_of, seen_plan
 from ..properties import group_list, preferences
 from ..properties.links import plan_to_solve, results_of
@@ -23,7 +24,7 @@ from ..properties.overlay_settings import SHOWN
 from ..properties.reports import last_report
 from ..properties.settings import SIDES
 from ..properties.stored import ROLES, parameter_values
-from .overlay_cache import kept, version
+from .overlay_cache import kept
 from .overlay_layers import Layer, Look, arrow_length, cut_layer, rim_layers
 from .palette import colour_of, other_colour
 from .result_layers import gap_layers, measured, plane_layers, shell_of

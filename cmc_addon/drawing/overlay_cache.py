@@ -1,20 +1,21 @@
-"""What was worked out for the viewport, kept until something that it came from has changed.
+"""What was computed for the viewport, kept until its sources change.
 
-A redraw compares keys and draws what is there. Blender announces changes of geometry to the dependency graph; each
-object and mesh has a count of them here, which is a part of the keys. What is quick to work out is worked out at once;
-what is slow waits until the changes pause, and is then drawn by a redraw of its own, so that dragging stays smooth.
+A redraw compares keys, which contain `version`s of the geometry, and draws what is there. What is quick is computed
+again at once; what is slow waits for a pause in the changes and is then drawn by a redraw of its own, so that dragging
+stays smooth.
 """
 
 from __future__ import annotations
 
 import time
-from collections import Counter, OrderedDict
+from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeVar
 
 import bpy
-from bpy.app.handlers import persistent
+
+from ..bridges.geometry_changes import watched
 
 T = TypeVar("T")
 
@@ -23,8 +24,7 @@ T = TypeVar("T")
 _QUICK, _PART, _PAUSE = 0.02, 0.3, 0.15
 _KEPT = 24
 
-_changes: Counter[int] = Counter()
-_kept: OrderedDict[object, _Entry] = OrderedDict()
+_kept: OrderedDict[object, _Entry] = watched(OrderedDict(), geometry=False)
 
 
 @dataclass
@@ -65,15 +65,11 @@ def kept(slot: object, key: object, make: Callable[[], T]) -> T:
     return value
 
 
-def version(*blocks: bpy.types.ID) -> tuple[tuple[int, int], ...]:
-    """Changes with the geometry of objects and meshes."""
-    return tuple((block.session_uid, _changes[block.session_uid]) for block in blocks)
-
-
 def forget() -> None:
-    """Drop everything."""
+    """Drop everything, the redraw that is due included."""
+    if bpy.app.timers.is_registered(redraw):
+        bpy.app.timers.unregister(redraw)
     _kept.clear()
-    _changes.clear()
 
 
 def _redraw_soon() -> None:
@@ -87,38 +83,3 @@ def redraw() -> None:
         for area in window.screen.areas:
             if area.type == "VIEW_3D":
                 area.tag_redraw()
-
-
-@persistent
-def _on_change(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-    for update in depsgraph.updates:
-        if update.is_updated_geometry and isinstance(update.id, (bpy.types.Object, bpy.types.Mesh)):
-            _changes[update.id.original.session_uid] += 1
-
-
-@persistent
-def _on_other_data(*_: object) -> None:
-    _kept.clear()
-
-
-_HANDLERS = (
-    ("depsgraph_update_post", _on_change),
-    ("frame_change_post", _on_change),
-    ("undo_post", _on_other_data),
-    ("redo_post", _on_other_data),
-    ("load_post", _on_other_data),
-)
-
-
-def register() -> None:
-    for name, handler in _HANDLERS:
-        getattr(bpy.app.handlers, name).append(handler)
-
-
-def unregister() -> None:
-    for name, handler in _HANDLERS:
-        if handler in getattr(bpy.app.handlers, name):
-            getattr(bpy.app.handlers, name).remove(handler)
-    if bpy.app.timers.is_registered(redraw):
-        bpy.app.timers.unregister(redraw)
-    forget()

@@ -123,7 +123,6 @@ def _drop_unused() -> None:
 
 
 def register() -> None:
-    overlay_cache.register()
     if not bpy.app.background and Drawing.handle is None:
         Drawing.handle = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
 
@@ -134,4 +133,4 @@ def unregister() -> None:
         Drawing.handle = None
     Drawing.batches.clear()
     Drawing.told = ""
-    overlay_cache.unregister()
+    overlay_cache.forget()

@@ -9,6 +9,8 @@ from __future__ import annotations
 import bpy
 from bpy.app.handlers import persistent
 
+from ..properties.registration import registration
+
 BY_ATTRIBUTE = "VERTEX"
 """Blender's name for colours by attribute in Solid shading."""
 
@@ -74,19 +76,10 @@ def _on_load(*_) -> None:
     Switched.on = coloured()
 
 
-def _handlers() -> list[tuple[list, object]]:
-    handlers = bpy.app.handlers
-    return [(handlers.undo_post, _on_undo), (handlers.redo_post, _on_undo), (handlers.load_post, _on_load)]
-
-
-def register() -> None:
-    for handlers, told in _handlers():
-        handlers.append(told)
+register, _unlisten = registration(handlers={"undo_post": _on_undo, "redo_post": _on_undo, "load_post": _on_load})
 
 
 def unregister() -> None:
-    for handlers, told in _handlers():
-        if told in handlers:
-            handlers.remove(told)
+    _unlisten()
     Switched.before.clear()
     Switched.on = False

@@ -1,14 +1,14 @@
-"""Solving without a window: files in, results and reports out, one failure not stopping the rest.
+"""Solving without a window: files in, results and reports out; a failure does not stop the rest.
 
-Of every input a folder of its own is written, `<output>/<name of the input>/`:
+Every input gets a folder of its own, `<output>/<name of the input>/`:
 
 =============================  =====================================================================
 `<name>.blend`                 the whole scene, plans and results (format "blend")
-`<plan>/shell.glb`, `.obj`     the results of a plan that are wanted (formats "glb", "obj")
-`<plan>/report.json`           what was formed, or `{"plan": …, "error": …}`
+`<plan>/shell.glb`, `.obj`     the wanted results of a plan (formats "glb", "obj")
+`<plan>/report.json`           the report of the shell, or `{"plan": …, "error": …}`
 =============================  =====================================================================
 
-Files are written under another name and then moved, so that nobody meets half of one.
+Files are written under another name and then moved, so that no reader gets half a file.
 """
 
 from __future__ import annotations
@@ -24,9 +24,10 @@ from ...solver.errors import CmcError, JobError
 from ...solver.io.mesh_files import write_bytes
 from ..bridges.start_bridge import has_start
 from ..properties.links import result_of, results_of, wanted_roles
+from ..properties.reports import solve_report
 from ..properties.settings import SETTINGS, fitted_settings
 from ..results.objects import check_writable
-from ..tasks.solve import deliver, settings_of, take_order
+from ..tasks.solve import SolveTask, settings_of
 from .batch_files import EXPORTERS, export, open_input, save_blend
 
 OUTPUTS = ("blend", *EXPORTERS)
@@ -34,7 +35,7 @@ OUTPUTS = ("blend", *EXPORTERS)
 
 @dataclass(frozen=True)
 class Request:
-    """What a run is asked for, whatever the input.
+    """What a run writes, for every input.
 
     output: the folder. formats: of `OUTPUTS`. plans: names of the plan objects, all if empty. settings:
     names of SETTINGS → values that override the plan's own. conditions: tables as in a job file, for mesh
@@ -51,7 +52,7 @@ class Request:
 
 @dataclass(frozen=True)
 class Done:
-    """How one plan ended: `message` for a person, `warnings`, and whether it is what was asked for."""
+    """How one plan ended: a message and warnings for the user, and whether the solve succeeded."""
 
     plan: str
     good: bool
@@ -60,9 +61,9 @@ class Done:
 
 
 def run_file(path: Path, request: Request) -> Iterator[Done]:
-    """Solve all plans of a file and write their results; the file that was open is left, unsaved.
+    """Solve all plans of a file and write their results; the open file is closed without saving.
 
-    What goes wrong with a plan or with the input itself is told by a `Done`, and by a report.
+    A failure of a plan or of the input itself gives a `Done` and a report.
     """
     folder = request.output / path.stem
     try:
@@ -90,7 +91,7 @@ def run_plan(context: bpy.types.Context, plan: bpy.types.Object, request: Reques
         for suffix in request.formats:
             if suffix in EXPORTERS:
                 export(context, [ob for ob in wanted if ob is not None], place, f"shell.{suffix}")
-        report = {**json.loads(plan.cmc.report), "warnings": warnings}
+        report = {**(solve_report(plan) or {}), "warnings": warnings}
         _write_report(place, report)
     except CmcError as error:
         return _failed(place, name, error)
@@ -98,10 +99,9 @@ def run_plan(context: bpy.types.Context, plan: bpy.types.Object, request: Reques
 
 
 def find_plans(context: bpy.types.Context, names: Sequence[str] = ()) -> list[bpy.types.Object]:
-    """The plans of the scene by name, or those that have boundary groups or a start, were meshed by Mesh Plan or have
-    results.
+    """The plans of the scene by name; or all that have boundary groups, a start or results or come from Mesh Plan.
 
-    A scene with one mesh only is a plan without groups. Raises `JobError` where there is none.
+    If the scene has one mesh only, that is the plan. Raises `JobError` where there is none.
     """
     objects = {ob.name: ob for ob in context.view_layer.objects}
     missing = [name for name in names if name not in objects]
@@ -116,8 +116,7 @@ def find_plans(context: bpy.types.Context, names: Sequence[str] = ()) -> list[bp
         return meshes
     if not plans:
         raise JobError(
-            f"No plan found: none of the {len(meshes)} meshes of the scene has boundary groups; make "
-            "groups, or name "
+            f"No plan found: none of the {len(meshes)} meshes of the scene has boundary groups; make groups, or name "
             "the plans with --plan."
         )
     return plans
@@ -130,14 +129,14 @@ def _solve(
     context.view_layer.update()
     settings = fitted_settings({name: getattr(plan.cmc, name) for name in SETTINGS} | dict(overrides), overrides)
     check_writable(plan)
-    order = take_order(context, plan, settings)
-    outcome = order.work(lambda iteration, residual: True)
-    warnings = deliver(context, plan, order, outcome)
-    return outcome.shell.report.summary(), warnings, outcome.converged
+    task = SolveTask.read(context, plan, settings)
+    result = task.work(lambda iteration, residual: True)
+    warnings = task.write(context, plan, result)
+    return result.shell.report.summary(), warnings, result.converged
 
 
 def _failed(place: Path, name: str, error: CmcError) -> Done:
-    """Report a failure as well as that is possible: the folder itself may be what is wrong."""
+    """Report a failure; the message has two if even the report cannot be written."""
     message = str(error)
     try:
         _write_report(place, {"plan": name, "converged": False, "error": message})

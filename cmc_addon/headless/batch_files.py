@@ -1,4 +1,4 @@
-"""The files of a run without a window: what may come in, and what is written."""
+"""The files of a run without a window: opening inputs and writing outputs."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ INPUTS = (".blend", ".toml", *FORMATS)
 
 
 def open_input(path: Path, conditions: Sequence[Mapping[str, object]] = (), up: str | None = None) -> None:
-    """Make the file the scene: a .blend opened, a mesh or a job imported into an empty one.
+    """Make the file the scene: open a .blend, or import a mesh or a job into an empty scene.
 
-    conditions: for a mesh file, tables as in a job file; up: its up axis. Raises `CmcError` where it cannot
-    be read.
+    conditions: for a mesh file, tables as in a job file; up: its up axis. Raises `CmcError` if the file cannot be
+    read.
     """
     suffix = path.suffix.lower()
     if suffix not in INPUTS:
@@ -65,7 +65,7 @@ def _mesh_job(path: Path, conditions: Sequence[Mapping[str, object]], up: str | 
 
 
 def _all_groups(job: Job) -> list[Group]:
-    """The job's groups, then the mesh's own that it does not mention, then the rest if Blender's default differs."""
+    """The job's groups, then the mesh's other groups, then the other edges if the job's default is not Blender's."""
     domain, settings = plan_domain(job.plan), job.settings
     default = {"tilt": settings.default_tilt} if settings.default_kind == "binormal" else {}
     free = {tuple(sorted(pair)): pair for pair in domain.edges[domain.boundary_edges].tolist()}
@@ -86,7 +86,7 @@ def _all_groups(job: Job) -> list[Group]:
 
 
 def _short(name: str) -> str:
-    """ "group platform" is called "platform" in Blender's list."""
+    """The name in Blender's list: "group platform" becomes "platform"."""
     return name.removeprefix("group ").removeprefix("side ")
 
 
@@ -121,7 +121,7 @@ def _object_settings(settings: Settings) -> dict[str, object]:
 
 
 def save_blend(path: Path) -> None:
-    """Save a copy of the scene beside its place and move it there; relative paths stay right that way."""
+    """Save a copy of the scene next to its place and move it there; so relative paths stay valid."""
     _make_folder(path.parent)
     temporary = path.with_name(f".{path.stem}.{os.getpid()}.blend")
     try:
@@ -141,10 +141,7 @@ def save_blend(path: Path) -> None:
 
 
 def export(context: bpy.types.Context, objects: Sequence[bpy.types.Object], place: Path, name: str) -> None:
-    """Export objects as the file `name` in the folder `place`, with the files that belong to it (materials).
-
-    Raises `JobError` where that is not possible.
-    """
+    """Export objects as the file `name` in the folder `place`, with its material files. Raises `JobError`."""
     exporter = EXPORTERS[Path(name).suffix.removeprefix(".")]
     _make_folder(place)
     with tempfile.TemporaryDirectory(prefix=".export-", dir=place) as scratch:
@@ -163,7 +160,7 @@ def _make_folder(place: Path) -> None:
 
 @contextmanager
 def _selected(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> Iterator[None]:
-    """Select these objects only, as exporters want it, and restore the selection."""
+    """Select these objects only, which exporters need, and restore the selection."""
     before = [ob for ob in context.view_layer.objects if ob.select_get()]
     for ob in before:
         ob.select_set(False)
@@ -206,7 +203,7 @@ EXPORTERS: dict[str, Callable[[str], None]] = {"glb": _export_glb, "obj": _expor
 
 
 def _call(operator: Callable[..., set[str]], complaint: str, **arguments: object) -> None:
-    """Call one of Blender's operators; it fails by an exception, or by not finishing."""
+    """Call one of Blender's operators, which fails with an exception or by not finishing."""
     try:
         finished = operator(**arguments)
     except RuntimeError as error:

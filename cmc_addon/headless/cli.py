@@ -25,36 +25,35 @@ examples:
   blender --command cmc a.blend b.blend canopy.toml --output out --span 12 --ground rim
   blender --command cmc plan.obj --condition 'group = "street", tilt = 25' --format obj
 
-Of every input a folder OUTPUT/<name>/ is written, with <name>.blend, and for every plan in it a folder
-with shell.glb, shell.obj and report.json. In a .blend all meshes of the scene are solved that have
-boundary groups, were made by Mesh Plan or have results. Of an OBJ the polylines under a group name
-(g name, l 1 2 3) are boundary groups.
+Every input gets a folder OUTPUT/<name>/ with <name>.blend and, for each of its plans, a folder with
+shell.glb, shell.obj and report.json. In a .blend, every mesh with boundary groups or results and every mesh
+made by Mesh Plan is a plan. In an OBJ, polylines under a group name (g name, l 1 2 3) are boundary groups.
 
-exit code: 0 all plans were solved; 1 one of them failed, did not converge or has a gap, the others being
-written all the same; 2 bad arguments
+exit code: 0 all plans were solved; 1 a plan failed, did not converge or has a gap (the others are written all
+the same); 2 bad arguments
 """
 
 
 def run(argv: Sequence[str]) -> int:
     """Run the command with these arguments and return the exit code.
 
-    The file that is open is left, unsaved. Messages go to stdout, what went wrong to stderr in one sentence.
+    The open file is closed without saving. Messages go to stdout, each error to stderr in one sentence.
     """
     try:
         arguments = _parser().parse_args(list(argv))
         inputs = arguments.inputs or [_open_file()]
         request = _request(arguments, inputs)
-    except SystemExit as left:  # argparse has printed the help, or what is wrong
+    except SystemExit as left:  # argparse has printed the help or an error
         return BAD_ARGUMENTS if left.code else OK
     except CmcError as error:
         print(f"cmc: {error}", file=sys.stderr)
         return BAD_ARGUMENTS
-    good = [_tell(path, done) for path in inputs for done in run_file(path.resolve(), request)]
+    good = [_print(path, done) for path in inputs for done in run_file(path.resolve(), request)]
     return OK if all(good) else FAILED
 
 
-def _tell(path: Path, done: Done) -> bool:
-    """Print how a plan ended; whether it is what was asked for."""
+def _print(path: Path, done: Done) -> bool:
+    """Print how a plan ended; returns whether it succeeded."""
     where = f"{path}, {done.plan}" if done.plan != path.name else f"{path}"
     if done.good:
         print(f"{where}:\n{done.message}")
@@ -66,7 +65,7 @@ def _tell(path: Path, done: Done) -> bool:
 
 
 def _open_file() -> Path:
-    """The .blend that is open, as in `blender hall.blend --command cmc`."""
+    """The open .blend, as in `blender hall.blend --command cmc`."""
     if not bpy.data.filepath:
         raise JobError("There is nothing to solve; name files, or open a .blend before --command.")
     return Path(bpy.data.filepath)
@@ -112,11 +111,17 @@ def _parser() -> argparse.ArgumentParser:
     )
     kinds = ", ".join(INPUTS)
     parser.add_argument(
-        "inputs", nargs="*", type=Path, metavar="FILE", help=f"files to solve: {kinds} (the one that is open)"
+        "inputs", nargs="*", type=Path, metavar="FILE", help=f"files to solve: {kinds} (default: the open file)"
     )
-    parser.add_argument("-o", "--output", type=Path, default=Path(), metavar="DIR", help="where to write (here)")
-    parser.add_argument("-f", "--format", nargs="+", choices=OUTPUTS, default=["blend"], help="what to write (blend)")
-    parser.add_argument("--plan", action="append", default=[], metavar="NAME", help="solve this object only")
+    parser.add_argument(
+        "-o", "--output", type=Path, default=Path(), metavar="DIR", help="output folder (default: the current one)"
+    )
+    parser.add_argument(
+        "-f", "--format", nargs="+", choices=OUTPUTS, default=["blend"], help="what to write (default: blend)"
+    )
+    parser.add_argument(
+        "--plan", action="append", default=[], metavar="NAME", help="solve only this object; may be repeated"
+    )
     parser.add_argument(
         "--condition",
         action="append",
@@ -124,15 +129,15 @@ def _parser() -> argparse.ArgumentParser:
         metavar="TOML",
         help="for mesh files: a condition as in a job file, angles in degrees",
     )
-    parser.add_argument("--up", choices=("y", "z"), help="up axis of mesh files (y for GLB, else z)")
-    settings = parser.add_argument_group("settings", "override those that are stored with a plan")
+    parser.add_argument("--up", choices=("y", "z"), help="up axis of mesh files (default: y for GLB, otherwise z)")
+    settings = parser.add_argument_group("settings", "override those stored with a plan")
     for name in SETTINGS:
         _add_setting(settings, CmcObject.bl_rna.properties[name])
     return parser
 
 
 def _add_setting(group: argparse._ArgumentGroup, rna: bpy.types.Property) -> None:
-    """An option for a property: its choices if it is an enum, --no-… as well if it is a flag."""
+    """An option for a property: with choices for an enum, with --no-… for a flag."""
     option, text = "--" + rna.identifier.replace("_", "-"), (rna.description or rna.name).replace("%", "%%")
     if rna.type == "ENUM":
         choices = [item.identifier for item in rna.enum_items]
@@ -144,7 +149,7 @@ def _add_setting(group: argparse._ArgumentGroup, rna: bpy.types.Property) -> Non
 
 
 def _identifier(text: str) -> str:
-    """match-plan, match_plan and MATCH_PLAN are one; f+ and f- are the sheets."""
+    """The identifier of a choice: match-plan, match_plan or MATCH_PLAN; f+ and f- for the sheets."""
     return {"f+": "F_PLUS", "f-": "F_MINUS"}.get(text, text.upper().replace("-", "_"))
 
 

@@ -1,8 +1,8 @@
-"""Follow: the fitted shell follows while the settings of its plan are changed.
+"""Follow: the fitted shell follows changes of its plan's settings.
 
-Each change is answered by a fit that goes on from the last one, in a thread; a timer looks after it. While a number is
-dragged a fit that is out of date ends with what it has, which is shown, and the next one begins with the newest
-number. What came of it is one step of undo.
+Each change starts a fit from the last one, in a thread; a timer looks after it. While a number is dragged, a fit that
+is out of date ends with the shape it has, which is shown, and the next fit starts with the newest number. All of it is
+one step of undo.
 """
 
 from __future__ import annotations
@@ -13,39 +13,41 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ...solver.errors import CmcError
-from ..background.timer import TICK, Errand, listen, may_start, rest, unlisten, wake
+from ..background.timer import TICK, BackgroundTask, may_start, rest, wake
 from ..drawing import preview
 from ..drawing.viewport import redraw
 from ..properties.changes import watchers
 from ..properties.design_settings import FIT_SETTINGS, HEIGHT_PROPERTY, stored_settings
 from ..properties.links import by_uid, result_of
+from ..properties.registration import registration
 from ..results.objects import check_writable
-from ..tasks.fit_outline import FitOrder, Latest, fulfilled, go_on, take_fit
+from ..tasks.design import DesignResult
+from ..tasks.fit_outline import FitTask, Latest, fulfilled
 
 
-class Following:
-    """The plan whose shell follows, as the number that survives undo; its fit while one is under way; whether it
-    has moved; the plan with which something went wrong, and what."""
+class Follow:
+    """The plan whose shell follows, as the number that survives undo; its running fit; whether the shell has moved;
+    the plan whose fit failed, and why."""
 
-    uid: int | None = None
-    errand: Errand | None = None
+    uid: int = 0
+    running: BackgroundTask | None = None
     moved: bool = False
     problem: tuple[int, str] | None = None
 
 
 def changed(what: bpy.types.ID) -> None:
-    """A setting has changed: if it is one of a plan whose shell follows, see to it from the next tick on."""
+    """A setting has changed: if it belongs to a plan whose shell follows, fit from the next tick on."""
     if not isinstance(what, bpy.types.Object) or not what.cmc.follow or result_of(what, "FIT") is None:
         return
-    if Following.uid != what.session_uid:
+    if Follow.uid != what.session_uid:
         stop()
-    Following.uid, Following.problem = what.session_uid, None
+    Follow.uid, Follow.problem = what.session_uid, None
     wake(tick)
 
 
 def tick() -> float | None:
-    """Look after the fit; returns seconds until the next time, or None when the shell is what it should be."""
-    plan = by_uid(Following.uid)
+    """Look after the fit; returns seconds until the next tick, or None when the shell fits the settings."""
+    plan = by_uid(Follow.uid)
     if plan is None or not plan.cmc.follow or result_of(plan, "FIT") is None:
         stop()
         return None
@@ -53,7 +55,7 @@ def tick() -> float | None:
         return TICK if _advance(bpy.context, plan) else None
     except CmcError as error:
         stop()
-        Following.problem = plan.session_uid, str(error)
+        Follow.problem = plan.session_uid, str(error)
         redraw(bpy.context)
         return None
 
@@ -61,29 +63,29 @@ def tick() -> float | None:
 def _advance(context: bpy.types.Context, plan: bpy.types.Object) -> bool:
     """Whether there is more to do."""
     wanted = stored_settings(plan.cmc, FIT_SETTINGS)
-    if Following.errand is None:
+    if Follow.running is None:
         if not may_start():
             return True
         if _is(wanted, fulfilled(plan)):
             return _end()
         check_writable(plan)
-        order = take_fit(context, plan, wanted, plan.cmc.fit_curve, plan.cmc.fit_anchors)
-        Following.errand = Errand(go_on(order, plan))
-    elif not _is(wanted, Following.errand.order.settings):
-        Following.errand.order.newer.set()
-    has_ended, outcome = Following.errand.look()
+        task = FitTask.read(context, plan, wanted, plan.cmc.fit_curve, plan.cmc.fit_anchors)
+        Follow.running = BackgroundTask(task.go_on(plan))
+    elif not _is(wanted, Follow.running.task.settings):
+        Follow.running.task.newer.set()
+    has_ended, result = Follow.running.look()
     if has_ended:
-        return _deliver(context, plan, outcome)
-    order: FitOrder = Following.errand.order
-    if order.latest is not None:
-        preview.show(*order.latest)
-        order.latest = None
+        return _write(context, plan, result)
+    task: FitTask = Follow.running.task
+    if task.latest is not None:
+        preview.show(*task.latest)
+        task.latest = None
         redraw(context)
     return True
 
 
 def _is(wanted: SimpleNamespace, settings: SimpleNamespace | None) -> bool:
-    """Whether the settings are those that are wanted, as far as they count now."""
+    """Whether the settings equal the wanted ones, apart from those without effect now."""
     others = {name for height_parameter, name in HEIGHT_PROPERTY.items() if height_parameter != wanted.height_parameter}
     others |= set() if wanted.limit_tilt else {"tilt_min", "tilt_max"}
     return settings is not None and all(
@@ -91,24 +93,24 @@ def _is(wanted: SimpleNamespace, settings: SimpleNamespace | None) -> bool:
     )
 
 
-def _deliver(context: bpy.types.Context, plan: bpy.types.Object, outcome) -> bool:
-    order, Following.errand = Following.errand.order, None
+def _write(context: bpy.types.Context, plan: bpy.types.Object, result: DesignResult | None) -> bool:
+    task, Follow.running = Follow.running.task, None
     preview.clear()
-    if outcome is None:  # it has given way to a solve, after which it begins again
+    if result is None:  # it has given way to a solve, after which it starts again
         return True
-    order.deliver(context, plan, outcome)
-    Following.moved = True
+    task.write(context, plan, result)
+    Follow.moved = True
     redraw(context)
     return True
 
 
 def problem_of(plan: bpy.types.Object) -> str:
-    """Why the shell of this plan does not follow; empty where it does."""
-    return Following.problem[1] if Following.problem and Following.problem[0] == plan.session_uid else ""
+    """Why the shell of this plan does not follow; empty if it does."""
+    return Follow.problem[1] if Follow.problem and Follow.problem[0] == plan.session_uid else ""
 
 
 def _end() -> bool:
-    if Following.moved:
+    if Follow.moved:
         bpy.ops.ed.undo_push(message="Follow")
     stop()
     return False
@@ -116,16 +118,16 @@ def _end() -> bool:
 
 def stop() -> None:
     """Leave the shell as it is now."""
-    if Following.errand is not None:
-        Following.errand.drop()
+    if Follow.running is not None:
+        Follow.running.drop()
         preview.clear()
-    Following.uid = Following.errand = None
-    Following.moved, Following.problem = False, None
+    Follow.uid, Follow.running = 0, None
+    Follow.moved, Follow.problem = False, None
 
 
 @persistent
 def _on_undo(*_) -> None:
-    """What Blender brings back need not be what the last fit was for."""
+    """What Blender brings back need not fit the last settings."""
     stop()
     Latest.settings = None
 
@@ -136,12 +138,12 @@ def _on_load(*_) -> None:
     Latest.fit = Latest.drawn = Latest.settings = None
 
 
-_HANDLERS = {"undo_pre": _on_undo, "redo_pre": _on_undo, "load_pre": _on_load}
+_listen, _unlisten = registration(handlers={"undo_pre": _on_undo, "redo_pre": _on_undo, "load_pre": _on_load})
 
 
 def register() -> None:
     watchers.append(changed)
-    listen(_HANDLERS)
+    _listen()
 
 
 def unregister() -> None:
@@ -149,4 +151,4 @@ def unregister() -> None:
     rest(tick)
     if changed in watchers:
         watchers.remove(changed)
-    unlisten(_HANDLERS)
+    _unlisten()

@@ -1,12 +1,12 @@
-"""Live: the shell follows while its plan, its groups and its settings are changed.
+"""Live: the shell follows changes of its plan, its groups and its settings.
 
-A change marks its plan; a tick of the timer reads what is marked and answers the newest of it, in a thread (`live_work`
-says how). One answer is under way at a time and plans take turns. An answer that is out of date by the time it comes is
-shown all the same, for else nothing would move during a long drag, but never after a newer one; a plan that has come to
-rest is solved once more as by Solve, and only what that gives is measured. That last answer gives way to any change.
+A change marks its plan. A tick of the timer reads the marked plans and updates one of them, in a thread (see `update`);
+one update runs at a time and plans take turns. An update that is out of date when it ends is shown all the same, or
+nothing would move during a long drag, but never after a newer one. A plan at rest is solved once more as by Solve, and
+only that result is measured. This last update gives way to any change.
 
 Nothing here makes a step of undo: a drag is one, as Blender makes it. What undo, redo or a file brings back need not
-fit together, so all of it is answered anew.
+fit together, so all of it is solved again.
 """
 
 from __future__ import annotations
@@ -18,27 +18,28 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ...solver.errors import CmcError
-from ..background.timer import TICK, Errand, listen, may_start, rest, unlisten, wake
+from ..background.timer import TICK, BackgroundTask, may_start, rest, wake
 from ..drawing.viewport import redraw
 from ..properties.changes import watchers
 from ..properties.links import results_of
 from ..properties.live_settings import limit
+from ..properties.registration import registration
 from ..results.objects import check_writable
-from .update import COARSE, FINAL, QUICK, WHOLE, Anew, GoingOn, Memory, Reading, read
+from .update import COARSE, FINAL, QUICK, WHOLE, FullTask, LiveTask, Memory, QuickTask, Reading, read
 
-# Seconds after the last change, and after the answer to it, from which on a plan is at rest.
+# Seconds without a change or an update after which a plan is at rest.
 _REST = 0.3
-# Seconds between two looks while Blender renders, when no data may be touched.
+# Seconds between two ticks while Blender renders, when no data may be touched.
 _RENDERING = 0.5
 
 
 @dataclass(eq=False)
 class State:
-    """What is known of a live plan.
+    """The state of a live plan.
 
-    reading: the plan when it was last looked at, since when it is like that; is_dirty: it may have changed again.
-    shown: key of what the results show, None where that is not known, and how good they are. failed: key of what
-    cannot be solved, and the problem. served: when it was last answered. memory: what the next answer goes on from.
+    reading: the plan as last read; since: when it last changed; is_dirty: it may have changed again. shown: key of what
+    the results show, None where that is not known; grade: how good they are. failed: key of a reading that cannot be
+    solved; problem: why. served: when it was last updated. memory: what the next quick update starts from.
     """
 
     is_dirty: bool = True
@@ -62,25 +63,25 @@ class State:
         return self.reading is None or self.reading.key == self.failed or (not self.is_behind and self.grade == FINAL)
 
     def next_grade(self, now: float) -> int:
-        """How good the next answer is to be; 0 for none now."""
-        if self.is_settled:
+        """The grade of the next update; 0 for none now."""
+        if self.reading is None or self.is_settled:
             return 0
         if self.is_behind:
             if self.memory is None or not self.memory.serves(self.reading):
                 return WHOLE
-            return COARSE if len(self.reading.order.mesh.positions) > limit() else QUICK
+            return COARSE if len(self.reading.solve.mesh.positions) > limit() else QUICK
         if now - max(self.since, self.served) < _REST:  # large ones take longer than that
             return 0
         return QUICK if self.grade == COARSE else FINAL
 
 
 class Live:
-    """States by the number that survives undo; the answer under way, whose it is, and whether it can wait; whether what
-    Blender announces comes of reading."""
+    """States by the number that survives undo. The running update, the plan it belongs to, and whether it can wait.
+    is_deaf: changes that Blender announces come from reading."""
 
     states: dict[int, State] = {}
-    errand: Errand | None = None
-    uid: int | None = None
+    running: BackgroundTask | None = None
+    uid: int = 0
     can_wait: bool = False
     is_deaf: bool = False
 
@@ -94,7 +95,7 @@ def problem_of(plan: bpy.types.Object) -> str:
 # --- what has changed ----------------------------------------------------------------------
 
 def changed(what: bpy.types.ID) -> None:
-    """An object or a mesh has changed: look at the live plans among it from the next tick on."""
+    """An object or a mesh has changed: the next tick reads the live plans that it belongs to."""
     if isinstance(what, bpy.types.Object):
         if is_live(what):
             Live.states.setdefault(what.session_uid, State()).is_dirty = True
@@ -110,17 +111,17 @@ def is_live(ob: bpy.types.Object) -> bool:
 
 
 def _mark_users(mesh: bpy.types.ID) -> bool:
-    """Whether there are live plans of a mesh, or one of which it is a result that could not be written."""
-    found = False
+    """Mark the live plans that use a mesh, or whose results use it and failed to be written; whether there are any."""
+    marked = False
     for uid, plan in _plans().items():
         state = Live.states[uid]
         if plan.data == mesh or (state.failed and any(ob.data == mesh for ob in results_of(plan).values())):
-            state.is_dirty, state.failed, found = True, None, True
-    return found
+            state.is_dirty, state.failed, marked = True, None, True
+    return marked
 
 
 def _plans() -> dict[int, bpy.types.Object]:
-    """The plans of all states that are still there."""
+    """The plans of all states that still exist."""
     return {ob.session_uid: ob for ob in bpy.data.objects if ob.session_uid in Live.states and ob.users_scene}
 
 
@@ -137,7 +138,7 @@ def _on_change(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
 
 @persistent
 def _on_frame(*_: object) -> None:
-    """Another frame of an animation: whatever may be animated."""
+    """Another frame: anything may be animated."""
     for state in Live.states.values():
         state.is_dirty = True
     if Live.states:
@@ -146,40 +147,40 @@ def _on_frame(*_: object) -> None:
 
 @persistent
 def _on_other_data(*_: object) -> None:
-    """Undo, redo, another file: find the live plans; of none of them is known what its results show."""
+    """Undo, redo, another file: find the live plans; what their results show is not known."""
     _drop()
     Live.states = {ob.session_uid: State() for ob in bpy.data.objects if is_live(ob)}
     if Live.states:
         wake(tick)
 
 
-# --- answering -----------------------------------------------------------------------------
+# --- updating ------------------------------------------------------------------------------
 
 def tick() -> float | None:
-    """Look after the answers; returns seconds until the next time, or None when all plans are at rest."""
+    """Look after the updates; returns seconds until the next tick, or None when all plans are at rest."""
     if bpy.app.is_job_running("RENDER"):
         return _RENDERING
     context, plans = bpy.context, _plans()
     for uid in [uid for uid in Live.states if uid not in plans]:
         _forget(uid)
-    while Live.errand is not None and _look(context, plans):
+    while Live.running is not None and _look(context, plans):
         pass
     _read(context, plans)
-    if Live.errand is not None and Live.can_wait and any(state.is_behind for state in Live.states.values()):
+    if Live.running is not None and Live.can_wait and any(state.is_behind for state in Live.states.values()):
         _drop()
-    if Live.errand is None and may_start():
+    if Live.running is None and may_start():
         _start(context, plans)
     for uid, plan in plans.items():
         if not plan.cmc.live and Live.states[uid].is_settled and not Live.states[uid].is_dirty:
             _forget(uid)
     is_quiet = all(state.is_settled and not state.is_dirty for state in Live.states.values())
-    return None if is_quiet and Live.errand is None else TICK
+    return None if is_quiet and Live.running is None else TICK
 
 
 def _read(context: bpy.types.Context, plans: dict[int, bpy.types.Object]) -> None:
-    """Look at the plans that may have changed; not while a change is answered, which nothing overtakes."""
+    """Read the plans that may have changed; not while a change is being updated, which nothing overtakes."""
     marked = [uid for uid, state in Live.states.items() if state.is_dirty]
-    if Live.errand is not None and not Live.can_wait:
+    if Live.running is not None and not Live.can_wait:
         return
     if marked:
         context.view_layer.update()
@@ -204,7 +205,7 @@ def _read(context: bpy.types.Context, plans: dict[int, bpy.types.Object]) -> Non
 
 
 def _not_hearing(context: bpy.types.Context) -> None:
-    """Let Blender announce now that plans in edit mode, or with modifiers, were touched by reading them."""
+    """Let Blender announce now that reading has touched plans in edit mode or with modifiers."""
     Live.is_deaf = True
     try:
         context.view_layer.update()
@@ -213,61 +214,65 @@ def _not_hearing(context: bpy.types.Context) -> None:
 
 
 def _start(context: bpy.types.Context, plans: dict[int, bpy.types.Object]) -> None:
-    """Begin the answer that is wanted most: to a change before one at rest, the plan first that waits longest."""
+    """Start the most urgent update: changed plans before plans at rest, the longest waiting first."""
     now = time.monotonic()
     wanted = [(uid, state, grade) for uid, state in Live.states.items() if (grade := state.next_grade(now))]
     if not wanted:
         return
     uid, state, grade = min(wanted, key=lambda one: (not one[1].is_behind, one[1].served))
-    anew = grade in (WHOLE, FINAL)
     Live.uid, Live.can_wait = uid, not state.is_behind
-    Live.errand = Errand(Anew(state.reading, grade) if anew else GoingOn(state.reading, state.memory, grade))
+    reading, memory = state.reading, state.memory
+    assert reading is not None  # else there is no grade
+    if memory is None or grade in (WHOLE, FINAL):
+        Live.running = BackgroundTask(FullTask(reading, grade))
+    else:
+        Live.running = BackgroundTask(QuickTask(reading, grade, memory))
     _look(context, plans)
 
 
 def _look(context: bpy.types.Context, plans: dict[int, bpy.types.Object]) -> bool:
-    """Whether an answer has come; it is written."""
-    state, order = Live.states[Live.uid], Live.errand.order
+    """Whether the update has ended; if so, write it."""
+    state, task = Live.states[Live.uid], Live.running.task
     try:
-        has_ended, outcome = Live.errand.look()
+        has_ended, result = Live.running.look()
         if not has_ended:
             return False
-        plan, Live.errand = plans[Live.uid], None
+        plan, Live.running = plans[Live.uid], None
         state.served = time.monotonic()
-        if outcome is not None:  # else it has given way
+        if result is not None:  # else it has given way
             check_writable(plan)
-            _write(context, plan, state, order, outcome)
+            _write(context, plan, state, task, result)
     except CmcError as error:
-        _fail(context, state, order, str(error))
+        _fail(context, state, task, str(error))
     except BaseException:
-        _fail(context, state, order, "Something unexpected went wrong; the console says what.")
+        _fail(context, state, task, "Something unexpected went wrong; see the console.")
         raise
     return True
 
 
-def _write(context: bpy.types.Context, plan: bpy.types.Object, state: State, order: Anew | GoingOn, outcome) -> None:
-    reading = order.reading
-    state.memory = order.deliver(context, plan, outcome)
-    if state.memory is None:  # it does not fit the results any more: all is made anew
+def _write(context: bpy.types.Context, plan: bpy.types.Object, state: State, task: LiveTask, result) -> None:
+    reading = task.reading
+    state.memory = task.write(context, plan, result)
+    if state.memory is None:  # it no longer fits the results: solve from scratch
         state.shown, state.is_dirty = None, True
         return
-    is_all = order.grade == WHOLE and not reading.order.settings.intersections
-    state.shown, state.grade = reading.key, FINAL if is_all else order.grade
+    is_all = task.grade == WHOLE and not reading.solve.settings.intersections
+    state.shown, state.grade = reading.key, FINAL if is_all else task.grade
     state.failed, state.problem = None, ""
     redraw(context)
 
 
-def _fail(context: bpy.types.Context, state: State, order: Anew | GoingOn, problem: str) -> None:
-    Live.errand = None
-    state.failed, state.problem = order.reading.key, problem
+def _fail(context: bpy.types.Context, state: State, task: LiveTask, problem: str) -> None:
+    Live.running = None
+    state.failed, state.problem = task.reading.key, problem
     redraw(context)
 
 
 def _drop() -> None:
-    """Want the answer no more that is under way."""
-    if Live.errand is not None:
-        Live.errand.drop()
-        Live.errand = None
+    """Cancel the running update."""
+    if Live.running is not None:
+        Live.running.drop()
+        Live.running = None
 
 
 def _forget(uid: int) -> None:
@@ -276,18 +281,20 @@ def _forget(uid: int) -> None:
     del Live.states[uid]
 
 
-_HANDLERS = {
-    "depsgraph_update_post": _on_change,
-    "frame_change_post": _on_frame,
-    "undo_post": _on_other_data,
-    "redo_post": _on_other_data,
-    "load_post": _on_other_data,
-}
+_listen, _unlisten = registration(
+    handlers={
+        "depsgraph_update_post": _on_change,
+        "frame_change_post": _on_frame,
+        "undo_post": _on_other_data,
+        "redo_post": _on_other_data,
+        "load_post": _on_other_data,
+    }
+)
 
 
 def register() -> None:
     watchers.append(changed)
-    listen(_HANDLERS)
+    _listen()
 
 
 def unregister() -> None:
@@ -296,4 +303,4 @@ def unregister() -> None:
     rest(tick)
     if changed in watchers:
         watchers.remove(changed)
-    unlisten(_HANDLERS)
+    _unlisten()

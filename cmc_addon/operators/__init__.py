@@ -1,29 +1,35 @@
-"""The operators `bpy.ops.cmc.*`, one file an idea. A new file is named in MODULES."""
+"""The operators `bpy.ops.cmc.*`, one file an idea.
+
+An operator checks whether it can run (`poll.py`), reads its settings and runs a task (`modal.py`, `solve.py`). What it
+does to the scene is written in `tasks` and `results`. A new file goes into MODULES.
+"""
 
 from __future__ import annotations
 
-import importlib
-
-import bpy
+from ..properties.registration import registration
+from . import (
+    add,
+    add_bubble,
+    add_plan,
+    boundary,
+    design,
+    export,
+    go_to,
+    group_presets,
+    look,
+    modes,
+    periods,
+    plan,
+    solve,
+    symmetry,
+)
 
 MODULES = (
-    "boundary", "plan", "go_to", "solve", "design", "symmetry", "add", "add_plan", "add_bubble", "modes", "periods",
-    "look", "export", "group_presets",
+    boundary, plan, go_to, solve, design, symmetry, add, add_plan, add_bubble, modes, periods, look, export,
+    group_presets,
 )
-"""Files with a tuple CLASSES of operator (and list) classes."""
+"""Files with a tuple CLASSES of operator classes."""
 
+CLASSES = tuple(cls for module in MODULES for cls in module.CLASSES)
 
-def _classes() -> list[type]:
-    modules = [importlib.import_module(f"{__name__}.{name}") for name in MODULES]
-    return [cls for module in modules for cls in module.CLASSES]
-
-
-def register() -> None:
-    for cls in _classes():
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    for cls in reversed(_classes()):
-        if cls.is_registered:
-            bpy.utils.unregister_class(cls)
+register, unregister = registration(CLASSES)

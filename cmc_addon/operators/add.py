@@ -1,4 +1,4 @@
-"""Add > Mesh > CMC: plans of modules that complete themselves, ready to be solved."""
+"""Add > Mesh > CMC: plans of modules for Repeat by Symmetry, ready to solve."""
 
 import bpy
 import numpy as np
@@ -10,34 +10,33 @@ from ..bridges.mesh_bridge import set_attribute
 from ..bridges.outline_bridge import write_boundary_groups
 from ..bridges.result_bridge import build_polygons
 from ..properties import group_list
+from .activate import activate
+from .poll import allow, why_not_object_mode
 
 
 class CMC_OT_add_module(bpy.types.Operator):
-    """Add the plan of a module with its boundary groups: Solve, then Complete by Symmetry"""
+    """Add the plan of a module with its boundary groups; then Solve, then Repeat by Symmetry"""
 
     bl_idname = "cmc.add_module"
     bl_label = "Add Module"
     bl_options = {"REGISTER", "UNDO"}
 
     module: EnumProperty(
-        name="Module", description="What is added",
+        name="Module", description="The module to add",
         items=[(name.upper(), preset.name, preset.description) for name, preset in PRESETS.items()])
     size: FloatProperty(
-        name="Size", description="Longest side of the plan; 0 is the module's own",
+        name="Size", description="Longest side of the plan; 0 for the module's own size",
         default=0.0, min=0.0, subtype="DISTANCE", options={"SKIP_SAVE"})
     slenderness: FloatProperty(
         name="Slenderness", description="From stocky to slender, with thin necks",
         default=0.5, min=0.0, max=1.0, subtype="FACTOR", options={"SKIP_SAVE"})
     edges: IntProperty(
-        name="Edges", description="Edges along the longest side of the plan: more are finer",
+        name="Edges", description="Edges along the longest side of the plan; more make a finer mesh",
         default=EDGES, min=6, max=400, soft_max=100, options={"SKIP_SAVE"})
 
     @classmethod
     def poll(cls, context):
-        if context.mode != "OBJECT":
-            cls.poll_message_set("Leave edit mode first")
-            return False
-        return True
+        return allow(cls, why_not_object_mode(context))
 
     @classmethod
     def description(cls, context, properties):
@@ -49,10 +48,7 @@ class CMC_OT_add_module(bpy.types.Operator):
         except CmcError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        for other in context.selected_objects:
-            other.select_set(False)
-        plan.select_set(True)
-        context.view_layer.objects.active = plan
+        activate(context, plan)
         return {"FINISHED"}
 
     def draw(self, context):
@@ -63,7 +59,7 @@ class CMC_OT_add_module(bpy.types.Operator):
 
 
 def new_plan(context: bpy.types.Context, name: str, size: float, slenderness: float, edges: int) -> bpy.types.Object:
-    """The plan of a preset as an object at the 3D cursor, its groups and settings made. Raises `CmcError`."""
+    """The plan of a preset as an object at the 3D cursor, with its groups and settings. Raises `CmcError`."""
     preset = PRESETS[name]
     module = preset.make(slenderness, edges)
     shape = module.shape

@@ -1,4 +1,4 @@
-"""Add > Mesh > CMC: Wente's cylinder and torus, the honeycomb ring; all that Solve needs is with them."""
+"""Add > Mesh > CMC: Wente's cylinder and torus and the honeycomb ring, ready to solve."""
 
 import math
 
@@ -7,54 +7,54 @@ from bpy.props import EnumProperty, FloatProperty, IntProperty
 
 from ...solver.catalogue.bubble_plans import ring_plan, torus_plan, wente_plan
 from .add_plan import add
-from .poll import LEAVE_EDIT_MODE, allow
+from .poll import allow, why_not_object_mode
 
 BUBBLES = [
-    ("WENTE", "Wente Cylinder", "A quarter of one of the cylinders that a Wente torus is made of: Solve, then Complete "
-     "by Symmetry makes the torus, or a strip of bubbles"),
-    ("TORUS", "Wente Torus", "The whole torus as a map of a flat one, a saddle: Solve makes the closed surface"),
-    ("RING", "Honeycomb Ring", "A hexagon of tubes with six half tubes that leave it, a saddle: Solve, then Complete "
-     "by Symmetry makes a honeycomb of rings"),
+    ("WENTE", "Wente Cylinder", "A quarter of one of the cylinders that make up a Wente torus; Solve, then Complete "
+     "by Symmetry for the torus or a strip of bubbles"),
+    ("TORUS", "Wente Torus", "The whole torus, an unstable shell over a flat torus; Solve makes the closed surface"),
+    ("RING", "Honeycomb Ring", "A hexagon of tubes with six half tubes attached, an unstable shell; Solve, then "
+     "Repeat by Symmetry for a honeycomb of rings"),
 ]
 _MAKE = {
     "WENTE": (wente_plan, ("size", "angle", "height", "columns")),
     "TORUS": (torus_plan, ("size", "angle", "columns")),
     "RING": (ring_plan, ("size", "slenderness", "columns")),
 }
-"""Bubble → what makes it, and the settings that it takes, in this order."""
+"""Bubble → its function, and the settings that this takes, in order."""
 _OWN_COLUMNS = {"WENTE": 16, "TORUS": 16, "RING": 8}
 
 
 class CMC_OT_add_bubble(bpy.types.Operator):
-    """Add the plan of a surface whose normals are no minimum, with all that Solve needs to find it"""
+    """Add the plan of an unstable shell, with the start that Solve needs to find it"""
 
     bl_idname = "cmc.add_bubble"
     bl_label = "Add CMC Bubble"
     bl_options = {"REGISTER", "UNDO"}
 
-    bubble: EnumProperty(name="Bubble", description="What is added", items=BUBBLES)
+    bubble: EnumProperty(name="Bubble", description="The bubble to add", items=BUBBLES)
     size: FloatProperty(
-        name="Size", description="About the width of the whole",
+        name="Size", description="Approximate width of the surface",
         default=8.0, min=1e-3, subtype="DISTANCE", options={"SKIP_SAVE"})
     angle: FloatProperty(
-        name="Angle", description="Between the normals of the two ends of a cylinder; a simple part of 180° makes a "
-        "torus. Smaller ones need more edges",
+        name="Angle", description="Angle between the normals at the two ends of a cylinder; a simple fraction of 180° "
+        "makes a torus. Small angles need more edges",
         default=math.radians(120.0), min=math.radians(1.0), max=math.radians(179.0), subtype="ANGLE", step=100,
         options={"SKIP_SAVE"})
     height: FloatProperty(
-        name="Height", description="Of the cylinder, as a part of the height at which it closes; at others it becomes "
-        "a strip of bubbles",
+        name="Height", description="Height of the cylinder, relative to the height at which it closes; any other "
+        "height gives a strip of bubbles",
         default=1.0, min=0.3, max=3.0, soft_min=0.7, soft_max=1.5, options={"SKIP_SAVE"})
     slenderness: FloatProperty(
         name="Slenderness", description="From stocky to slender, with thin necks",
         default=0.6, min=0.0, max=1.0, subtype="FACTOR", options={"SKIP_SAVE"})
     columns: IntProperty(
-        name="Edges", description="Edges around a quarter of a cylinder, or along half a tube: more are finer",
+        name="Edges", description="Edges around a quarter of a cylinder or along half a tube; more make a finer mesh",
         default=12, min=4, max=200, soft_max=60, options={"SKIP_SAVE"})
 
     @classmethod
     def poll(cls, context):
-        return allow(cls, LEAVE_EDIT_MODE if context.mode != "OBJECT" else "")
+        return allow(cls, why_not_object_mode(context))
 
     @classmethod
     def description(cls, context, properties):

@@ -1,4 +1,4 @@
-"""Add > Mesh > CMC: ordinary plans, ready for Solve; and plans with a hole, whose shells have a gap."""
+"""Add > Mesh > CMC: ordinary plans, and plans with a hole, whose shells have a gap."""
 
 import bpy
 import numpy as np
@@ -13,20 +13,23 @@ from ..bridges.periods_bridge import mark_seams
 from ..bridges.result_bridge import build_polygons
 from ..bridges.start_bridge import write_lengths, write_normals
 from ..properties import group_list
+from .activate import activate
+from .poll import allow, why_not_object_mode
 
 ORDINARY = [
-    ("RECTANGLE", "Rectangle", "A rectangular plan with rounded corners: Solve makes its shell, Fit to Outline one "
-     "whose rim is on the outline"),
-    ("ROUND", "Round", "A round plan: its shell is a piece of a sphere"),
+    ("RECTANGLE", "Rectangle", "A rectangular plan with rounded corners; Solve makes a shell, Fit to Outline one "
+     "whose rim lies on the outline"),
+    ("ROUND", "Round", "A round plan; its shell is a piece of a sphere"),
     ("L_SHAPE", "L-Shaped", "Two wings at a right angle, with rounded corners"),
-    ("COURT", "Court", "A rectangular plan around a round court in its middle, around which the shell closes"),
+    ("COURT", "Court", "A rectangular plan with a round court in the middle, around which the shell closes"),
 ]
-"""Plans that need nothing else."""
+"""Plans whose shells close."""
 
 WITH_GAP = [
-    ("ANNULUS", "Annulus", "A round plan around a court that is not in its middle: Solve, then Close Periods"),
-    ("CYLINDER", "Cylinder Strip", "A tube whose normals wind along both ends: Solve, then Tile by Periods makes a "
-     "strip as long as wanted"),
+    ("ANNULUS", "Annulus", "A round plan with a court off its middle, around which the shell has a gap; Solve, then "
+     "Close Gaps"),
+    ("CYLINDER", "Cylinder Strip", "A tube whose normals wind along both ends; Solve, then Repeat by Gaps for a "
+     "strip of any length"),
 ]
 """Plans whose shells have a gap."""
 
@@ -38,7 +41,7 @@ _MAKE = {
     "ANNULUS": (annulus, ("size", "hole", "offset", "columns")),
     "CYLINDER": (cylinder, ("size", "height", "columns")),
 }
-"""Shape → what makes it, and the settings that it takes, in this order."""
+"""Shape → its function, and the settings that this takes, in order."""
 
 _OWN = {
     "RECTANGLE": {"size": 10.0, "width": 0.65, "columns": 40},
@@ -46,42 +49,39 @@ _OWN = {
     "L_SHAPE": {"size": 10.0, "width": 0.45, "columns": 40},
     "COURT": {"size": 12.0, "width": 0.8, "hole": 0.35, "columns": 40},
 }
-"""What a shape has where the call says nothing and it is not the property's default."""
+"""Defaults of a shape that differ from those of the properties."""
 
 
 class CMC_OT_add_plan(bpy.types.Operator):
-    """Add a meshed plan with its boundary groups: all that Solve needs"""
+    """Add a meshed plan with its boundary groups, ready for Solve"""
 
     bl_idname = "cmc.add_plan"
     bl_label = "Add CMC Plan"
     bl_options = {"REGISTER", "UNDO"}
 
-    shape: EnumProperty(name="Shape", description="What is added", items=ORDINARY + WITH_GAP)
+    shape: EnumProperty(name="Shape", description="The plan to add", items=ORDINARY + WITH_GAP)
     size: FloatProperty(
         name="Size", description="Length of the plan, or its outer diameter",
         default=8.0, min=1e-3, subtype="DISTANCE", options={"SKIP_SAVE"})
     width: FloatProperty(
-        name="Width", description="Depth of the plan, or of its wings, as a part of its length",
+        name="Width", description="Depth of the plan or of its wings, relative to its length",
         default=0.65, min=0.05, max=1.0, subtype="FACTOR", options={"SKIP_SAVE"})
     hole: FloatProperty(
-        name="Hole", description="Diameter of the court as a part of the plan's width",
+        name="Hole", description="Diameter of the court, relative to the plan's width",
         default=0.35, min=0.05, max=0.9, subtype="FACTOR", options={"SKIP_SAVE"})
     offset: FloatProperty(
-        name="Offset", description="How far the court is from the middle, as a part of the radius",
+        name="Offset", description="Distance of the court from the middle, relative to the radius",
         default=0.2, min=0.0, max=0.9, subtype="FACTOR", options={"SKIP_SAVE"})
     height: FloatProperty(
-        name="Height", description="Height of the tube as a part of its diameter",
+        name="Height", description="Height of the tube, relative to its diameter",
         default=0.5, min=0.05, max=20.0, soft_max=3.0, options={"SKIP_SAVE"})
     columns: IntProperty(
-        name="Edges", description="Edges along the length of the plan, or around its outer rim: more are finer",
+        name="Edges", description="Edges along the length of the plan or around its outer rim; more make a finer mesh",
         default=64, min=12, max=1000, soft_max=200, options={"SKIP_SAVE"})
 
     @classmethod
     def poll(cls, context):
-        if context.mode != "OBJECT":
-            cls.poll_message_set("Leave edit mode first")
-            return False
-        return True
+        return allow(cls, why_not_object_mode(context))
 
     @classmethod
     def description(cls, context, properties):
@@ -102,22 +102,18 @@ class CMC_OT_add_plan(bpy.types.Operator):
 
 
 def add(operator: bpy.types.Operator, context: bpy.types.Context, make, names) -> set[str]:
-    """The plan that `make` gives for the operator's settings of these names, as the active object."""
+    """Add the plan that `make` gives for these settings of the operator, and make it active."""
     try:
         start = make(*(getattr(operator, name) for name in names))
     except CmcError as error:
         operator.report({"ERROR"}, str(error))
         return {"CANCELLED"}
-    plan = new_plan(context, start)
-    for other in context.selected_objects:
-        other.select_set(False)
-    plan.select_set(True)
-    context.view_layer.objects.active = plan
+    activate(context, new_plan(context, start))
     return {"FINISHED"}
 
 
 def new_plan(context: bpy.types.Context, start: StartPlan) -> bpy.types.Object:
-    """The plan as an object at the 3D cursor, its groups made."""
+    """The plan as an object at the 3D cursor, with its groups."""
     mesh, faces = bpy.data.meshes.new(start.name), start.domain.faces
     build_polygons(mesh, len(start.points), faces.ravel(), np.arange(0, 3 * len(faces) + 1, 3))
     set_attribute(mesh, "position", "FLOAT_VECTOR", "POINT", start.points)

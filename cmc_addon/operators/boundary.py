@@ -1,9 +1,9 @@
-"""Boundary groups: a list on the plan's mesh, handled as Blender handles vertex groups.
+"""Boundary groups: a list on the plan's mesh, used like Blender's vertex groups.
 
-A group is an entry of `Mesh.cmc.groups` (name, kind, parameters); which edges it has is the edge attribute
-`cmc_group`, so a boundary edge is in one group at most, and assigning it moves it. In edit mode the operators
-act on the selected edges, in object mode on those that were selected when edit mode was left. Selected edges
-off the boundary are never assigned; the report counts them.
+A group is an entry of `Mesh.cmc.groups` (name, kind, parameters). Its edges are those with its number in the edge
+attribute `cmc_group`, so a boundary edge is in at most one group, and assigning it moves it. In edit mode the
+operators act on the selected edges, in object mode on the edges selected when edit mode was left. Selected edges off
+the boundary are never assigned; a report counts them.
 """
 
 import bpy
@@ -25,7 +25,7 @@ def active_mesh(context: bpy.types.Context) -> bpy.types.Mesh | None:
 
 
 class GroupOperator:
-    """Common to all: needs a mesh that may be edited; a CmcError becomes a report, the scene untouched."""
+    """Common to all: needs an editable mesh; a CmcError becomes a report and leaves the scene unchanged."""
 
     bl_options = {"REGISTER", "UNDO"}
     needs_group = True
@@ -58,7 +58,7 @@ class GroupOperator:
 
 
 class OnOneGroup(GroupOperator):
-    """Acts on the group named, or on the active one."""
+    """Acts on the named group, or on the active one."""
 
     group: StringProperty(
         name="Group", description="Name of the group; empty for the active one", options=SCRIPT_ONLY)
@@ -77,7 +77,7 @@ class CMC_OT_group_add(GroupOperator, bpy.types.Operator):
     __annotations__ = {
         "name": StringProperty(name="Name", default="Group", options={"SKIP_SAVE"}),
         "assign": BoolProperty(
-            name="Assign", description="Put the selected boundary edges into it", options={"SKIP_SAVE"}),
+            name="Assign", description="Put the selected boundary edges into the group", options={"SKIP_SAVE"}),
         **condition_annotations({"SKIP_SAVE"}),
     }
 
@@ -122,8 +122,8 @@ class CMC_OT_group_move(GroupOperator, bpy.types.Operator):
     bl_label = "Move Boundary Group"
 
     direction: EnumProperty(
-        name="Direction", description="Which way it moves",
-        items=[("UP", "Up", "Before the group above"), ("DOWN", "Down", "Behind the group below")])
+        name="Direction", description="Up or down in the list",
+        items=[("UP", "Up", "Before the group above"), ("DOWN", "Down", "After the group below")])
 
     def act(self, context, mesh):
         cmc = mesh.cmc
@@ -134,7 +134,7 @@ class CMC_OT_group_move(GroupOperator, bpy.types.Operator):
 
 
 class CMC_OT_group_assign(OnOneGroup, bpy.types.Operator):
-    """Put the selected boundary edges into the active group, out of any other"""
+    """Move the selected boundary edges into the active group"""
 
     bl_idname = "cmc.group_assign"
     bl_label = "Assign to Boundary Group"
@@ -142,7 +142,7 @@ class CMC_OT_group_assign(OnOneGroup, bpy.types.Operator):
     @classmethod
     def description(cls, context, properties):
         where = f"the group '{properties.group}'" if properties.group else "the active group"
-        return f"Put the selected boundary edges into {where}, out of any other"
+        return f"Move the selected boundary edges into {where}"
 
     def act(self, context, mesh):
         group = self.chosen(mesh)
@@ -157,7 +157,7 @@ class CMC_OT_group_remove_from(OnOneGroup, bpy.types.Operator):
     bl_label = "Remove from Boundary Group"
 
     all: BoolProperty(
-        name="All", description="Take them out of whatever group they are in", options={"SKIP_SAVE"})
+        name="All", description="Take them out of any group", options={"SKIP_SAVE"})
 
     def act(self, context, mesh):
         state = edge_bridge.read_edges(mesh)
@@ -202,7 +202,7 @@ class CMC_OT_select_ungrouped(GroupOperator, bpy.types.Operator):
 
 
 def select(context: bpy.types.Context, mesh: bpy.types.Mesh, edges: np.ndarray, on: bool) -> None:
-    """Select or deselect edges (mask); where only faces can be selected, first change to edges."""
+    """Select or deselect edges (mask); if only faces can be selected, first change to edge mode."""
     tools = context.tool_settings
     if mesh.is_editmode and not any(tools.mesh_select_mode[:2]):
         tools.mesh_select_mode = (False, True, False)

@@ -1,7 +1,7 @@
-"""Approximate Surface and Fit to Outline: the shell nearest to what is there or wanted.
+"""Approximate Surface and Fit to Outline: the shell nearest to a surface, an outline or anchors.
 
-They run as Solve does, see `solve`. In the window the best shape so far is drawn over the scene (`preview`), which
-itself stays as it is until the fit is done: Esc leaves nothing behind.
+They run as Solve does, see `solve`. In the window the best shape so far is drawn over the scene (`preview`); the scene
+itself stays unchanged until the fit is done, so that Esc leaves nothing behind.
 """
 
 import math
@@ -19,71 +19,65 @@ from ..properties.design_settings import (
     take_settings,
     take_targets,
 )
-from ..tasks.approximate import ApproximateOrder
-from ..tasks.design import DesignOrder, read_order
-from ..tasks.fit_outline import take_fit
-from .solve import Solving, as_settings
+from ..tasks.approximate import ApproximateTask
+from ..tasks.design import DesignTask
+from ..tasks.fit_outline import FitTask
+from .solve import TaskOperator, as_settings
 
-# Evaluations of a usual fit: the bar is half way then.
+# Evaluations of a usual fit, after which the progress bar is half full.
 _USUAL = 30
 
 
-class Designing(Solving):
+class DesignOperator(TaskOperator):
     """What the two have in common."""
 
-    _order: DesignOrder | None = None
+    _task: DesignTask | None = None
 
-    def tell(self, update) -> tuple[float, str]:
-        off = 100.0 * math.sqrt(2.0 * max(update.residual, 0.0))  # the value is half a square, in parts of the size
-        return update.iteration / (update.iteration + _USUAL), f"Step {update.iteration}, off by {off:.2g} %"
-
-    def _say_cancelled(self) -> set[str]:
-        self.report({"INFO"}, "The fit was cancelled; nothing was changed.")
-        return {"CANCELLED"}
+    def progress_of(self, step) -> tuple[float, str]:
+        off = 100.0 * math.sqrt(2.0 * max(step.residual, 0.0))  # the value is half a square, relative to the size
+        return step.iteration / (step.iteration + _USUAL), f"Step {step.iteration}, off by {off:.2g} %"
 
     def _advance(self, context: bpy.types.Context) -> set[str]:
-        if self._order is not None and self._order.latest is not None:
-            preview.show(*self._order.latest)
-            self._order.latest = None
+        if self._task is not None and self._task.latest is not None:
+            preview.show(*self._task.latest)
+            self._task.latest = None
         return super()._advance(context)
 
     def _cleanup(self, context: bpy.types.Context) -> None:
         preview.clear()
-        self._order = None
+        self._task = None
         super()._cleanup(context)
 
 
-class CMC_OT_approximate_surface(Designing, bpy.types.Operator):
-    """Make the surface of constant mean curvature whose tangent planes are nearest to those of the active surface"""
+class CMC_OT_approximate_surface(DesignOperator, bpy.types.Operator):
+    """Find the surface of constant mean curvature whose tangent planes are nearest to those of the active surface"""
 
     bl_idname = "cmc.approximate_surface"
     bl_label = "Approximate Surface"
     __annotations__ = approximate_annotations({"SKIP_SAVE"})
 
-    def take(self, context, plan):
+    def read_task(self, context, plan):
         settings = take_settings(self, plan.cmc, APPROXIMATE_SETTINGS)
-        given = read_order(context, plan, settings)
-        self._order = ApproximateOrder(**given, stored=APPROXIMATE_SETTINGS, role="NEAREST")
-        return self._order
+        self._task = ApproximateTask.read(context, plan, settings, stored=APPROXIMATE_SETTINGS)
+        return self._task
 
     def draw(self, context):
         as_settings(self.layout)
         draw_approximate(self.layout, self)
 
 
-class CMC_OT_fit_outline(Designing, bpy.types.Operator):
-    """Make the shell over the active plan whose rim lies on its outline, on another curve, or goes through anchors"""
+class CMC_OT_fit_outline(DesignOperator, bpy.types.Operator):
+    """Find the shell over the active plan whose rim lies on its outline or another curve, or passes through anchors"""
 
     bl_idname = "cmc.fit_outline"
     bl_label = "Fit to Outline"
     __annotations__ = fit_annotations({"SKIP_SAVE"})
 
-    def take(self, context, plan):
+    def read_task(self, context, plan):
         curve, anchors = take_targets(self, plan.cmc).values()
         settings = take_settings(self, plan.cmc, FIT_SETTINGS)
-        self._order = take_fit(context, plan, settings, curve, anchors)
-        self._order.stored = FIT_SETTINGS
-        return self._order
+        self._task = FitTask.read(context, plan, settings, curve, anchors, stored=FIT_SETTINGS)
+        return self._task
 
     def draw(self, context):
         as_settings(self.layout)
@@ -91,7 +85,7 @@ class CMC_OT_fit_outline(Designing, bpy.types.Operator):
 
 
 def draw_approximate(layout: bpy.types.UILayout, owner) -> None:
-    """Rows for the settings of Approximate Surface, of an object or the operator."""
+    """Rows for the settings of Approximate Surface of an object or the operator."""
     layout.prop(owner, "smoothness")
     layout.prop(owner, "match")
     if owner.match == "POSITION":
@@ -99,8 +93,8 @@ def draw_approximate(layout: bpy.types.UILayout, owner) -> None:
 
 
 def draw_fit(layout: bpy.types.UILayout, owner) -> None:
-    """Rows for the settings of Fit to Outline, of an object or the operator; only the ones that count now."""
-    layout.prop(owner, "fit_to")  # side by side the choices would be cut off in a narrow sidebar
+    """Rows for the settings of Fit to Outline of an object or the operator; only those with an effect now."""
+    layout.prop(owner, "fit_to")  # in one row a narrow sidebar cuts the choices off
     stored = isinstance(owner, bpy.types.PropertyGroup)
     if owner.fit_to == "CURVE":
         _target_row(layout, owner, "curve", stored, "objects")

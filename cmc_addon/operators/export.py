@@ -11,14 +11,14 @@ from ...solver.io.mesh_files import FORMATS
 from ..background import worker
 from ..properties.export_settings import EXPORT_SETTINGS, draw_export, export_annotations
 from ..properties.links import plan_of
-from ..tasks.export import take_export, wanted_objects
-from .modal import Working
+from ..tasks.export import ExportTask, wanted_objects
+from .modal import ModalOperator
 from .poll import RUNNING, allow
 from .solve import as_settings
 
 
 def why_not_export(context: bpy.types.Context) -> str:
-    """Why there is nothing to export; "" where there is."""
+    """Why nothing can be exported; "" where something can."""
     if context.window_manager.cmc.running:
         return RUNNING
     try:
@@ -30,13 +30,13 @@ def why_not_export(context: bpy.types.Context) -> str:
 
 
 def file_name(plan: bpy.types.Object, result: bpy.types.Object) -> str:
-    """What a file is called unless somebody says otherwise: after the plan and what is written of it."""
+    """The default name of a file: the plan's, and which of its shells it is."""
     what = {"FIT": "fitted", "NEAREST": "nearest", "COMPLETED": "completed"}.get(result.cmc.role, "shell")
     return re.sub(r'[\\/:*?"<>|\x00-\x1f]', "_", f"{plan.name} {what}")
 
 
-class CMC_OT_export(Working, bpy.types.Operator):
-    """Write the shell, fitted or completed, as a GLB, OBJ, PLY or STL file, and its report beside it"""
+class CMC_OT_export(ModalOperator, bpy.types.Operator):
+    """Write the formed, fitted or repeated shell as a GLB, OBJ, PLY or STL file, with its report beside it"""
 
     bl_idname = "cmc.export"
     bl_label = "Export Shell"
@@ -44,13 +44,13 @@ class CMC_OT_export(Working, bpy.types.Operator):
 
     __annotations__ = {
         "filepath": StringProperty(
-            name="File", description="The file to write; its ending says which format", subtype="FILE_PATH",
+            name="File", description="The file to write; its ending chooses the format", subtype="FILE_PATH",
             options={"SKIP_SAVE"}),
         "filter_glob": StringProperty(
             name="Filter", description="Which files the browser shows",
             default=";".join(f"*{suffix}" for suffix in FORMATS), options={"HIDDEN", "SKIP_SAVE"}),
         "check_existing": bpy.props.BoolProperty(
-            name="Check Existing", description="Warn where there is such a file already", default=True,
+            name="Check Existing", description="Ask before overwriting an existing file", default=True,
             options={"HIDDEN"}),
         **export_annotations({"SKIP_SAVE"}),
     }
@@ -87,27 +87,27 @@ class CMC_OT_export(Working, bpy.types.Operator):
     def execute(self, context):
         if not self._browsing:
             return super().execute(context)
-        # the browser is gone: once more from the beginning, beside the window
+        # the browser is closed: start again, now with the progress in the window
         values = {name: getattr(self, name) for name in ("filepath", *EXPORT_SETTINGS)}
         return bpy.ops.cmc.export("INVOKE_DEFAULT", **values)
 
     def steps(self, context, wait):
         if not self.filepath:
-            raise CmcError("There is no file to write; give its path.")
+            raise CmcError("No file is named; give the path of the file to write.")
         plan = plan_of(context.view_layer.objects.active)
         self._take_settings(plan)
         path = Path(bpy.path.abspath(self.filepath))
         if path.suffix.lower() not in FORMATS:
             path = path.with_name(path.name + self._suffix)
-        order = take_export(context, plan, path, self.export_what, self.export_modifiers, self.export_report)
-        written = yield from worker.steps(order.work, 1.0, wait)
+        task = ExportTask.read(context, plan, path, self.export_what, self.export_modifiers, self.export_report)
+        written = yield from worker.steps(task.work, task.tolerance, wait)
         if written is None:
-            return self._say_cancelled()
-        plan.cmc.export_what, plan.cmc.export_format = self.export_what, path.suffix[1:].upper()
+            return self._report_cancelled()
+        task.write(context, plan, written)
         self.report({"INFO"}, f"Written: {', '.join(str(file) for file in written)}")
         return {"FINISHED"}
 
-    def tell(self, update):
+    def progress_of(self, step):
         return 1.0, "Writing"
 
     def draw(self, context):
@@ -119,7 +119,7 @@ class CMC_OT_export(Working, bpy.types.Operator):
         return f".{self.export_format.lower()}"
 
     def _take_settings(self, plan: bpy.types.Object) -> None:
-        """What the call does not say is as it is stored with the plan."""
+        """Settings that the call leaves out are the plan's own."""
         for name in EXPORT_SETTINGS:
             if not self.properties.is_property_set(name):
                 setattr(self, name, getattr(plan.cmc, name))

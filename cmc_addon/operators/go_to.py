@@ -1,31 +1,32 @@
-"""From an outline to its plan, from a plan to its shell, and back: make the other object the active one."""
+"""Go from an outline to its plan, from a plan to its shell, and back."""
 
 import bpy
 from bpy.props import EnumProperty
 
 from ..properties.links import result_of
+from .activate import activate
 from .plan import outline_of
 from .plan import plan_of as meshed_plan_of
 
 
 def target(ob: bpy.types.Object | None, which: str) -> bpy.types.Object | None:
-    """The OUTLINE, PLAN, SHELL or FIT that belongs to an object; None where there is no other object of that kind."""
+    """The OUTLINE, PLAN, SHELL or FIT that belongs to an object; None if it has none or is that itself."""
     if ob is None:
         return None
     plan = ob.cmc.source if ob.cmc.role != "NONE" else meshed_plan_of(ob) or ob
     if which == "PLAN":
-        found = plan
+        other = plan
     elif plan is None:
         return None
     elif which == "OUTLINE":
-        found = outline_of(plan)
+        other = outline_of(plan)
     else:
-        found = result_of(plan, plan.cmc.sheet if which == "SHELL" else which)
-    return found if found is not None and found != ob and found.users_scene else None
+        other = result_of(plan, plan.cmc.sheet if which == "SHELL" else which)
+    return other if other is not None and other != ob and other.users_scene else None
 
 
 class CMC_OT_go_to(bpy.types.Operator):
-    """Make the outline, plan or shell that belongs to the active object the active one"""
+    """Make the outline, plan or shell of the active object the active object"""
 
     bl_idname = "cmc.go_to"
     bl_label = "Go To"
@@ -33,12 +34,12 @@ class CMC_OT_go_to(bpy.types.Operator):
 
     target: EnumProperty(
         name="Target",
-        description="Which of the objects that belong together",
+        description="Which of the related objects",
         items=[
-            ("OUTLINE", "Outline", "The drawn outline of the plan; it is shown if it was hidden"),
-            ("PLAN", "Plan", "The plan that the shell comes from, or that the outline was meshed to"),
-            ("SHELL", "Shell", "The surface that was formed over the plan; it is shown if it was hidden"),
-            ("FIT", "Fit", "The shell that was fitted to the outline"),
+            ("OUTLINE", "Outline", "The drawn outline of the plan, shown if it was hidden"),
+            ("PLAN", "Plan", "The plan of the shell, or the plan meshed from the outline"),
+            ("SHELL", "Shell", "The shell over the plan, shown if it was hidden"),
+            ("FIT", "Fit", "The shell fitted to the outline"),
         ],
     )
 
@@ -51,24 +52,20 @@ class CMC_OT_go_to(bpy.types.Operator):
     def poll(cls, context):
         ob = context.object
         if ob is None or all(target(ob, which) is None for which in ("OUTLINE", "PLAN", "SHELL", "FIT")):
-            cls.poll_message_set("Select an outline, a plan or a shell that has come from one another")
+            cls.poll_message_set("Select an outline that has a plan, a plan that has a shell, or a shell")
             return False
         return True
 
     def execute(self, context):
-        found = target(context.object, self.target)
-        if found is None or found.name not in context.view_layer.objects:
+        there = target(context.object, self.target)
+        if there is None or there.name not in context.view_layer.objects:
             self.report({"ERROR"}, f"This object has no {self.target.lower()} in this view layer.")
             return {"CANCELLED"}
         if context.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
-        for other in context.selected_objects:
-            other.select_set(False)
-        if found.cmc.parked:
-            found.cmc.parked = found.hide_viewport = found.hide_render = False
-        found.hide_set(False)
-        found.select_set(True)
-        context.view_layer.objects.active = found
+        if there.cmc.parked:
+            there.cmc.parked = there.hide_viewport = there.hide_render = False
+        activate(context, there)
         return {"FINISHED"}
 
 

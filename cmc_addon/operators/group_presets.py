@@ -1,4 +1,4 @@
-"""Presets for boundary groups: for the active one, or a new one of the selected edges."""
+"""Presets of boundary groups: for the active group, or for a new one from the selected edges."""
 
 import bpy
 import numpy as np
@@ -12,7 +12,7 @@ from .boundary import GroupOperator, OnOneGroup, selected_boundary
 
 
 class Preset:
-    """The preset's own words are the tooltip."""
+    """Shows the preset's description as the tooltip."""
 
     @classmethod
     def description(cls, context, properties):
@@ -20,7 +20,7 @@ class Preset:
 
 
 class CMC_OT_group_preset(Preset, OnOneGroup, bpy.types.Operator):
-    """Give the active boundary group a usual kind and angle, or the plane of a wall or the floor"""
+    """Give the active boundary group a common kind and angle, or the plane of a wall or floor"""
 
     bl_idname = "cmc.group_preset"
     bl_label = "Set Preset of Boundary Group"
@@ -32,7 +32,7 @@ class CMC_OT_group_preset(Preset, OnOneGroup, bpy.types.Operator):
 
 
 class CMC_OT_group_new(Preset, GroupOperator, bpy.types.Operator):
-    """Put the selected boundary edges into a new group of a usual kind and angle"""
+    """Put the selected boundary edges into a new group with a common kind and angle"""
 
     bl_idname = "cmc.group_new"
     bl_label = "New Boundary Group from Preset"
@@ -51,7 +51,7 @@ CLASSES = (CMC_OT_group_preset, CMC_OT_group_new)
 
 
 def apply(preset: GroupPreset, plan: bpy.types.Object, group) -> None:
-    """Give a group of a plan the kind and the parameters of a preset. Raises `CmcError` where the mesh is none."""
+    """Give a group of a plan the kind and the parameters of a preset. Raises `CmcError` if the plan is not readable."""
     group.kind = preset.kind
     for name, value in preset.values.items():
         setattr(group, name, value)

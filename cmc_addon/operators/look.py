@@ -1,4 +1,4 @@
-"""Gauss Image: show it beside the shell, or hide it."""
+"""Normals on a Sphere: show the Gauss image beside the shell or hide it."""
 
 import bpy
 
@@ -8,10 +8,10 @@ from ..results import gauss_image
 
 
 class CMC_OT_gauss_image(bpy.types.Operator):
-    """Show the Gauss image beside the shell, in its colours: its normals as points of a sphere. Again: hide it"""
+    """Show the normals of the shell as points of a sphere beside it, in its colours; click again to hide them"""
 
     bl_idname = "cmc.gauss_image"
-    bl_label = "Gauss Image"
+    bl_label = "Normals on a Sphere"
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod

@@ -1,9 +1,9 @@
-"""How everything that may take longer than a moment runs: one generator, to its end or a little at a time.
+"""How long work runs: one generator, to its end or in small steps.
 
-A script, the redo panel and Blender without a window run it to its end; a click runs it a little further twenty times
-a second, so that the window goes on drawing, the status bar tells how far it is, and Esc is heard. What is done
-within a moment is done at once. Where something is wrong with the mesh itself, a click ends in edit mode with the
-offenders selected (see `offender_bridge`).
+A script, the redo panel and Blender without a window run it to its end. A click advances it twenty times a second, so
+that the window keeps drawing, the status bar shows the progress, and Esc works. Work of a moment is done at once.
+Where the mesh itself is at fault, a click ends in edit mode with the faulty elements selected (see
+`highlight_bridge`).
 """
 
 from collections.abc import Generator
@@ -17,38 +17,41 @@ from ..bridges import highlight_bridge
 from ..drawing.viewport import redraw
 from ..properties.links import by_uid
 
+Steps = Generator[worker.Step | None, None, set[str]]
 TICK = 0.05
 _MOMENT = 0.15  # seconds in which nobody misses a progress bar
 
 
-class Working:
-    """An operator whose work is the generator `steps`; to be mixed into `bpy.types.Operator`."""
+class ModalOperator:
+    """An operator whose work is the generator `steps`; a mixin for `bpy.types.Operator`."""
 
     bl_options = {"REGISTER", "UNDO"}
-    _work: Generator | None = None
+    _work: Steps | None = None
     _timer = None
     _about = 0
 
-    # --- what they do differently
+    # --- what differs between operators
 
-    def steps(self, context: bpy.types.Context, wait: float) -> Generator:
-        """Do the work and write what came of it; yields updates of `session.steps`, or None after `wait` seconds
-        without one. Returns what the operator returns, raises `CmcError` with nothing changed."""
+    def steps(self, context: bpy.types.Context, wait: float) -> Steps:
+        """Do the work and write its result; yields steps of `worker.steps`, or None after `wait` seconds without one.
+
+        Returns what the operator returns. Raises `CmcError`, with nothing changed.
+        """
         raise NotImplementedError
 
-    def tell(self, update: worker.Update) -> tuple[float, str]:
-        """How far the work is, from 0 to 1, and in words."""
-        return update.part, f"Step {update.iteration}"
+    def progress_of(self, step: worker.Step) -> tuple[float, str]:
+        """The progress of the work, from 0 to 1 and as a text."""
+        return step.fraction, f"Step {step.iteration}"
 
     def about(self, context: bpy.types.Context) -> bpy.types.Object | None:
-        """The object whose vertices, edges and faces an error numbers."""
+        """The object whose vertices, edges and faces the numbers in an error refer to."""
         return context.object
 
-    def _say_cancelled(self) -> set[str]:
+    def _report_cancelled(self) -> set[str]:
         self.report({"INFO"}, f"{self.bl_label} was cancelled; nothing was changed.")
         return {"CANCELLED"}
 
-    # --- the one way
+    # --- what all have in common
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         work = self.steps(context, wait=TICK)
@@ -62,7 +65,7 @@ class Working:
             return {"CANCELLED"}
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        if bpy.app.background:  # there timers never fire
+        if bpy.app.background:  # timers never fire there
             return self.execute(context)
         about = self.about(context)
         self._about = about.session_uid if about is not None else 0
@@ -90,7 +93,7 @@ class Working:
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if event.type == "ESC" and event.value == "PRESS":
             self._cleanup(context)
-            return self._say_cancelled()
+            return self._report_cancelled()
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
         try:
@@ -106,14 +109,15 @@ class Working:
         self._cleanup(context)
 
     def _advance(self, context: bpy.types.Context) -> set[str]:
-        """Take in what the thread has sent since the last tick."""
+        """Take in the steps since the last tick."""
+        assert self._work is not None
         try:
-            for _ in range(1000):  # a thread that tells more than that a tick is not to keep the window waiting
-                update = next(self._work)
-                if update is None:
+            for _ in range(1000):  # a thread with more steps than that in a tick must not hold up the window
+                step = next(self._work)
+                if step is None:
                     break
                 run = context.window_manager.cmc
-                run.progress, run.message = self.tell(update)
+                run.progress, run.message = self.progress_of(step)
                 _status(context, f"{self.bl_label}: {run.message}   |   Esc: cancel")
         except StopIteration as end:
             self._cleanup(context)
@@ -141,9 +145,6 @@ class Working:
 
 
 def _status(context: bpy.types.Context, text: str | None) -> None:
-    """What the status bar says below all editors; None gives it back to Blender."""
+    """Show a text in the status bar; None gives it back to Blender."""
     if context.workspace is not None and not bpy.app.background:
         context.workspace.status_text_set(text)
-
-
-CLASSES = ()

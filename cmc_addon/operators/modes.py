@@ -1,33 +1,25 @@
-"""Count Unstable Modes; and the start of a plan: taken from its shell, cleared."""
+"""Count Unstable Modes; and the start of a plan: taken from its shell, or cleared."""
 
 import bpy
 import numpy as np
 
 from ...solver.errors import CmcError
-from ..background import solve_cache, worker
 from ..bridges import start_bridge
 from ..properties.links import plan_of
-from ..tasks.count_modes import take_count
-from ..tasks.solve import settings_of, take_order
-from .poll import LEAVE_EDIT_MODE, allow, why_not_solve
-from .solve import Solving
+from ..tasks.count_modes import CountTask
+from ..tasks.shell_task import read_solve
+from .poll import allow, why_not_object_mode, why_not_solve
+from .solve import ShellOperator
 
 
-class CMC_OT_count_modes(Solving, bpy.types.Operator):
-    """Count the directions in which the energy of the shell's normals falls: none at a minimum, some at a saddle"""
+class CMC_OT_count_modes(ShellOperator, bpy.types.Operator):
+    """Count the ways in which the shell is unstable, as a saddle is; a minimum has none"""
 
     bl_idname = "cmc.count_modes"
     bl_label = "Count Unstable Modes"
 
-    def take(self, context, plan):
-        return take_count(context, plan)
-
-    def tell(self, update: worker.Update) -> tuple[float, str]:
-        return 0.5 * update.part, f"Solving, step {update.iteration}"
-
-    def _say_cancelled(self):
-        self.report({"INFO"}, "Counting was cancelled; nothing was changed.")
-        return {"CANCELLED"}
+    def read_task(self, context, plan):
+        return CountTask.read(context, plan)
 
 
 class OnStart:
@@ -37,7 +29,7 @@ class OnStart:
 
     @classmethod
     def poll(cls, context):
-        return allow(cls, LEAVE_EDIT_MODE if context.mode != "OBJECT" else why_not_solve(context))
+        return allow(cls, why_not_object_mode(context) or why_not_solve(context))
 
     def execute(self, context):
         try:
@@ -58,20 +50,19 @@ class CMC_OT_start_from_shell(OnStart, bpy.types.Operator):
     bl_label = "Start from This Shell"
 
     def act(self, context, plan):
-        order = take_order(context, plan, settings_of(plan.cmc))
-        known = solve_cache.recall(order)
+        _, known = read_solve(context, plan)
         if known is None:
-            raise CmcError(f"'{plan.name}' was changed since its shell was made, or it has none; solve first.")
+            raise CmcError(f"'{plan.name}' has no shell, or was changed since it was made; solve first.")
         if plan.cmc.apply_modifiers and len(plan.modifiers):
-            raise CmcError(f"The shell is of the mesh that the modifiers of '{plan.name}' make; apply them first.")
+            raise CmcError(f"The shell was formed with the modifiers of '{plan.name}'; apply them first.")
         surface = known.shell.surface
-        first = np.unique(surface.source, return_index=True)[1]  # all rows of a vertex have its normal
+        first = np.unique(surface.source, return_index=True)[1]  # all copies of a vertex along a cut have its normal
         start_bridge.write_normals(plan.data, surface.normals[first])
         plan.data.update_tag()
 
 
 class CMC_OT_start_clear(OnStart, bpy.types.Operator):
-    """Take away the normals that solves of this plan start from, and its own edge lengths: the drawing counts again"""
+    """Remove the normals that solves of this plan start from, and its own edge lengths: the drawing counts again"""
 
     bl_idname = "cmc.start_clear"
     bl_label = "Clear Start"

@@ -1,4 +1,4 @@
-"""Close Periods and Tile by Periods. They run as Solve does, see `solve`."""
+"""Close Gaps and Repeat by Gaps; they run as Solve does, see `solve`."""
 
 from types import SimpleNamespace
 
@@ -13,69 +13,62 @@ from ..properties.periods_settings import (
     draw_tile,
     tile_annotations,
 )
-from ..tasks.close_periods import take_closing, take_tiling
-from .poll import LEAVE_EDIT_MODE, allow, why_not_solve
-from .solve import Solving, as_settings
+from ..tasks.close_periods import CloseTask, TileTask
+from .poll import allow, why_not_object_mode, why_not_solve
+from .solve import ShellOperator, TaskOperator, as_settings
 
-# Steps of Newton's method that closing usually takes: the bar is half way then.
+# Newton steps of a usual closing, after which the progress bar is half full.
 _USUAL = 4
 
 
-class Periodic(Solving):
+class PeriodsOperator(TaskOperator):
     """What the two have in common."""
 
     names: tuple[str, ...] = ()
 
     def wanted(self, plan: bpy.types.Object) -> SimpleNamespace:
-        """What the call says, and where it says nothing what is stored with the plan."""
+        """The settings of the call; those that it leaves out are the plan's own."""
         for name in self.names:
             if not self.properties.is_property_set(name):
                 setattr(self, name, getattr(plan.cmc, name))
         values = {name: getattr(self, name) for name in self.names}
         return SimpleNamespace(**{k: v if isinstance(v, (str, int, float)) else tuple(v) for k, v in values.items()})
 
-    def _say_cancelled(self) -> set[str]:
-        self.report({"INFO"}, f"{self.bl_label} was cancelled; nothing was changed.")
-        return {"CANCELLED"}
 
-
-class CMC_OT_close_periods(Periodic, bpy.types.Operator):
-    """Close the gaps of the shell around the holes of its plan, by a least change of its rim or by moving the holes"""
+class CMC_OT_close_periods(PeriodsOperator, bpy.types.Operator):
+    """Close the shell's gaps around the holes of its plan, by the least change of its rim or by moving the holes"""
 
     bl_idname = "cmc.close_periods"
-    bl_label = "Close Periods"
+    bl_label = "Close Gaps"
     __annotations__ = close_annotations({"SKIP_SAVE"})
     names = CLOSE_SETTINGS
 
-    def take(self, context, plan):
-        return take_closing(context, plan, self.wanted(plan))
+    def read_task(self, context, plan):
+        return CloseTask.read(context, plan, self.wanted(plan))
 
-    def tell(self, update: worker.Update) -> tuple[float, str]:
-        gap = 100.0 * update.residual
-        return update.iteration / (update.iteration + _USUAL), f"Step {update.iteration}, gap {gap:.2g} %"
+    def progress_of(self, step: worker.Step) -> tuple[float, str]:
+        gap = 100.0 * step.residual
+        return step.iteration / (step.iteration + _USUAL), f"Step {step.iteration}, gap {gap:.2g} %"
 
     def draw(self, context):
         as_settings(self.layout)
         draw_close(self.layout, self)
 
 
-class CMC_OT_tile_periods(Periodic, bpy.types.Operator):
-    """Repeat the shell by the gaps around the holes of its plan, across which it goes on as its own copy"""
+class CMC_OT_tile_periods(PeriodsOperator, ShellOperator, bpy.types.Operator):
+    """Repeat the shell by its gaps around the holes of the plan: each copy continues the last one across the gap"""
 
     bl_idname = "cmc.tile_periods"
-    bl_label = "Tile by Periods"
+    bl_label = "Repeat by Gaps"
     __annotations__ = tile_annotations({"SKIP_SAVE"})
     names = TILE_SETTINGS
 
     @classmethod
     def poll(cls, context):
-        return allow(cls, LEAVE_EDIT_MODE if context.mode != "OBJECT" else why_not_solve(context))
+        return allow(cls, why_not_object_mode(context) or why_not_solve(context))
 
-    def take(self, context, plan):
-        return take_tiling(context, plan, self.wanted(plan))
-
-    def tell(self, update: worker.Update) -> tuple[float, str]:
-        return 0.5 * update.part, f"Solving, step {update.iteration}"
+    def read_task(self, context, plan):
+        return TileTask.read(context, plan, self.wanted(plan))
 
     def draw(self, context):
         as_settings(self.layout)

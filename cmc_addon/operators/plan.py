@@ -1,22 +1,20 @@
 """Mesh Plan: from an outline to a plan of well-shaped triangles.
 
-**The outline** is the active object: a mesh, whose faces are bounded by an outer loop and holes, or which has
-only edges that close up to such loops; or a curve object of closed splines, nested ones being holes. It may
-lie in any plane; what leaves its best plane is flattened, and the report says by how much. Its modifiers
-are not applied.
+**The outline** is the active object: a mesh whose faces have an outer loop and holes as their boundary, or whose
+edges form such loops; or a curve object of closed splines, nested ones being holes. It may lie in any plane;
+points off its best plane are projected to it, and the report says by how much. Its modifiers are not applied.
 
-**The plan** is an object of its own called "<outline> Plan", made once and updated by every further run; the
-drawn outline is never changed. If it has faces, which would lie in the plan's, it is hidden (Alt H shows it).
-Run with the plan active, Mesh Plan meshes its outline anew. A plan whose outline has been deleted is meshed
-anew from its own rim. The plan lies over its outline, with that object's location and rotation and unit
+**The plan** is an object of its own called "<outline> Plan", made once and updated by every later run; the
+drawn outline never changes. If the outline has faces, which would coincide with the plan's, it is hidden (Alt H
+shows it). With the plan active, Mesh Plan meshes its outline again. A plan whose outline has been deleted is
+meshed again from its own rim. The plan lies over its outline, with that object's location and rotation and unit
 scale; name, materials and solve settings of the plan stay.
 
 **Links** are like those of results: a duplicated outline gets a plan of its own, a duplicated plan is
-updated when it is active, and a plan deleted from the scene is made anew.
+updated when it is active, and a plan deleted from the scene is made again.
 
-**Groups.** A piece of an edge is in the group of that edge. The outline's groups are made on the plan, where
-a group of that name already there keeps its kind and angle. Groups made on the plan itself stay where they
-are as long as the outline says nothing about that place.
+**Groups.** A piece of an edge is in the group of that edge. The plan gets the outline's groups; a group of the
+same name keeps its kind and angle. Groups made on the plan itself stay where the outline has no group.
 """
 
 from functools import partial
@@ -41,17 +39,18 @@ from ..bridges import outline_bridge
 from ..properties import group_list
 from ..properties.links import by_uid
 from ..properties.stored import PLAN_SETTINGS, kind_parameters, plan_annotations
-from .modal import Working
+from .activate import activate
+from .modal import ModalOperator
 from .poll import RUNNING
 
 
 def outline_of(ob: bpy.types.Object) -> bpy.types.Object:
-    """The object whose outline is meshed when this one is active."""
+    """The object whose outline Mesh Plan meshes when this one is active."""
     return ob.cmc.outline if ob.cmc.meshed and ob.cmc.outline is not None else ob
 
 
 def plan_of(ob: bpy.types.Object) -> bpy.types.Object | None:
-    """The plan that Mesh Plan would update when this object is active; None where it would make one."""
+    """The plan that Mesh Plan updates when this object is active; None if it makes one."""
     if ob.cmc.meshed:
         return ob
     plan = ob.cmc.plan
@@ -60,8 +59,8 @@ def plan_of(ob: bpy.types.Object) -> bpy.types.Object | None:
     return None
 
 
-class CMC_OT_mesh_plan(Working, bpy.types.Operator):
-    """Make a mesh of well-shaped triangles inside the outline, or update the one made before"""
+class CMC_OT_mesh_plan(ModalOperator, bpy.types.Operator):
+    """Fill the outline with well-shaped triangles, or update the plan made before"""
 
     bl_idname = "cmc.mesh_plan"
     bl_label = "Mesh Plan"
@@ -80,7 +79,7 @@ class CMC_OT_mesh_plan(Working, bpy.types.Operator):
         elif ob.mode not in {"OBJECT", "EDIT"}:
             cls.poll_message_set("Go to object mode or edit mode first")
         elif ob.cmc.meshed and not ob.data.is_editable:
-            cls.poll_message_set("This plan is linked from another file; make it local to mesh it anew")
+            cls.poll_message_set("This plan is linked from another file; make it local to mesh it again")
         else:
             return True
         return False
@@ -89,14 +88,14 @@ class CMC_OT_mesh_plan(Working, bpy.types.Operator):
         return outline_of(context.object)
 
     def steps(self, context, wait):
-        context.view_layer.update()  # a script may have moved the outline just now
+        context.view_layer.update()  # a script may have just moved the outline
         uid = context.object.session_uid
         self._take_settings(context.scene.cmc)
         outline = make_outline(outline_bridge.read_wire(outline_of(context.object)))
         work = partial(_mesh, outline, self.edge_length, self.corner_radius if self.round_corners else None)
         meshed = yield from worker.steps(lambda progress: work(), 1.0, wait)
         if meshed is None:
-            return self._say_cancelled()
+            return self._report_cancelled()
         ob = by_uid(uid)
         if ob is None:
             raise CmcError("The outline was deleted while it was being meshed.")
@@ -107,7 +106,7 @@ class CMC_OT_mesh_plan(Working, bpy.types.Operator):
         _show(context, plan, outline_of(ob))
         for name in PLAN_SETTINGS:
             setattr(context.scene.cmc, name, getattr(self, name))
-        self._tell(plan, outline, meshed)
+        self._report_plan(plan, outline, meshed)
         return {"FINISHED"}
 
     def draw(self, context):
@@ -120,12 +119,12 @@ class CMC_OT_mesh_plan(Working, bpy.types.Operator):
         row.prop(self, "corner_radius")
 
     def _take_settings(self, stored) -> None:
-        """What a call does not say is as it was last used; the redo panel then shows all of it."""
+        """Settings that the call leaves out are those last used; the redo panel then shows them all."""
         for name in PLAN_SETTINGS:
             if not self.properties.is_property_set(name):
                 setattr(self, name, getattr(stored, name))
 
-    def _tell(self, plan: bpy.types.Object, outline: Outline, meshed: PlanMesh) -> None:
+    def _report_plan(self, plan: bpy.types.Object, outline: Outline, meshed: PlanMesh) -> None:
         text = f"'{plan.name}': {len(meshed.triangles)} triangles, {len(meshed.edges)} boundary edges"
         if is_flat(outline):
             self.report({"INFO"}, text)
@@ -134,13 +133,14 @@ class CMC_OT_mesh_plan(Working, bpy.types.Operator):
 
 
 def _mesh(outline: Outline, edge_length: float, corner_radius: float | None) -> PlanMesh:
-    """Mesh an outline, in any thread; lengths of 0 are chosen here, a radius of None keeps the corners sharp."""
+    """Mesh an outline, in any thread; a length of 0 means automatic, a radius of None sharp corners."""
     first, *holes = outline.loops
     edge = edge_length or default_edge_length(outline.size)
     check_count(outline, edge)
     radius = 0.0 if corner_radius is None else corner_radius or default_corner_radius(outline.size)
+    borders = [border.tolist() for border in outline.borders()]
     try:
-        return mesh_plan(first, holes, max_edge=edge, corner_radius=radius, keep=outline.borders())
+        return mesh_plan(first, holes, max_edge=edge, corner_radius=radius, keep=borders)
     except MeshError as error:
         raise explained(error, outline) from error
 
@@ -172,7 +172,7 @@ def _write(plan: bpy.types.Object, source: bpy.types.Object, outline: Outline, m
 def _merged(
     mesh: bpy.types.Mesh, source: bpy.types.Object, outline: Outline, meshed: PlanMesh, before: np.ndarray
 ) -> np.ndarray:
-    """Group of each boundary edge, in the plan's numbers; makes the groups that the plan lacks."""
+    """Group of each boundary edge, in the plan's numbering; adds the groups that the plan lacks."""
     drawn = np.concatenate(outline.groups)
     starts = np.cumsum([0] + [len(groups) for groups in outline.groups])
     piece = drawn[starts[meshed.loop] + meshed.segment]
@@ -187,23 +187,19 @@ def _merged(
 
 
 def _counterpart(mesh: bpy.types.Mesh, group):
-    """The plan's group of the same name, made with the same kind and parameters if there is none."""
-    found = mesh.cmc.groups.get(group.name)
-    if found is None:
-        found = group_list.add(mesh, group.name)
-        found.kind, found.across = group.kind, group.across
+    """The plan's group of the same name, or a new one with the same kind and parameters."""
+    own = mesh.cmc.groups.get(group.name)
+    if own is None:
+        own = group_list.add(mesh, group.name)
+        own.kind, own.across = group.kind, group.across
         for name in kind_parameters(group.kind):
-            setattr(found, name, getattr(group, name))
-    return found
+            setattr(own, name, getattr(group, name))
+    return own
 
 
 def _show(context: bpy.types.Context, plan: bpy.types.Object, source: bpy.types.Object) -> None:
-    """Make the plan the one selected object; hide an outline whose faces would lie in the plan's."""
-    for other in context.selected_objects:
-        other.select_set(False)
-    plan.hide_set(False)
-    plan.select_set(True)
-    context.view_layer.objects.active = plan
+    """Make the plan the only selected object; hide an outline whose faces would coincide with the plan's."""
+    activate(context, plan)
     if plan != source and source.type == "MESH" and source.data.polygons and source.name in context.view_layer.objects:
         source.hide_set(True)
         source.hide_render = True

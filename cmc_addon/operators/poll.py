@@ -1,4 +1,4 @@
-"""Why a button cannot be pressed now, in a sentence: what operators say when they are disabled."""
+"""Why a button is disabled, in a sentence."""
 
 from __future__ import annotations
 
@@ -10,11 +10,15 @@ from ..properties.links import plan_of
 from ..results.objects import check_writable
 
 RUNNING = "A solve is running; wait for it, or cancel it (Esc) first"
-LEAVE_EDIT_MODE = "Leave edit mode first"
+
+
+def why_not_object_mode(context: bpy.types.Context) -> str:
+    """What to do first where an operator needs object mode; "" in object mode."""
+    return "" if context.mode == "OBJECT" else "Leave edit mode first"
 
 
 def why_not_solve(context: bpy.types.Context) -> str:
-    """Why the active object's plan cannot be solved; "" where it can, as far as can be told without reading it."""
+    """Why the active object's plan cannot be solved; "" if it can, as far as is known without reading its mesh."""
     if context.window_manager.cmc.running:
         return RUNNING
     try:
@@ -30,7 +34,7 @@ def why_not_solve(context: bpy.types.Context) -> str:
 
 
 def allow(operator: type, reason: str) -> bool:
-    """For a `poll`: whether there is no reason against it; a reason becomes what the disabled button says."""
+    """For a `poll`: whether there is no reason against it; a reason becomes the tooltip of the disabled button."""
     if reason:
         operator.poll_message_set(reason)
     return not reason

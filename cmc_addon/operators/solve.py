@@ -1,31 +1,26 @@
-"""Solve, Solve from Selection, Flip, Cancel.
-
-The three that solve are one generator, `Solving.steps`, which runs as `working` says.
-"""
-
-from collections.abc import Generator
+"""Solve, Solve from Selection, Flip, Cancel; and `TaskOperator`, which runs a task of the room `tasks`."""
 
 import bpy
 
 from ...solver.errors import CmcError
 from ..background import worker
-from ..drawing.viewport import redraw as redraw
 from ..properties.links import by_uid, plan_of
 from ..properties.settings import SETTINGS, SIZE_PROPERTY, energies_on, fitted_settings, setting_annotations
 from ..properties.stored import condition_annotations, kind_parameters, parameter_values
 from ..results.objects import check_writable
-from ..tasks.solve import settings_of, take_order
-from .modal import Working
+from ..tasks.solve import SolveTask, settings_of
+from ..tasks.task import Task
+from .modal import ModalOperator, Steps
 from .poll import allow, why_not_solve
 
 
-class Solving(Working):
-    """What the operators that solve have in common."""
+class TaskOperator(ModalOperator):
+    """An operator that reads a task from the active plan, works on it in a thread and writes its result."""
 
-    # --- what they do differently
+    # --- what differs between operators
 
-    def order_settings(self, plan: bpy.types.Object):
-        """The settings to solve with."""
+    def task_settings(self, plan: bpy.types.Object):
+        """The settings of the solve."""
         given = [name for name in SETTINGS if self.properties.is_property_set(name)]
         stored = {name: getattr(self if name in given else plan.cmc, name) for name in SETTINGS}
         settings = fitted_settings(stored, given)
@@ -34,53 +29,52 @@ class Solving(Working):
         return settings
 
     def selection(self) -> dict | None:
-        """Kind and parameters for the selected boundary edges, if the selection counts."""
+        """Kind and parameters for the selected boundary edges, if the operator uses the selection."""
         return None
 
-    def take(self, context: bpy.types.Context, plan: bpy.types.Object):
-        """What is to be done, without Blender data: `work(progress)`, and `deliver` for what that returns."""
-        return take_order(context, plan, self.order_settings(plan), self.selection())
+    def read_task(self, context: bpy.types.Context, plan: bpy.types.Object) -> Task:
+        """The task that the operator runs."""
+        return SolveTask.read(context, plan, self.task_settings(plan), self.selection())
 
-    # --- what they do alike
+    # --- what all have in common
 
-    def steps(self, context: bpy.types.Context, wait: float) -> Generator:
-        """Solve and write the results; yields updates, or None after `wait` seconds without one.
-
-        Returns what the operator returns.
-        """
+    def steps(self, context: bpy.types.Context, wait: float) -> Steps:
         context.view_layer.update()
         plan = plan_of(context.view_layer.objects.active)
         check_writable(plan)
-        order = self.take(context, plan)
-        uid = plan.session_uid
-        outcome = yield from worker.steps(order.work, order.settings.tolerance, wait)
-        if outcome is None:
-            return self._say_cancelled()
+        task = self.read_task(context, plan)
+        uid, name = plan.session_uid, plan.name
+        result = yield from worker.steps(task.work, task.tolerance, wait)
+        if result is None:
+            return self._report_cancelled()
         plan = by_uid(uid)
         if plan is None:
-            raise CmcError(f"The plan '{order.name}' was deleted while it was being solved.")
+            raise CmcError(f"The plan '{name}' was deleted while it was being solved.")
         check_writable(plan)
-        for warning in order.deliver(context, plan, outcome):
+        for warning in task.write(context, plan, result):
             self.report({"WARNING"}, warning)
-        if outcome.converged:  # otherwise the warnings say how it ended
-            self.report({"INFO"}, f"{plan.name}: {outcome.message}")
+        if result.converged:  # otherwise the warnings say how it ended
+            self.report({"INFO"}, f"{plan.name}: {result.message}")
         return {"FINISHED"}
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         return allow(cls, why_not_solve(context))
 
-    def tell(self, update: worker.Update) -> tuple[float, str]:
-        if update.part >= 1.0:
+    def progress_of(self, step: worker.Step) -> tuple[float, str]:
+        if step.fraction >= 1.0:
             return 1.0, "Measuring"
-        return update.part, f"Step {update.iteration}, residual {update.residual:.1e}"
+        return step.fraction, f"Step {step.iteration}, residual {step.residual:.1e}"
 
     def about(self, context: bpy.types.Context) -> bpy.types.Object | None:
         return plan_of(context.view_layer.objects.active)
 
-    def _say_cancelled(self) -> set[str]:
-        self.report({"INFO"}, "The solve was cancelled; nothing was changed.")
-        return {"CANCELLED"}
+
+class ShellOperator(TaskOperator):
+    """An operator that continues from the shell, which is solved first where that is not known."""
+
+    def progress_of(self, step: worker.Step) -> tuple[float, str]:
+        return 0.5 * step.fraction, f"Solving, step {step.iteration}"
 
 
 def as_settings(layout: bpy.types.UILayout) -> None:
@@ -90,7 +84,7 @@ def as_settings(layout: bpy.types.UILayout) -> None:
 
 
 def draw_settings(layout: bpy.types.UILayout, owner) -> None:
-    """Rows for the settings of a solve, of an object or an operator; only the ones that count now."""
+    """Rows for the solve settings of an object or an operator; only those with an effect now."""
     layout.prop(owner, "size")
     value = SIZE_PROPERTY[owner.size]
     if value:
@@ -111,14 +105,14 @@ def draw_settings(layout: bpy.types.UILayout, owner) -> None:
 
 
 def draw_shell(layout: bpy.types.UILayout, owner) -> None:
-    """Rows for which of the shells over one rim is made."""
+    """Rows for the choice among the shells over one rim."""
     layout.prop(owner, "shell")
     if owner.shell == "DEGREE":
         layout.prop(owner, "degree")
 
 
 def draw_advanced(layout: bpy.types.UILayout, owner) -> None:
-    """Rows for what is solved and which faces it gets; of the energies those that are defined on the sites."""
+    """Rows for the discretisation and the faces of the result; only the energies that are defined on the sites."""
     layout.prop(owner, "sites")
     split = layout.split(factor=0.4)
     title = split.row()
@@ -134,8 +128,8 @@ def draw_advanced(layout: bpy.types.UILayout, owner) -> None:
     layout.prop(owner, "combinatorics")
 
 
-class CMC_OT_solve(Solving, bpy.types.Operator):
-    """Form the shell of constant mean curvature over the active plan (or the plan of the active result)"""
+class CMC_OT_solve(TaskOperator, bpy.types.Operator):
+    """Form the shell of constant mean curvature over the active plan, or over the plan of the active result"""
 
     bl_idname = "cmc.solve"
     bl_label = "Solve"
@@ -146,8 +140,8 @@ class CMC_OT_solve(Solving, bpy.types.Operator):
         draw_settings(self.layout, self)
 
 
-class CMC_OT_solve_selection(Solving, bpy.types.Operator):
-    """Solve with one condition on the selected boundary edges; the others keep their groups or the default"""
+class CMC_OT_solve_selection(TaskOperator, bpy.types.Operator):
+    """Solve with one condition on the selected boundary edges; all other edges keep their group or the default"""
 
     bl_idname = "cmc.solve_selection"
     bl_label = "Solve from Selection"
@@ -164,13 +158,13 @@ class CMC_OT_solve_selection(Solving, bpy.types.Operator):
         draw_settings(self.layout, self)
 
 
-class CMC_OT_flip(Solving, bpy.types.Operator):
-    """Turn the shell upside down: standing or hanging"""
+class CMC_OT_flip(TaskOperator, bpy.types.Operator):
+    """Turn the shell upside down, from standing to hanging or back"""
 
     bl_idname = "cmc.flip"
     bl_label = "Flip"
 
-    def order_settings(self, plan: bpy.types.Object):
+    def task_settings(self, plan: bpy.types.Object):
         settings = settings_of(plan.cmc)
         settings.flip = not settings.flip
         return settings

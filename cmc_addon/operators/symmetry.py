@@ -1,6 +1,6 @@
-"""Complete by Symmetry, and what it needs on the plan: planes of mirrors, corners between two of them.
+"""Repeat by Symmetry; and on the plan the planes of its mirrors and the corners between two of them.
 
-Complete by Symmetry runs as Solve does, see `solve`.
+Repeat by Symmetry runs as Solve does, see `solve`.
 """
 
 from types import SimpleNamespace
@@ -11,34 +11,34 @@ from bpy.props import EnumProperty, IntProperty
 
 from ...solver.errors import CmcError, ConditionError
 from ...solver.shells.plan_sides import own_plane
-from ..background import plan_cache, worker
+from ..background import plan_cache
 from ..bridges import corner_bridge
 from ..bridges.mesh_bridge import read_plan
 from ..properties.symmetry_settings import COMPLETE_SETTINGS, complete_annotations, draw_complete
-from ..tasks.complete import take_completion
+from ..tasks.complete import CompleteTask
 from .boundary import GroupOperator, OnOneGroup
-from .poll import LEAVE_EDIT_MODE, allow, why_not_solve
-from .solve import Solving, as_settings
+from .poll import allow, why_not_object_mode, why_not_solve
+from .solve import ShellOperator, as_settings
 
 
-class CMC_OT_complete(Solving, bpy.types.Operator):
-    """Continue the shell across its mirrors and the planes it touches: as many copies as wanted"""
+class CMC_OT_complete(ShellOperator, bpy.types.Operator):
+    """Continue the shell across its mirrors and the planes it touches, with as many copies as you want"""
 
     bl_idname = "cmc.complete"
-    bl_label = "Complete by Symmetry"
+    bl_label = "Repeat by Symmetry"
     __annotations__ = complete_annotations({"SKIP_SAVE"})
 
     @classmethod
     def poll(cls, context):
-        return allow(cls, LEAVE_EDIT_MODE if context.mode != "OBJECT" else why_not_solve(context))
+        return allow(cls, why_not_object_mode(context) or why_not_solve(context))
 
-    def take(self, context, plan):
-        return take_completion(context, plan, self._wanted(plan))
+    def read_task(self, context, plan):
+        return CompleteTask.read(context, plan, self._wanted(plan))
 
     def _wanted(self, plan: bpy.types.Object) -> SimpleNamespace:
-        """What the call says, and where it says nothing what is stored with the plan.
+        """The settings of the call; those that it leaves out are the plan's own.
 
-        A number, a box or a repetition that is named without an extent says which extent is meant.
+        A number, a box or a repetition without an extent chooses the extent.
         """
         given = {name for name in (*COMPLETE_SETTINGS, "box") if self.properties.is_property_set(name)}
         for name in set(COMPLETE_SETTINGS) - given:
@@ -49,13 +49,6 @@ class CMC_OT_complete(Solving, bpy.types.Operator):
             if name in given and "complete_extent" not in given:
                 self.complete_extent = extent
         return SimpleNamespace(**{name: getattr(self, name) for name in (*COMPLETE_SETTINGS, "box")})
-
-    def tell(self, update: worker.Update) -> tuple[float, str]:
-        return 0.5 * update.part, f"Solving, step {update.iteration}"
-
-    def _say_cancelled(self):
-        self.report({"INFO"}, "Complete by Symmetry was cancelled; nothing was changed.")
-        return {"CANCELLED"}
 
     def draw(self, context):
         as_settings(self.layout)
@@ -78,10 +71,10 @@ class CMC_OT_group_plane(OnOneGroup, bpy.types.Operator):
             ("X", "X", "The plane is square to the X axis"),
             ("Y", "Y", "The plane is square to the Y axis"),
             ("Z", "Z", "The plane is level"),
-            ("EDGES", "From Edges", "The plane in which the group's own edges lie; where they are straight, square on "
-             "the plan. Its normal points out of the plan"),
-            ("FLIP", "Flip", "Turn the normal round. Out of the shell is usual; the normals of two mirrors decide "
-             "which way the shell faces at their corner"),
+            ("EDGES", "From Edges", "The plane of the group's own edges; if they are straight, the plane through "
+             "them square to the plan. Its normal points out of the plan"),
+            ("FLIP", "Flip", "Reverse the normal. It usually points out of the shell; the normals of two mirrors "
+             "decide which way the shell faces at their corner"),
         ],
     )
 

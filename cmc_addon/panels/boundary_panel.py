@@ -10,6 +10,7 @@ from ..bridges.start_bridge import has_start
 from ..drawing.palette import icon_of
 from ..properties import group_list
 from ..properties.links import plan_to_solve
+from ..properties.registration import registration
 from ..properties.stored import kind_parameters
 from .symmetry_panel import draw_group
 from .tab import Tab, hint, properties_column
@@ -135,14 +136,4 @@ class CMC_PT_boundary(Tab, bpy.types.Panel):
 
 
 CLASSES = (CMC_UL_groups, CMC_MT_groups, CMC_PT_boundary)
-
-
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    for cls in reversed(CLASSES):
-        if cls.is_registered:
-            bpy.utils.unregister_class(cls)
+register, unregister = registration(CLASSES)

@@ -5,6 +5,7 @@ import bpy
 from ..drawing.curvature_lines import usual_spacing_of
 from ..properties.colour_range import stored_range
 from ..properties.links import families, plan_to_solve
+from ..properties.registration import registration
 from ..results import gauss_image
 from .tab import Tab, automatic, properties_column
 
@@ -50,14 +51,4 @@ class CMC_PT_look(Tab, bpy.types.Panel):
 
 
 CLASSES = (CMC_PT_look,)
-
-
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    for cls in reversed(CLASSES):
-        if cls.is_registered:
-            bpy.utils.unregister_class(cls)
+register, unregister = registration(CLASSES)

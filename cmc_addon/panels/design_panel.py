@@ -8,6 +8,7 @@ from ...solver.fitting.targets import Anchors, Closed, Crown, NearSurface, RimOn
 from ..live.follow import problem_of
 from ..operators.design import draw_approximate, draw_fit
 from ..properties.links import plan_to_solve, result_of
+from ..properties.registration import registration
 from ..properties.reports import last_design
 from ..properties.units import length_text, per_length
 from .results_panel import numbers, paragraph
@@ -85,14 +86,4 @@ def _distance_row(label: str, off: float) -> tuple[str, str]:
 
 
 CLASSES = (CMC_PT_design,)
-
-
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    for cls in reversed(CLASSES):
-        if cls.is_registered:
-            bpy.utils.unregister_class(cls)
+register, unregister = registration(CLASSES)

@@ -5,6 +5,7 @@ import bpy
 from ...solver.errors import CmcError
 from ..properties.export_settings import draw_export
 from ..properties.links import plan_to_solve
+from ..properties.registration import registration
 from ..tasks.export import wanted_objects
 from .tab import TALL, Tab, hint, properties_column, running_row
 
@@ -39,14 +40,4 @@ class CMC_PT_export(Tab, bpy.types.Panel):
 
 
 CLASSES = (CMC_PT_export,)
-
-
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    for cls in reversed(CLASSES):
-        if cls.is_registered:
-            bpy.utils.unregister_class(cls)
+register, unregister = registration(CLASSES)

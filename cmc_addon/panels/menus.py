@@ -9,6 +9,7 @@ import bpy
 from ..drawing.palette import icon_of
 from ..properties.group_presets import PRESETS
 from ..properties.links import plan_to_solve
+from ..properties.registration import registration
 
 
 class CMC_MT_group_presets(bpy.types.Menu):
@@ -130,11 +131,11 @@ PLACES = {
     "TOPBAR_MT_file_export": _in_export_menu,
 }
 """Blender's menu → what is added at its end."""
+_register, _unregister = registration(CLASSES)
 
 
 def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
+    _register()
     for name, draw in PLACES.items():
         getattr(bpy.types, name).append(draw)
 
@@ -142,6 +143,4 @@ def register() -> None:
 def unregister() -> None:
     for name, draw in PLACES.items():
         getattr(bpy.types, name).remove(draw)
-    for cls in reversed(CLASSES):
-        if cls.is_registered:
-            bpy.utils.unregister_class(cls)
+    _unregister()

@@ -4,6 +4,7 @@ import bpy
 
 from ..properties.links import plan_to_solve
 from ..properties.overlay_settings import draw_seeing
+from ..properties.registration import registration
 from .tab import Tab
 
 
@@ -40,14 +41,4 @@ class CMC_PT_overlay(bpy.types.Panel):
 
 
 CLASSES = (CMC_PT_show, CMC_PT_overlay)
-
-
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    for cls in reversed(CLASSES):
-        if cls.is_registered:
-            bpy.utils.unregister_class(cls)
+register, unregister = registration(CLASSES)

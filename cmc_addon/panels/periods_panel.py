@@ -7,11 +7,12 @@ from ..operators import add_bubble
 from ..operators.add_plan import first_in_add_menu, in_add_menu
 from ..properties.links import plan_to_solve
 from ..properties.periods_settings import draw_close, draw_tile
-from ..properties.reports import last_report
+from ..properties.registration import registration
+from ..properties.reports import complete_report, last_report
 from ..tasks.close_periods import tile_counts
 from .periods_text import closing_rows, gap_rows
 from .results_panel import ResultPanel, numbers, paragraph
-from .symmetry_panel import completed_rows, has_holes, last_completion
+from .symmetry_panel import completed_rows, has_holes
 from .tab import TALL, hint, properties_column
 
 
@@ -46,7 +47,7 @@ class CMC_PT_periods(ResultPanel, bpy.types.Panel):
         self._counts(layout, context, plan, len(report["holes"]))
         self._button(layout, "cmc.tile_periods")
         if plan.cmc.complete_report:
-            numbers(layout, completed_rows(last_completion(plan.cmc.complete_report)))
+            numbers(layout, completed_rows(complete_report(plan)))
 
     def _counts(self, layout, context, plan, holes):
         """How many copies there will be."""
@@ -64,11 +65,11 @@ class CMC_PT_periods(ResultPanel, bpy.types.Panel):
 
 
 CLASSES = (CMC_PT_periods,)
+_register, _unregister = registration(CLASSES)
 
 
 def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
+    _register()
     bpy.types.CMC_MT_add.prepend(first_in_add_menu)
     bpy.types.CMC_MT_add.append(in_add_menu)
     bpy.types.CMC_MT_add.append(add_bubble.in_add_menu)
@@ -79,6 +80,4 @@ def unregister() -> None:
         bpy.types.CMC_MT_add.remove(add_bubble.in_add_menu)
         bpy.types.CMC_MT_add.remove(in_add_menu)
         bpy.types.CMC_MT_add.remove(first_in_add_menu)
-    for cls in reversed(CLASSES):
-        if cls.is_registered:
-            bpy.utils.unregister_class(cls)
+    _unregister()

@@ -1,13 +1,13 @@
 """The last solve in numbers, under the shell it belongs to. Drawn from the report which the solve has left."""
 
-import json
 import textwrap
 
 import bpy
 
 from ...solver.fitting.targets import RimOnCurve
 from ..properties.links import result_of
-from ..properties.reports import last_report
+from ..properties.registration import registration
+from ..properties.reports import design_report, last_report
 from ..properties.units import length_text, per_length
 from .periods_text import gap_sentence
 from .tab import BESIDE_SOLVE, Tab
@@ -160,9 +160,9 @@ def fitted_rows(plan: bpy.types.Object) -> list[tuple[str, str]]:
     if result_of(plan, "FIT") is None:
         return []
     try:
-        told = json.loads(plan.cmc.design_report)
-        off, span = told["distances"][RimOnCurve.label], told["sheets"][told["sheet"]]["span"]
-    except (ValueError, KeyError, TypeError):  # of another design, or somebody else wrote into the property
+        report = design_report(plan) or {}
+        off, span = report["distances"][RimOnCurve.label], report["sheets"][report["sheet"]]["span"]
+    except (KeyError, TypeError):  # no fit, or one of another design
         return []
     return [("Fitted", distance_text(off, span))]
 
@@ -175,17 +175,15 @@ def distance_text(length: float, span: float) -> str:
 
 
 CLASSES = (CMC_PT_results, CMC_PT_checks, CMC_PT_solver)
+_register, _unregister = registration(CLASSES)
 
 
 def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
+    _register()
     BESIDE_SOLVE.append(draw_nearness)
 
 
 def unregister() -> None:
     if draw_nearness in BESIDE_SOLVE:
         BESIDE_SOLVE.remove(draw_nearness)
-    for cls in reversed(CLASSES):
-        if cls.is_registered:
-            bpy.utils.unregister_class(cls)
+    _unregister()

@@ -1,7 +1,5 @@
 """Planes and copies: what mirrors need below the list of boundary groups, Complete by Symmetry, Add > Mesh > CMC."""
 
-import json
-from functools import lru_cache
 from types import SimpleNamespace
 
 import bpy
@@ -10,7 +8,8 @@ from ...solver.catalogue.module_presets import PRESETS
 from ...solver.errors import CmcError
 from ..bridges.mesh_cache import mirror_corners
 from ..properties.links import plan_to_solve
-from ..properties.reports import last_report
+from ..properties.registration import registration
+from ..properties.reports import complete_report, last_report
 from ..properties.symmetry_settings import COMPLETE_SETTINGS, draw_complete
 from ..properties.units import length_text
 from ..tasks.complete import counts
@@ -113,7 +112,7 @@ class CMC_PT_symmetry(Tab, bpy.types.Panel):
         row.scale_y = TALL
         row.operator("cmc.complete")
         if plan.cmc.complete_report:
-            numbers(layout, completed_rows(last_completion(plan.cmc.complete_report)))
+            numbers(layout, completed_rows(complete_report(plan)))
 
     def _preview(self, layout, context, plan):
         """How many copies there will be."""
@@ -136,17 +135,6 @@ def wanted_of(plan: bpy.types.Object) -> SimpleNamespace:
     settings = plan.cmc
     box = settings.complete_box.name if settings.complete_box is not None else ""
     return SimpleNamespace(**{name: getattr(settings, name) for name in COMPLETE_SETTINGS}, box=box)
-
-
-@lru_cache(maxsize=4)
-def last_completion(text: str) -> dict | None:
-    """A report as it was written; None if somebody else wrote into the property."""
-    try:
-        found = json.loads(text)
-        found["copies"], found["largest_gap"], found["relative_gap"]
-    except (ValueError, KeyError, TypeError):
-        return None
-    return found
 
 
 def completed_rows(report: dict | None) -> list[tuple[str, str]]:
@@ -174,16 +162,14 @@ def _in_add_menu(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
 
 
 CLASSES = (CMC_PT_complete, CMC_PT_symmetry, CMC_MT_add)
+_register, _unregister = registration(CLASSES)
 
 
 def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
+    _register()
     bpy.types.VIEW3D_MT_mesh_add.append(_in_add_menu)
 
 
 def unregister() -> None:
     bpy.types.VIEW3D_MT_mesh_add.remove(_in_add_menu)
-    for cls in reversed(CLASSES):
-        if cls.is_registered:
-            bpy.utils.unregister_class(cls)
+    _unregister()

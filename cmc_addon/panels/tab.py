@@ -20,6 +20,7 @@ from ..operators.plan import outline_of, plan_of
 from ..operators.solve import draw_advanced, draw_shell
 from ..properties.links import plan_to_solve
 from ..properties.preferences import CATEGORY
+from ..properties.registration import registration
 from ..properties.settings import SIZE_PROPERTY
 from ..properties.units import length_text
 
@@ -236,14 +237,4 @@ def draw_start(layout: bpy.types.UILayout, plan: bpy.types.Object) -> None:
 
 
 CLASSES = (CMC_PT_plan, CMC_PT_shell, CMC_PT_options, CMC_PT_advanced)
-
-
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    for cls in reversed(CLASSES):
-        if cls.is_registered:
-            bpy.utils.unregister_class(cls)
+register, unregister = registration(CLASSES)

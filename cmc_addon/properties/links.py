@@ -58,14 +58,12 @@ def copies_of(plan: bpy.types.Object) -> bpy.types.Collection | None:
 
 
 def plan_to_solve(context: bpy.types.Context) -> bpy.types.Object | None:
-    """The plan which Solve would take: the active mesh, or the plan that the active result comes from."""
-    ob = context.object
-    if ob is None:
+    """The plan that Solve would take, see `plan_of`; None where there is none or it is not a mesh."""
+    try:
+        plan = plan_of(context.object)
+    except CmcError:
         return None
-    if ob.cmc.role != "NONE":
-        source = ob.cmc.source
-        return source if source is not None and source.users_scene else None
-    return ob if ob.type == "MESH" else None
+    return plan if plan.type == "MESH" else None
 
 
 def by_uid(uid: int) -> bpy.types.Object | None:

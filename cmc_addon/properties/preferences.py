@@ -13,6 +13,8 @@ from typing import Any
 import bpy
 from bpy.props import FloatProperty, FloatVectorProperty, IntProperty, StringProperty
 
+from .registration import registration
+
 PACKAGE = __package__.partition(".cmc_addon")[0]
 
 CATEGORY = "CMC"
@@ -82,10 +84,4 @@ class CmcPreferences(bpy.types.AddonPreferences):
         note.label(text="Boundary groups have the colours of the theme: Themes > Bone Color Sets", icon="INFO")
 
 
-def register() -> None:
-    bpy.utils.register_class(CmcPreferences)
-
-
-def unregister() -> None:
-    if CmcPreferences.is_registered:
-        bpy.utils.unregister_class(CmcPreferences)
+register, unregister = registration((CmcPreferences,))

@@ -24,20 +24,34 @@ def last_design(context: bpy.types.Context) -> dict | None:
 
 def solve_report(plan: bpy.types.Object) -> dict | None:
     """What the last solve of this plan left; None where there was none."""
-    return _parsed(plan.cmc.report, ("converged",))
+    return _of_shell(plan.cmc.report, ("converged",))
 
 
 def design_report(plan: bpy.types.Object) -> dict | None:
     """What the last fit of this plan left; None where there was none."""
-    return _parsed(plan.cmc.design_report, ("met", "distances"))
+    return _of_shell(plan.cmc.design_report, ("met", "distances"))
+
+
+def complete_report(plan: bpy.types.Object) -> dict | None:
+    """The report of the last completion of this plan; None where it has none."""
+    return _parsed(plan.cmc.complete_report, ("copies", "largest_gap", "relative_gap"))
+
+
+@lru_cache(maxsize=8)
+def _of_shell(text: str, needed: tuple[str, ...]) -> dict | None:
+    """A report with the measures of the shown sheet; None otherwise."""
+    report = _parsed(text, ("message", "sheets", "sheet", *needed))
+    try:
+        return report if report is None or "area" in report["sheets"][report["sheet"]] else None
+    except (KeyError, TypeError):
+        return None
 
 
 @lru_cache(maxsize=8)
 def _parsed(text: str, needed: tuple[str, ...]) -> dict | None:
-    """A report as it was written; None if there is none or somebody else wrote into the property."""
+    """A report with these entries; None if there is none or another program wrote into the property."""
     try:
-        found = json.loads(text)
-        found["sheets"][found["sheet"]]["area"]
-        return found if all(name in found for name in ("message", *needed)) else None
-    except (ValueError, KeyError, TypeError):
+        report = json.loads(text)
+    except ValueError:
         return None
+    return report if isinstance(report, dict) and all(name in report for name in needed) else None

@@ -40,6 +40,7 @@ from .group_list import free_name
 from .live_settings import live_annotations
 from .overlay_settings import seeing_annotations
 from .periods_settings import stored_period_annotations
+from .registration import registration
 from .settings import stored_setting_annotations
 from .symmetry_settings import stored_complete_annotations
 
@@ -254,11 +255,11 @@ ATTACHED = (
     (bpy.types.Scene, CmcScene),
     (bpy.types.WindowManager, CmcRun),
 )
+_register, _unregister = registration(CLASSES)
 
 
 def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
+    _register()
     for owner, cls in ATTACHED:
         owner.cmc = PointerProperty(type=cls)
     bpy.types.Collection.cmc_plan = PointerProperty(
@@ -271,6 +272,4 @@ def unregister() -> None:
     for owner, _ in reversed(ATTACHED):
         if hasattr(owner, "cmc"):
             del owner.cmc
-    for cls in reversed(CLASSES):
-        if cls.is_registered:
-            bpy.utils.unregister_class(cls)
+    _unregister()

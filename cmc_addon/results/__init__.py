@@ -1,1 +1,5 @@
-"""The objects a shell consists of, their colours and their measures."""
+"""The result objects of a plan.
+
+Here belong their names, places and updates (`objects.py`), copies as instances, the Gauss image, colours and measures.
+Meshes themselves are written by the bridges.
+"""

@@ -1,8 +1,8 @@
-"""The colours of results: what a plan's results are coloured by, over which range, and when that is done again.
+"""The colours of results: by which quantity, over which range, and when they are painted again.
 
-The results of Solve, and what is completed from them, share one range, fitted to the sheet that is shown; the Gauss
-image and g have the colours of the shell, point by point. Fitted and nearest shells have a range of their own. Every
-operator that writes results ends with `repaint`; changing a setting never solves.
+The results of Solve and their copies share one range, fitted to the shown sheet; the Gauss image and g have the
+colours of the shell, point by point. Fitted and nearest shells have a range of their own. Every task that writes
+results ends with `repaint`; changing a setting never solves.
 """
 
 from __future__ import annotations
@@ -23,33 +23,31 @@ from ..properties.stored import ROLES
 
 Array = NDArray[np.float64]
 
-# Width, as a part of the size, of the band by which a rim that alone has numbers shows them.
+# Width, relative to the size, of the coloured band along a rim when only the rim has values.
 _RIM = 0.05
-# Least widths of ranges, so that rounding is not made to look like something: parts of H, of Q, of the size.
+# Least widths of ranges, so that rounding errors show no pattern: relative to H, Q and the size.
 _LEAST_H, _LEAST_Q, _LEAST_PART = 0.02, 0.02, 1e-4
 
 
 def wanted_measures(plan: bpy.types.Object) -> tuple[str, ...]:
-    """Names of what a solve of this plan measures."""
+    """Names of the quantities that a solve of this plan measures."""
     return USUAL if plan.cmc.strokes == "NONE" else (*USUAL, DIRECTION)
 
 
 def shown_measures(plan: bpy.types.Object) -> tuple[str, ...]:
-    """Names of what can be seen now: all that has to be measured while a shell is dragged."""
+    """Names of the quantities on screen: the only ones to measure while a shell is dragged."""
     quantity = QUANTITIES.get(plan.cmc.colour_by)
     names = {attribute: name for name, attribute in ATTRIBUTES.items()}
     shown = () if quantity is None else (names[quantity.attribute],)
     return shown if plan.cmc.strokes == "NONE" else (*shown, DIRECTION)
 
 
-# --- what belongs together -----------------------------------------------------------------
-
 # --- painting ------------------------------------------------------------------------------
 
 def repaint(plan: bpy.types.Object, sheet: str = "", target: float | None = None) -> None:
-    """Colour the results of a plan as its settings say, or take the colours away; see `families`.
+    """Colour the results of a plan as its settings say, or remove the colours; see `families`.
 
-    target: the mean curvature that the shell of Solve is to have now, where its report is of an older one.
+    target: the mean curvature that the shell of Solve has now, where its report is of an older one.
     """
     quantity = QUANTITIES.get(plan.cmc.colour_by)
     for family in families(plan, sheet):
@@ -61,7 +59,7 @@ def repaint(plan: bpy.types.Object, sheet: str = "", target: float | None = None
 
 
 def _paint(settings, family: Family, target: float | None) -> None:
-    """An image of another size than the shell, a result in edit mode or of another file is left as it is."""
+    """Paint a family. An image with other vertices than the shell, and a result in edit mode or linked, stay as is."""
     attribute = QUANTITIES[settings.colour_by].attribute
     values = None if family.shell.data.is_editmode else measure(family.shell.data, attribute)
     stretched = None if values is None else range_of(settings, family.shell, values, target)
@@ -79,9 +77,9 @@ def _paint(settings, family: Family, target: float | None) -> None:
 
 
 def target_of(shell: bpy.types.Object, values: Array) -> float:
-    """The mean curvature that a shell is to have: of its report, else the usual one on it."""
-    told = shell.get("cmc_mean_curvature")
-    return float(told) if isinstance(told, (int, float)) else float(np.nanmedian(values))
+    """The target mean curvature of a shell: from its report, else the median on it."""
+    reported = shell.get("cmc_mean_curvature")
+    return float(reported) if isinstance(reported, (int, float)) else float(np.nanmedian(values))
 
 
 def range_of(settings, shell: bpy.types.Object, values: Array, target: float | None = None) -> Range:
@@ -91,7 +89,7 @@ def range_of(settings, shell: bpy.types.Object, values: Array, target: float | N
     if not settings.colour_fit:
         inside = centre is not None and settings.colour_min <= centre <= settings.colour_max
         return fixed_range(values, settings.colour_min, settings.colour_max, centre if inside else None)
-    if by == "MEAN_CURVATURE":
+    if by == "MEAN_CURVATURE" and centre is not None:
         return fit_about(values, centre, _LEAST_H * abs(centre))
     if by == "GAUSS_CURVATURE":
         return fit_around_zero(values)
@@ -100,10 +98,8 @@ def range_of(settings, shell: bpy.types.Object, values: Array, target: float | N
     return fit_from(values, 0.0, _LEAST_PART * (max(shell.dimensions) or 1.0))
 
 
-def _stored(found: Range) -> tuple[float, ...]:
-    return (
-        found.low, found.high, found.centre or 0.0, found.centre is not None, found.below, found.above
-    )
+def _stored(span: Range) -> tuple[float, ...]:
+    return span.low, span.high, span.centre or 0.0, span.centre is not None, span.below, span.above
 
 
 # --- when a setting changes ----------------------------------------------------------------
@@ -114,7 +110,7 @@ def changed(plan: bpy.types.Object, context: bpy.types.Context, name: str) -> No
     if name in ("colour_min", "colour_max") and settings.colour_fit:
         return
     if name == "colour_by" and not settings.colour_fit:
-        settings.colour_fit = True  # numbers of another quantity say nothing of this one; comes back here
+        settings.colour_fit = True  # the range of another quantity does not fit; this calls `changed` again
         return
     if name == "colour_fit" and not settings.colour_fit:
         _start_from_fitted(plan)
@@ -127,15 +123,15 @@ def changed(plan: bpy.types.Object, context: bpy.types.Context, name: str) -> No
 
 
 def _start_from_fitted(plan: bpy.types.Object) -> None:
-    """The user's range begins with the one that was fitted."""
-    known = [stored_range(family.shell) for family in families(plan)]
-    first = next((found for found in known if found is not None), None)
+    """Start the user's range from the fitted one."""
+    ranges = (stored_range(family.shell) for family in families(plan))
+    first = next((span for span in ranges if span is not None), None)
     if first is not None:
         plan.cmc.colour_min, plan.cmc.colour_max = first.low, first.high
 
 
 def _measure_lines(plan: bpy.types.Object) -> None:
-    """Where strokes are shown from now on, results get their lines of curvature."""
+    """If curvature lines are shown now, write their directions on the results."""
     if plan.cmc.strokes == "NONE":
         return
     for family in families(plan):

@@ -1,4 +1,4 @@
-"""How far a result is from the surface that it approximates: distances, and as colours on it."""
+"""The distance of a result from the surface that it approximates, as numbers and as colours."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..bridges.mesh_bridge import set_attribute
 DEVIATION_ATTRIBUTE = "cmc_deviation"
 DEVIATION_COLOURS = "cmc_deviation_colour"
 
-# From none to the largest: blue, white, red.
+# From zero to the largest: blue, white, red.
 _COLOURS = np.array([(0.10, 0.25, 0.75), (0.95, 0.95, 0.90), (0.80, 0.10, 0.05)])
 
 
@@ -26,8 +26,10 @@ def deviation_from(
 
 
 def show_deviation(plan: bpy.types.Object, result: bpy.types.Object, deviation: NDArray[np.float64]) -> None:
-    """Write the deviation as a number and as a colour of each vertex. The colours are the active ones, which Solid
-    shading shows by Attribute, unless the plan has brought its own."""
+    """Write the deviation of each vertex as a number and as a colour.
+
+    The colours become the active ones, which Solid shading shows by Attribute, unless the plan has its own.
+    """
     mesh = result.data
     set_attribute(mesh, DEVIATION_ATTRIBUTE, "FLOAT", "POINT", deviation)
     part = deviation / (deviation.max() or 1.0)

@@ -1,4 +1,4 @@
-"""The Gauss image beside the shell: its normals as points of a sphere, made from the shell that is there.
+"""The Gauss image beside the shell: the normals of the existing shell as points of a sphere.
 
 Solve makes it, too, where it is wanted, around the middle of the plan, and keeps it up to date wherever it is.
 """
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...solver.errors import CmcError
 from ...solver.surface.placement import rim_weights
 from ..bridges.colour_bridge import surface_of
-from ..bridges.mesh_bridge import read_plan
+from ..bridges.mesh_bridge import PlanMesh, read_plan
 from ..properties.links import result_of
 from . import colours
 from .objects import Writer, write_report
@@ -27,7 +27,7 @@ def is_shown(plan: bpy.types.Object) -> bool:
 
 
 def hide(plan: bpy.types.Object) -> None:
-    """Hide the image; solves keep it up to date."""
+    """Hide the image; solves still keep it up to date."""
     image = result_of(plan, "GAUSS")
     plan.cmc.want_gauss = False
     if image is not None:
@@ -35,9 +35,9 @@ def hide(plan: bpy.types.Object) -> None:
 
 
 def show(context: bpy.types.Context, plan: bpy.types.Object) -> bpy.types.Object:
-    """Show the image beside the shell, made now if there is none. One that the user has moved stays where it is.
+    """Show the image beside the shell; make it if it does not exist. If the user has moved it, it stays where it is.
 
-    Raises `CmcError` where there is no shell or it cannot be read.
+    Raises `CmcError` where the plan has no shell or the shell cannot be read.
     """
     shell = result_of(plan, plan.cmc.sheet)
     if shell is None:
@@ -59,17 +59,17 @@ def _make(context: bpy.types.Context, plan: bpy.types.Object, shell: bpy.types.O
         raise CmcError(f"'{shell.name}' has no report; solve again.")
     radius = 0.5 / float(shell["cmc_mean_curvature"])
     towards = surface_of(shell.data)[2] * (1.0 if plan.cmc.sheet == "F_PLUS" else -1.0)
-    writer = Writer(context, plan, None, None, None)
-    image = writer.write_alike("GAUSS", shell, _middle(plan) + radius * towards, towards)
+    mesh = read_plan(plan)
+    writer = Writer(context, plan, None, mesh, None)
+    image = writer.write_alike("GAUSS", shell, _middle(mesh) + radius * towards, towards)
     write_report(image, {"plan": plan.name})
     if "cmc_report" in shell:
         image["cmc_report"] = shell["cmc_report"]
     return image
 
 
-def _middle(plan: bpy.types.Object) -> NDArray[np.float64]:
-    """Where Solve has the centre of the image: the mean of the plan's rim, of a closed plan that of its vertices."""
-    mesh = read_plan(plan)
+def _middle(mesh: PlanMesh) -> NDArray[np.float64]:
+    """The centre of the image that Solve uses: the mean of the plan's rim, or of all vertices of a closed plan."""
     if not mesh.boundary.any():
         return mesh.positions.mean(axis=0)
     rim, weights = rim_weights(mesh.positions, mesh.edges[mesh.boundary])
@@ -77,7 +77,7 @@ def _middle(plan: bpy.types.Object) -> NDArray[np.float64]:
 
 
 def _beside(shell: bpy.types.Object, image: bpy.types.Object) -> float:
-    """How far to move the image along X for it to stand clear of the shell."""
+    """How far to move the image along X to clear the shell."""
     right, left = (_bounds(ob, side) for ob, side in ((shell, max), (image, min)))
     return right - left + _APART * 0.5 * max(image.dimensions)
 

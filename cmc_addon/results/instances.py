@@ -1,4 +1,4 @@
-"""Copies of a shell as instances: an object for each, all with the same mesh, reflected by their own scale."""
+"""Copies of a shell as instances: one object each, all with the same mesh, reflected by their scale."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ from .objects import Writer
 PIECE = "cmc_piece"
 """Custom property of a piece's mesh: the sheet it shows."""
 
-_TOLD_EVERY = 200
+# Copies between two updates of the progress cursor.
+_PROGRESS_EVERY = 200
 
 
 def write_instances(
@@ -31,9 +32,9 @@ def write_instances(
     completed: Completed,
     measures: Mapping[str, Measured],
 ) -> None:
-    """Make the collection of copies what `completed` says; meshes, with their materials, stay those of before.
+    """Make or update the collection of copies. Its meshes are kept, with their materials.
 
-    measures: sheet -> what is measured on it.
+    measures: sheet -> the measures on it.
     """
     collection = copies_of(plan) or _new_collection(context, plan, depsgraph, mesh)
     origin = np.array(plan.matrix_world.translation, dtype=np.float64)
@@ -46,15 +47,15 @@ def write_instances(
     _match_count(plan, collection, before, len(completed.transforms), next(iter(meshes.values())))
     to_origin = np.eye(4)
     to_origin[:3, 3] = origin
-    told = context.window_manager
-    told.progress_begin(0, len(before))
+    cursor = context.window_manager
+    cursor.progress_begin(0, len(before))
     for k, (ob, sheet) in enumerate(zip(before, completed.sheets, strict=True)):
         if ob.data != meshes[sheet]:
             ob.data = meshes[sheet]
         ob.matrix_world = Matrix((completed.transforms[k] @ to_origin).tolist())
-        if k % _TOLD_EVERY == 0:
-            told.progress_update(k)
-    told.progress_end()
+        if k % _PROGRESS_EVERY == 0:
+            cursor.progress_update(k)
+    cursor.progress_end()
     _drop_unused(plan, meshes)
 
 
@@ -78,7 +79,7 @@ def _new_collection(context, plan, depsgraph, mesh) -> bpy.types.Collection:
 
 
 def _piece(plan: bpy.types.Object, collection: bpy.types.Collection, sheet: str, fresh) -> bpy.types.Mesh:
-    """The mesh of a sheet, made or brought up to date."""
+    """The mesh of a sheet, made or updated."""
     user = next((ob for ob in collection.objects if ob.data.get(PIECE) == sheet), None)
     if user is None:
         fresh.name = f"{plan.name} piece {sheet}"
@@ -98,7 +99,7 @@ def _place(
 
 
 def _match_count(plan, collection, objects: list, count: int, mesh: bpy.types.Mesh) -> None:
-    """As many objects in the collection, and in the list, as there are copies."""
+    """Add or remove objects, in the collection and in the list, until there is one for each copy."""
     if len(objects) > count:
         bpy.data.batch_remove(objects[count:])
         del objects[count:]
@@ -110,7 +111,7 @@ def _match_count(plan, collection, objects: list, count: int, mesh: bpy.types.Me
 
 
 def _drop_unused(plan: bpy.types.Object, kept: dict[str, bpy.types.Mesh]) -> None:
-    """Remove pieces that nothing shows any more."""
+    """Remove pieces that no object uses."""
     for mesh in list(bpy.data.meshes):
         if mesh.get(PIECE) is not None and mesh.users == 0 and mesh not in kept.values():
             bpy.data.meshes.remove(mesh)

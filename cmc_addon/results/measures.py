@@ -1,13 +1,13 @@
-"""What is measured on results, and the attributes that it goes to. Arrays only: safe in a thread.
+"""The measures of results and their attributes. Arrays only: safe in a thread.
 
 ==========================  =========================================================================================
 `cmc_mean_curvature`        H, in 1/length; positive, whichever way the shell stands
 `cmc_gauss_curvature`       K, in 1/length²
 `cmc_distortion`            quasi-conformal distortion Q >= 1 of the map from the plan; 1 where shapes are kept
 `cmc_deviation`             a length: of a nearest surface the distance from the original, everywhere; of the other
-                            shells that of the rim from the line it was to follow, and -1 inside
-`cmc_direction`             unit vectors along the larger principal curvature, zero where there is no direction; the
-                            other direction is square to it. Sign means nothing. Only where strokes are shown
+                            shells that of the rim from its target line, and -1 inside
+`cmc_direction`             unit vectors along the larger principal curvature, zero where it has no direction; the
+                            other direction is square to it. Signs mean nothing. Only where curvature lines are shown
 ==========================  =========================================================================================
 
 All on vertices. On dual and corner meshes they are interpolated from the triangles of the plan.
@@ -36,7 +36,7 @@ Array = NDArray[np.float64]
 Measured = dict[str, Array]
 
 UNKNOWN = -1.0
-"""Deviation where there is nothing to measure it from."""
+"""Deviation where it has no reference."""
 
 
 def sheet_measures(
@@ -49,25 +49,27 @@ def sheet_measures(
 ) -> Measured:
     """Attribute -> values (n,) or (n, 3) of a placed sheet; deviation only where there is an outline."""
     wanted = [name for name in names if name != DEVIATION]
-    found = row_measures(surface, similarity, points, sheet, wanted)
+    measures = row_measures(surface, similarity, points, sheet, wanted)
     if DEVIATION in names and outline is not None:
-        found[DEVIATION] = known_or_not(rim_distances(surface, points, outline))
-    return {ATTRIBUTES[name]: values for name, values in found.items()}
+        measures[DEVIATION] = known_or_not(rim_distances(surface, points, outline))
+    return {ATTRIBUTES[name]: values for name, values in measures.items()}
 
 
 def known_or_not(distances: Array) -> Array:
     return np.where(np.isfinite(distances), distances, UNKNOWN)
 
 
-def polygon_measures(found: Mapping[str, Array], sheet: PolygonSheet, source: ArrayLike, vertex_count: int) -> Measured:
+def polygon_measures(
+    measures: Mapping[str, Array], sheet: PolygonSheet, source: ArrayLike, vertex_count: int
+) -> Measured:
     """The same on a dual or corner mesh, see `on_polygons`."""
-    brought: Measured = {}
-    for name, values in found.items():
+    interpolated: Measured = {}
+    for name, values in measures.items():
         if name == ATTRIBUTES[DIRECTION]:
-            brought[name] = lines_on_polygons(sheet, values, source, vertex_count)
+            interpolated[name] = lines_on_polygons(sheet, values, source, vertex_count)
         elif name == ATTRIBUTES[DEVIATION]:
             distances = np.where(values < 0.0, np.nan, values)
-            brought[name] = known_or_not(on_polygons(sheet, distances, source, vertex_count))
+            interpolated[name] = known_or_not(on_polygons(sheet, distances, source, vertex_count))
         else:
-            brought[name] = on_polygons(sheet, values, source, vertex_count)
-    return brought
+            interpolated[name] = on_polygons(sheet, values, source, vertex_count)
+    return interpolated

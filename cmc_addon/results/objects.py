@@ -1,39 +1,38 @@
-"""Result objects: what they are called, where they lie, and what the next solve does with them.
+"""Result objects: their names, their places, and what the next solve does with them.
 
-**Names.** The first solve of a plan called "Hall" makes the collection "CMC Hall" under the scene, and in
-it "Hall f+", "Hall f-", "Hall g", "Hall Gauss image", as far as they are wanted. Names are given once:
-links, not names, tie plan and results together, so both may be renamed, and neither is ever renamed by a
-solve.
+**Names.** The first solve of a plan called "Hall" makes the collection "CMC Hall" under the scene, and in it
+those of "Hall f+", "Hall f-", "Hall g" and "Hall Gauss image" that are wanted. Names are given once: links tie
+plan and results together, so the user may rename both, and no solve ever does.
 
-**Update in place.** The next solve writes positions, `cmc_normal`, what is measured (see `measures`) and the report
+**Update in place.** The next solve writes positions, `cmc_normal`, the measures (see `measures`) and the report
 into the same objects, and refreshes the layers that come from the plan (UVs, colours, attributes, vertex
-groups). The user's stay: materials and which face has which, smooth or flat, modifiers, constraints,
+groups). What the user has added stays: materials and their faces, smooth or flat shading, modifiers, constraints,
 collections, other layers, custom properties. If the plan's polygons have changed, the mesh is replaced and
 the object stays, with its materials; layers that the user added to the mesh are then lost.
 
-**Other faces.** Where the dual or the corner mesh is asked for, the same object gets that mesh, with the plan's
+**Other faces.** With the dual or the corner mesh chosen, the same object gets that mesh, with the plan's
 layers interpolated to its vertices (see `polygon_bridge`); and back.
 
 **Place.** A result starts with its origin at the plan's, unrotated and unscaled. What the user then does to
 its transform stays: the solve moves it only by as much as the plan has been moved since (a parented result
 not even that).
 
-**Wanted no longer.** A result that exists but is not asked for now is brought up to date all the same and
-hidden, and shown again when it is asked for. A sheet that has become a single point is deleted.
+**No longer wanted.** A result that exists but is not wanted now is updated and hidden, and shown again when it is
+wanted. A sheet that has become a single point is deleted.
 
 **Of a design.** Approximate Surface makes "Hall nearest CMC" and Fit to Outline "Hall fit": results of their own
-role, which Solve neither changes nor hides, and to which all the rest of this applies.
+role, which Solve neither changes nor hides; everything else here applies to them.
 
-**Completed.** Complete by Symmetry makes "Hall completed", or instances in a collection "Hall copies", and hides the
-shell, which is one of the copies. The next solve shows the shell again and hides what was made of the older one.
+**Completed.** Repeat by Symmetry makes "Hall completed", or instances in a collection "Hall copies", and hides the
+shell, which is one of the copies. The next solve shows the shell again and hides the copies of the older one.
 
 **Deleted.** A result counts as deleted when it is in no scene; the next solve makes a new one. The same
 holds for the collection. A result whose plan is deleted stays as it is and can no longer be solved.
 
 **Duplicated.** A link counts only if it goes both ways: the plan names the result and the result names the
-plan. A duplicated plan therefore gets results and a collection of its own and leaves the original's alone;
-plan and results duplicated together are a pair of their own, because Blender redirects the links. A
-duplicated result is a copy that no solve changes; Solve with it active solves the plan it came from.
+plan. So a duplicated plan gets results and a collection of its own and leaves the original's alone. Plan and
+results duplicated together are a pair of their own, because Blender redirects the links. A duplicated result is
+a copy that no solve changes; Solve with it active solves the plan it came from.
 """
 
 from __future__ import annotations
@@ -61,7 +60,7 @@ _SUFFIX["COMPLETED"] = "completed"
 # --- links ---------------------------------------------------------------------------------
 
 def check_writable(plan: bpy.types.Object) -> None:
-    """Raise `CmcError` where a result could not be written, before anything is changed."""
+    """Raise `CmcError` if a result cannot be written, before anything is changed."""
     if not plan.is_editable:
         raise CmcError(
             f"'{plan.name}' is linked from another file; make it local (Object > Library Override, or "
@@ -75,9 +74,9 @@ def check_writable(plan: bpy.types.Object) -> None:
 # --- writing -------------------------------------------------------------------------------
 
 class Writer:
-    """Writes what was formed on a plan into result objects (see the module's text for what stays).
+    """Writes shells into the result objects of a plan; the module's docstring lists what stays.
 
-    formed: pipeline.Formed; mesh, triangles, owners: the plan's arrays that it was formed on.
+    mesh: the plan's arrays that the shell was formed over; cut: where it is open.
     """
 
     def __init__(
@@ -102,22 +101,21 @@ class Writer:
             return vertex_weights(mesh, len(self.group_names))
 
     def _cut_weights(self) -> list[dict[int, float]]:
-        """The plan's vertex weights on the rows of a surface that may be cut open."""
+        """The plan's vertex weights on a surface that may be cut open: each copy of a vertex has its weight."""
         weights = self.weights
         if self.cut is None:
             return weights
-        rows = enumerate(self.cut.vertices.tolist())
-        rows_of: dict[int, list[int]] = {}
-        for row, vertex in rows:
-            rows_of.setdefault(vertex, []).append(row)
-        return [{row: w for vertex, w in group.items() for row in rows_of[vertex]} for group in weights]
+        copies: dict[int, list[int]] = {}
+        for cut_vertex, vertex in enumerate(self.cut.vertices.tolist()):
+            copies.setdefault(vertex, []).append(cut_vertex)
+        return [{copy: w for vertex, w in group.items() for copy in copies[vertex]} for group in weights]
 
     def write(
         self, role: str, points: NDArray, normals: NDArray, measures: Mapping[str, NDArray] | None = None
     ) -> None:
         """Make or update the result in this role with the plan's polygons; points (n, 3) in world coordinates.
 
-        measures: attribute -> values, of a sheet that is measured; those that are missing are removed.
+        measures: attribute -> values on a measured sheet; attributes that it lacks are removed.
         """
         fresh = fresh_mesh(self.plan, self.depsgraph, self.mesh, self.cut)
         put_points(self._put(role, fresh, self._cut_weights()), self.origin, points, normals, measures)
@@ -136,14 +134,14 @@ class Writer:
         put_points(result, self.origin, sheet.points, sheet.normals, measures)
 
     def write_alike(self, role: str, like: bpy.types.Object, points: NDArray, normals: NDArray) -> bpy.types.Object:
-        """Make the result in this role with the mesh of another result, and points of its own."""
+        """Make the result in this role from the mesh of another result, with points of its own."""
         weights = vertex_weights(like.data, len(self.group_names))
         result = self._put(role, like.data.copy(), weights)
         put_points(result, self.origin, points, normals, {})
         return result
 
     def _put(self, role: str, fresh: bpy.types.Mesh, weights: list[dict[int, float]]) -> bpy.types.Object:
-        """The result in this role, made or brought up to date, but for its points."""
+        """The result in this role, made or updated except for its points."""
         result = result_of(self.plan, role)
         if result is None:
             result = self._new(role, fresh)
@@ -171,7 +169,7 @@ class Writer:
         return result
 
     def _collection(self) -> bpy.types.Collection:
-        """The plan's own collection, made if it has none in this scene."""
+        """The plan's own collection; made if it has none in this scene."""
         collection = self.plan.cmc.collection
         if (
             collection is not None
@@ -187,7 +185,7 @@ class Writer:
 
 
 def move_along(result: bpy.types.Object, origin: NDArray) -> None:
-    """Move a result by as much as its plan, whose origin (3,) is given, was moved since it was written."""
+    """Move a result by as much as its plan has moved since the last write; origin (3,): the plan's."""
     moved = origin - np.array(result.cmc.placed_at, dtype=np.float64)
     if not moved.any():
         return
@@ -211,8 +209,7 @@ def put_points(
 
 
 def _forget(plan: bpy.types.Object, role: str) -> None:
-    """Clear a link that does not count; the plan's own result, deleted by the user, is kept alive only by
-    such links and goes with its mesh."""
+    """Clear a link that does not count, and remove the result that the user has deleted, which only the link keeps."""
     linked = getattr(plan.cmc, role.lower())
     setattr(plan.cmc, role.lower(), None)
     if linked is not None and _is_own(plan, role, linked):
@@ -228,7 +225,7 @@ def delete_result(result: bpy.types.Object) -> None:
 
 
 def show_wanted(plan: bpy.types.Object, wanted: list[str]) -> None:
-    """Hide results that are not wanted now; show again those that were hidden for that reason."""
+    """Hide results that are not wanted now; show those again that were hidden for that reason."""
     for role, result in results_of(plan).items():
         if (role not in wanted) == result.cmc.parked:
             continue
@@ -236,24 +233,23 @@ def show_wanted(plan: bpy.types.Object, wanted: list[str]) -> None:
 
 
 def park(result: bpy.types.Object | None) -> None:
-    """Hide a result in whose place another one is now; the next solve shows it again."""
+    """Hide a result that another one replaces; the next solve shows it again."""
     if result is not None:
         result.cmc.parked = result.hide_viewport = result.hide_render = True
 
 
 def hide_completed(plan: bpy.types.Object, hidden: bool) -> None:
-    """Hide what was completed, which was made of an older shell; or show it."""
+    """Hide or show the copies of the shell."""
     for thing in (result_of(plan, "COMPLETED"), copies_of(plan)):
         if thing is not None:
             thing.hide_viewport = thing.hide_render = hidden
 
 
 def write_report(result: bpy.types.Object, report: dict) -> None:
-    """Put a report on a result: `cmc_report`, the whole as JSON, and its plain numbers and words each as a
-    custom property `cmc_<name>`."""
+    """Put a report on a result: all of it as JSON in `cmc_report`, and each number and text as `cmc_<name>`."""
     result["cmc_report"] = json.dumps(report, ensure_ascii=False)
     for name, value in report.items():
         if isinstance(value, (bool, int, float, str)):
             result[f"cmc_{name}"] = value
-        elif value is None and f"cmc_{name}" in result:  # known of an older shell
+        elif value is None and f"cmc_{name}" in result:  # the value is of an older shell
             del result[f"cmc_{name}"]

@@ -1,8 +1,4 @@
-"""One completion of one plan's shell: from the plan to its copies, as instances or as one welded mesh.
-
-The counterpart of `forming`. Where the plan was not solved since it was changed it is solved first, and its results are
-brought up to date as Solve does it.
-"""
+"""Repeat by Symmetry: the copies of a shell, as instances or as one welded mesh."""
 
 from __future__ import annotations
 
@@ -25,7 +21,6 @@ from ...solver.symmetry.complete import TooManyError
 from ...solver.symmetry.sides import surface_size
 from ..background import solve_cache
 from ..bridges.mesh_bridge import set_attribute
-from ..bridges.numbering import in_plan_numbers
 from ..bridges.result_bridge import Cut, corners_of
 from ..properties.attributes import ATTRIBUTES, DEVIATION
 from ..properties.links import result_of
@@ -34,8 +29,9 @@ from ..properties.symmetry_settings import COMPLETE_SETTINGS
 from ..results import colours
 from ..results.instances import delete_instances, write_instances
 from ..results.measures import Measured
-from ..results.objects import Writer, delete_result, hide_completed, write_report
-from .solve import Order, Outcome, check_unchanged, deliver, plan_depsgraph, settings_of, take_order
+from ..results.objects import Writer, delete_result, hide_completed, park, write_report
+from .shell_task import ShellResult, ShellTask, read_solve
+from .solve import SolveResult, SolveTask, plan_depsgraph
 
 COPY_ATTRIBUTE = "cmc_copy"
 """Attribute of the faces of one welded mesh: which copy they are of, 0 the shell itself."""
@@ -44,156 +40,121 @@ COPY_ATTRIBUTE = "cmc_copy"
 _LARGEST_GROUP = 200
 # Copies in a box are counted up to this many for the screen.
 _COUNTED = 400
-# Of the box of an object: what has no extent is given this much, relative to the largest.
+# Margin of an object's box, relative to its largest extent: a flat object has a box, too.
 _THIN = 1e-6
+# Gaps and offsets larger than this part of the shell's size are worth a warning.
+_WIDE = 0.01
 
 
 @dataclass(frozen=True, eq=False)
-class CompleteOrder:
-    """All that a completion needs, without any Blender data: safe in a thread.
+class CompleteResult(ShellResult):
+    """The copies. cut: the welded mesh, each part with its source in the plan; None for instances."""
 
-    solve: the solve of the plan. known: what it gave, if it was done before.
-    """
-
-    solve: Order
-    known: Outcome | None
-    extent: CopySelection
-    wanted: SimpleNamespace
-
-    @property
-    def name(self) -> str:
-        return self.solve.name
-
-    @property
-    def settings(self) -> SimpleNamespace:
-        return self.solve.settings
-
-    def work(self, progress: Progress) -> CompleteOutcome:
-        """Solve if need be, find the copies, and weld them if one mesh is wanted. Raises `CmcError`."""
-        outcome = self.known or self.solve.work(progress)
-        prepared, mesh = outcome.prepared, self.solve.mesh
-        plan = self.solve.plan(prepared)
-        try:
-            completed = self.completed(plan, outcome)
-            told = completed_report(completed, welded=self.wanted.complete_as == "MESH")
-        except CmcError as error:
-            raise in_plan_numbers(error, mesh, prepared.triangles, prepared.owners) from error
-        cut = whole_mesh(completed, plan, mesh) if self.wanted.complete_as == "MESH" else None
-        return CompleteOutcome(outcome, completed, told, cut)
-
-    def completed(self, plan: Plan, outcome: Outcome) -> Completed:
-        """The copies of the shell over a plan."""
-        return complete_plan(plan, outcome.shell, self.extent, ROLES[self.settings.sheet])
-
-    def deliver(self, context: bpy.types.Context, plan: bpy.types.Object, outcome: CompleteOutcome) -> list[str]:
-        """Write the copies, in the place of those that were made before; returns what the user should be warned of.
-
-        Raises `CmcError`, with nothing changed, where the plan is not what it was when the order was taken.
-        """
-        depsgraph = plan_depsgraph(context, self.settings)
-        check_unchanged(plan, depsgraph, self.solve.mesh)
-        warnings = []
-        if self.known is None or result_of(plan, self.settings.sheet) is None:
-            warnings = deliver(context, plan, self.solve, outcome.outcome)
-        if outcome.cut is not None:
-            delete_instances(plan)
-            self._write_mesh(context, plan, depsgraph, outcome)
-        else:
-            existing = result_of(plan, "COMPLETED")
-            if existing is not None:
-                delete_result(existing)
-            cut = outcome.outcome.cut
-            numbers = {sheet: sheet_numbers(outcome.outcome, sheet, self.solve) for sheet in outcome.completed.sheets}
-            write_instances(context, plan, depsgraph, self.solve.mesh, cut, outcome.completed, numbers)
-        hide_completed(plan, False)
-        _hide_shell(plan, self.settings.sheet)
-        plan.cmc.complete_report = json.dumps(outcome.report, ensure_ascii=False)
-        self.keep(plan)
-        colours.repaint(plan)
-        return [*warnings, *outcome.warnings]
-
-    def keep(self, plan: bpy.types.Object) -> None:
-        """Store with the plan what was wanted."""
-        for name in COMPLETE_SETTINGS:
-            setattr(plan.cmc, name, getattr(self.wanted, name))
-        plan.cmc.complete_box = bpy.data.objects.get(self.wanted.box) if self.wanted.box else None
-
-    def _write_mesh(self, context, plan, depsgraph, outcome: CompleteOutcome) -> None:
-        completed = outcome.completed
-        writer = Writer(context, plan, depsgraph, self.solve.mesh, outcome.cut)
-        writer.write("COMPLETED", completed.points, completed.normals, outcome.measures(self.solve))
-        result = result_of(plan, "COMPLETED")
-        each = len(result.data.polygons) // completed.copy_count
-        numbers = np.repeat(np.arange(completed.copy_count, dtype=np.int32), each)
-        set_attribute(result.data, COPY_ATTRIBUTE, "INT", "FACE", numbers)
-        write_report(result, outcome.report)
-
-
-@dataclass(frozen=True, eq=False)
-class CompleteOutcome:
-    """What the work gave. cut: the welded mesh by where all of it comes from, None for instances."""
-
-    outcome: Outcome
     completed: Completed
     report: dict
     cut: Cut | None
 
     @property
-    def converged(self) -> bool:
-        return self.outcome.converged
-
-    @property
     def message(self) -> str:
         return self.completed.summary()
 
-    def measures(self, order: Order) -> Measured:
-        """What is measured at the vertices of the welded mesh: the numbers of the shell, at every copy."""
+    def measures(self, task: SolveTask) -> Measured:
+        """The measures at the vertices of the welded mesh: those of the shell, at every copy."""
         completion = self.completed.completion
-        table = {sheet: sheet_numbers(self.outcome, sheet, order) for sheet in set(completion.sheets)}
-        found: Measured = {}
+        table = {sheet: sheet_numbers(self.solved, sheet, task) for sheet in set(completion.sheets)}
+        measured: Measured = {}
         for name in table[completion.sheets[0]]:
-            found[name] = np.empty(len(self.completed.points))
-            found[name][completion.members.ravel()] = np.concatenate([table[s][name] for s in completion.sheets])
-        return found
+            measured[name] = np.empty(len(self.completed.points))
+            measured[name][completion.members.ravel()] = np.concatenate([table[s][name] for s in completion.sheets])
+        return measured
 
     @property
     def warnings(self) -> list[str]:
-        """What did not come out as it is meant to be."""
-        notes, scale = [] if self.converged else [self.outcome.message], self.outcome.shell.similarity.scale
+        """Gaps and offsets that were closed, and how the solve ended."""
+        notes, scale = [] if self.converged else [self.solved.message], self.solved.shell.similarity.scale
         if self.report["relative_gap"] > _WIDE:
             notes.append(
                 f"Seams were up to {self.completed.largest_gap:.2g} apart, {100 * self.report['relative_gap']:.2g} % "
-                "of the shell's size; they were closed, but a finer mesh, or a plan with the corner angles of the "
-                "surface, makes them meet by themselves."
+                "of the shell's size, and were closed. A finer mesh, or a plan with the corner angles of the surface, "
+                "makes them meet by themselves."
             )
-        if self.completed.largest_offset > _WIDE * surface_size(self.outcome.shell.surface) * scale:
-            notes.append(f"Sides that share a plane came out up to {self.completed.largest_offset:.2g} apart.")
+        if self.completed.largest_offset > _WIDE * surface_size(self.solved.shell.surface) * scale:
+            notes.append(f"Sides that share a plane are up to {self.completed.largest_offset:.2g} apart.")
         return notes
 
 
-def sheet_numbers(outcome: Outcome, sheet: str, order: Order) -> Measured:
-    """What an order measures of a sheet, as far as it is the same on every copy: numbers, and not from the outline."""
-    found = outcome.measures(sheet, order) or {}
-    return {name: values for name, values in found.items() if values.ndim == 1 and name != ATTRIBUTES[DEVIATION]}
+@dataclass(frozen=True, eq=False)
+class CompleteTask(ShellTask[CompleteResult]):
+    """Copies of a shell. copies: which ones. wanted: `COMPLETE_SETTINGS` and the name of a `box`."""
+
+    copies: CopySelection
+    wanted: SimpleNamespace
+
+    @classmethod
+    def read(cls, context: bpy.types.Context, plan: bpy.types.Object, wanted: SimpleNamespace) -> CompleteTask:
+        """Read the plan. Raises `CmcError` where it cannot be read or there is no such box."""
+        return cls(*read_solve(context, plan), copies_wanted(plan, wanted), wanted)
+
+    def work(self, progress: Progress) -> CompleteResult:
+        """Solve if need be, find the copies, and weld them if one mesh is wanted."""
+        solved, mesh = self.known or self.solve.work(progress), self.solve.mesh
+        plan, is_welded = self.solve.plan(solved.prepared), self.wanted.complete_as == "MESH"
+        with solved.prepared.plan_numbers(mesh):
+            completed = self.completed(plan, solved)
+            report = completed_report(completed, welded=is_welded)
+        return CompleteResult(solved, completed, report, whole_mesh(completed, plan, mesh) if is_welded else None)
+
+    def completed(self, plan: Plan, solved: SolveResult) -> Completed:
+        """The copies of the shell over a plan."""
+        return complete_plan(plan, solved.shell, self.copies, ROLES[self.solve.settings.sheet])
+
+    def write(self, context: bpy.types.Context, plan: bpy.types.Object, result: CompleteResult) -> list[str]:
+        """Write the copies in place of earlier ones, and the shell where it was solved just now."""
+        self.solve.check_unchanged(context, plan)
+        warnings = [] if self.is_shown(plan) else self.solve.write(context, plan, result.solved)
+        depsgraph = plan_depsgraph(context, self.solve.settings)
+        if result.cut is not None:
+            delete_instances(plan)
+            self._write_mesh(context, plan, depsgraph, result)
+        else:
+            existing = result_of(plan, "COMPLETED")
+            if existing is not None:
+                delete_result(existing)
+            numbers = {sheet: sheet_numbers(result.solved, sheet, self.solve) for sheet in result.completed.sheets}
+            mesh, cut = self.solve.mesh, result.solved.cut
+            write_instances(context, plan, depsgraph, mesh, cut, result.completed, numbers)
+        hide_completed(plan, False)
+        park(result_of(plan, self.solve.settings.sheet))  # it is one of the copies
+        plan.cmc.complete_report = json.dumps(result.report, ensure_ascii=False)
+        self.store(plan)
+        colours.repaint(plan)
+        return [*warnings, *result.warnings]
+
+    def store(self, plan: bpy.types.Object) -> None:
+        """Keep the settings with the plan."""
+        for name in COMPLETE_SETTINGS:
+            setattr(plan.cmc, name, getattr(self.wanted, name))
+        plan.cmc.complete_box = bpy.data.objects.get(self.wanted.box) if self.wanted.box else None
+
+    def _write_mesh(self, context, plan, depsgraph, result: CompleteResult) -> None:
+        completed = result.completed
+        writer = Writer(context, plan, depsgraph, self.solve.mesh, result.cut)
+        writer.write("COMPLETED", completed.points, completed.normals, result.measures(self.solve))
+        ob = result_of(plan, "COMPLETED")
+        each = len(ob.data.polygons) // completed.copy_count
+        numbers = np.repeat(np.arange(completed.copy_count, dtype=np.int32), each)
+        set_attribute(ob.data, COPY_ATTRIBUTE, "INT", "FACE", numbers)
+        write_report(ob, result.report)
 
 
-# Gaps and offsets larger than this part of the size are worth a warning.
-_WIDE = 0.01
+def sheet_numbers(solved: SolveResult, sheet: str, task: SolveTask) -> Measured:
+    """What a task measures on a sheet that is the same on every copy: no directions, no distance from the outline."""
+    measured = solved.measures(sheet, task) or {}
+    return {name: values for name, values in measured.items() if values.ndim == 1 and name != ATTRIBUTES[DEVIATION]}
 
 
-def take_completion(
-    context: bpy.types.Context, plan: bpy.types.Object, wanted: SimpleNamespace
-) -> CompleteOrder:
-    """Read the plan and what is wanted of its copies (`COMPLETE_SETTINGS` and the name of a `box`).
-
-    Raises `CmcError` where the plan cannot be read or there is no such box.
-    """
-    order = take_order(context, plan, settings_of(plan.cmc))
-    return CompleteOrder(order, solve_cache.recall(order), extent_of(plan, wanted), wanted)
-
-
-def extent_of(plan: bpy.types.Object, wanted: SimpleNamespace) -> CopySelection:
-    """Which copies are wanted; raises `CmcError` without an object for the box."""
+def copies_wanted(plan: bpy.types.Object, wanted: SimpleNamespace) -> CopySelection:
+    """Which copies the settings select; raises `CmcError` without an object for the box."""
     sides = [group.name for group in plan.data.cmc.groups if _goes_on(group)]
     if wanted.complete_extent == "COUNT":
         return CopySelection(sides, copies=wanted.complete_count)
@@ -213,7 +174,7 @@ def _box(name: str) -> NDArray[np.float64]:
         raise CmcError(
             f"There is no object '{name}' for the box; choose another."
             if name
-            else "No object is chosen for the box; add a cube around the copies that are wanted, and choose it."
+            else "No object is chosen for the box; add a cube around the copies you want, and choose it."
         )
     corners = np.array([ob.matrix_world @ type(ob.location)(corner) for corner in ob.bound_box])
     low, high = corners.min(axis=0), corners.max(axis=0)
@@ -224,52 +185,52 @@ def _box(name: str) -> NDArray[np.float64]:
 
 
 def counts(plan: bpy.types.Object, wanted: SimpleNamespace) -> tuple[int, bool] | None:
-    """How many copies a completion would have now, and whether there are more than that; None before the first solve.
+    """How many copies a completion would have now, and whether there are more; None before the first solve.
 
     Quick enough for the screen: units are multiplied, and copies in a box counted up to a limit. Raises `CmcError`.
     """
     known = solve_cache.latest(plan.name)
     if known is None:
         return None
-    extent = extent_of(plan, wanted)
-    sides = tuple(extent.sides or ())
-    if extent.copies is not None:
-        found, _ = _count(*known, sides, min(extent.copies, _LARGEST_GROUP), None)
-        return (extent.copies if found == _LARGEST_GROUP else found), False
-    if extent.box is not None:
-        found, _ = _count(*known, sides, None, tuple(map(tuple, extent.box.tolist())))
-        return min(found, _COUNTED), found > _COUNTED
+    selection = copies_wanted(plan, wanted)
+    sides = tuple(selection.sides or ())
+    if selection.copies is not None:
+        number, _ = _count(*known, sides, min(selection.copies, _LARGEST_GROUP), None)
+        return (selection.copies if number == _LARGEST_GROUP else number), False
+    if selection.box is not None:
+        number, _ = _count(*known, sides, None, tuple(map(tuple, selection.box.tolist())))
+        return min(number, _COUNTED), number > _COUNTED
     unit, directions = _count(*known, sides, None, None)
     return unit * math.prod(wanted.complete_repeat[:directions]), False
 
 
-def _count(order: Order, outcome: Outcome, *which) -> tuple[int, int]:
+def _count(task: SolveTask, solved: SolveResult, *which) -> tuple[int, int]:
     """Copies, and the directions in which they repeat."""
-    found = _counted(order, outcome, *which)
-    if isinstance(found, CmcError):
-        raise found
-    return found
+    counted = _counted(task, solved, *which)
+    if isinstance(counted, CmcError):
+        raise counted
+    return counted
 
 
 @lru_cache(maxsize=8)
-def _counted(order: Order, outcome: Outcome, sides, copies, box) -> tuple[int, int] | CmcError:
+def _counted(task: SolveTask, solved: SolveResult, sides, copies, box) -> tuple[int, int] | CmcError:
     """The same, or why there are none; both are worth keeping between redraws."""
     limit = copies if box is None else _COUNTED
-    extent = CopySelection(sides, limit, None if box is None else np.array(box))
+    selection = CopySelection(sides, limit, None if box is None else np.array(box))
     try:
-        found = complete_plan(order.plan(outcome.prepared), outcome.shell, extent, ROLES[order.settings.sheet])
+        completed = complete_plan(task.plan(solved.prepared), solved.shell, selection, ROLES[task.settings.sheet])
     except TooManyError:
         return _COUNTED + 1, 0
     except CmcError as error:
         return error
-    return found.copy_count, len(found.completion.lattice)
+    return completed.copy_count, len(completed.completion.lattice)
 
 
 def whole_mesh(completed: Completed, plan, mesh) -> Cut:
-    """The welded mesh by where everything in it comes from in the plan, a PlanMesh, whose layers it is to have."""
+    """The welded mesh, each part with its source in the plan `mesh`, a PlanMesh, from which it takes its layers."""
     polygons = completed.polygons(plan)
     sizes = np.diff(polygons.starts)
-    owner = np.repeat(polygons.faces, sizes)
+    owner = np.repeat(polygons.faces, sizes).astype(np.int32)
     corners = corners_of(mesh, owner, completed.shell.source[polygons.rows])
     rows = polygons.corners
     if mesh.mirrored:  # a mesh stores its polygons the other way round, see `find_cut`
@@ -282,13 +243,6 @@ def whole_mesh(completed: Completed, plan, mesh) -> Cut:
         rows=rows.astype(np.int32),
         starts=polygons.starts.astype(np.int32),
     )
-
-
-def _hide_shell(plan: bpy.types.Object, sheet: str) -> None:
-    """The shell is one of the copies; the next solve shows it again."""
-    shell = result_of(plan, sheet)
-    if shell is not None:
-        shell.cmc.parked = shell.hide_viewport = shell.hide_render = True
 
 
 def register() -> None:

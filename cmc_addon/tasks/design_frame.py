@@ -1,4 +1,4 @@
-"""Coordinates in which a shell that is fitted stands upright, whichever way its plan lies."""
+"""Coordinates in which a fitted shell stands upright, whatever the orientation of its plan."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ...solver.surface.placement import Similarity
 
 Array = NDArray[np.float64]
 
-# Cosine between the normal of a plan and the vertical below which it is a wall, not a floor.
+# Below this cosine between its normal and the vertical, a plan is a wall, not a floor.
 _STEEP = 0.1
 
 
@@ -47,9 +47,9 @@ class Frame:
     def outside(self, points: Array) -> Array:
         return points @ self.linear + self.origin
 
-    def placing(self, found: Fit) -> Similarity:
-        """From the points of the surface of a fit in this frame to the world."""
-        return Similarity(1.0, found.sign * self.linear.T, self.origin + found.shift @ self.linear)
+    def placing(self, fit: Fit) -> Similarity:
+        """The map from the points of a fit in this frame to the world."""
+        return Similarity(1.0, fit.sign * self.linear.T, self.origin + fit.shift @ self.linear)
 
     @property
     def up(self) -> Array:

@@ -1,40 +1,54 @@
-"""Export: from result objects to one mesh file and its report, by the writers that jobs use as well.
-
-Reading the objects takes no time and is done in Blender's thread; what writes the files sees arrays only.
-"""
+"""Export: from result objects to one mesh file and its report, written as jobs write theirs."""
 
 from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import bpy
 
-from ...solver.errors import CmcError, JobError
+from ...solver.errors import CmcError, JobError, Progress
 from ...solver.io.mesh_files import FORMATS, write_bytes, write_mesh
 from ..bridges.export_bridge import Placed, joined, read_objects
 from ..properties.links import copies_of, result_of
+from ..properties.reports import complete_report, design_report, solve_report
+from .task import Task
 
-_MADE_BY = {"SHELL": "Solve", "FIT": "Fit to Outline", "COMPLETED": "Complete by Symmetry"}
+_MADE_BY = {"SHELL": "Solve", "FIT": "Fit to Outline", "COMPLETED": "Repeat by Symmetry"}
 
 
 @dataclass(frozen=True, eq=False)
-class ExportOrder:
-    """All that writing needs, without any Blender data: safe in a thread.
+class ExportTask(Task[list[Path]]):
+    """An export; here the work writes the files.
 
-    parts: the meshes, to be written as one. report: text of the JSON file beside it, if one is wanted.
+    parts: the meshes, written as one. report: text of the JSON file beside it, if one is wanted. what: the choice of
+    results, kept with the plan.
     """
 
     path: Path
     parts: list[Placed]
     report: str | None
+    what: str
 
-    def work(self, progress: Callable[[int, float], bool]) -> list[Path]:
-        """Write, each file at once or not at all; returns what was written: nothing where it was cancelled meanwhile.
+    @classmethod
+    def read(
+        cls, context: bpy.types.Context, plan: bpy.types.Object, path: Path, what: str, modifiers: bool, report: bool
+    ) -> ExportTask:
+        """Read the results. Raises `CmcError` where there are none, they have no faces, or the format is not known."""
+        if path.suffix.lower() not in FORMATS:
+            raise JobError(f'{path} has no format known here; use one of {", ".join(FORMATS)}.')
+        objects = wanted_objects(context, plan, what)
+        parts = read_objects(objects, context.evaluated_depsgraph_get() if modifiers else None)
+        if not any(len(part.mesh.starts) for part in parts):
+            raise CmcError(f"'{objects[0].name}' has no faces, so there is nothing to export.")
+        return cls(path, parts, _report(plan, objects) if report else None, what)
+
+    def work(self, progress: Progress) -> list[Path]:
+        """Write the files, each whole or not at all; returns their paths, none if the export was cancelled meanwhile.
 
         Raises `JobError`.
         """
@@ -43,7 +57,7 @@ class ExportOrder:
             place.mkdir(parents=True, exist_ok=True)
             with TemporaryDirectory(prefix=".export-", dir=place) as scratch:
                 files = self._write(Path(scratch))
-                return [_move(file, place) for file in files] if progress(1, 1.0) else []
+                return [] if progress(1, 1.0) is False else [_move(file, place) for file in files]
         except OSError as error:
             raise JobError(f"{self.path} cannot be written: {error.strerror or error}.") from error
 
@@ -56,6 +70,11 @@ class ExportOrder:
             write_bytes(files[1], self.report.encode())
         return files
 
+    def write(self, context: bpy.types.Context, plan: bpy.types.Object, result: list[Path]) -> list[str]:
+        """Keep the choices with the plan."""
+        plan.cmc.export_what, plan.cmc.export_format = self.what, self.path.suffix[1:].upper()
+        return []
+
 
 def _move(file: Path, place: Path) -> Path:
     os.replace(file, place / file.name)
@@ -63,25 +82,25 @@ def _move(file: Path, place: Path) -> Path:
 
 
 def wanted_objects(context: bpy.types.Context, plan: bpy.types.Object, what: str) -> list[bpy.types.Object]:
-    """The results to be written. Raises `CmcError` where there are none."""
+    """The results to export. Raises `CmcError` where there are none."""
     if what == "SELECTED":
-        found = [ob for ob in context.selected_objects if ob.type == "MESH" and ob.cmc.role != "NONE"]
-        if not found:
+        selected = [ob for ob in context.selected_objects if ob.type == "MESH" and ob.cmc.role != "NONE"]
+        if not selected:
             raise CmcError("No result is selected; select the shells to export.")
-        return found
+        return selected
     if what != "AUTO":
-        found = _in_role(plan, what)
-        if not found:
+        results = _in_role(plan, what)
+        if not results:
             raise CmcError(f"'{plan.name}' has no such result yet; {_MADE_BY[what]} makes it.")
-        return found
+        return results
     active = context.view_layer.objects.active
     if active is not None and active.type == "MESH" and active.cmc.role != "NONE":
         return _in_role(plan, "COMPLETED") if active.cmc.role == "COMPLETED" else [active]
     completed = [ob for ob in _in_role(plan, "COMPLETED") if not ob.hide_viewport]
-    found = completed or _in_role(plan, "FIT") or _in_role(plan, "SHELL") or _in_role(plan, "NEAREST")
-    if not found:
+    results = completed or _in_role(plan, "FIT") or _in_role(plan, "SHELL") or _in_role(plan, "NEAREST")
+    if not results:
         raise CmcError(f"'{plan.name}' has no shell yet; Solve makes one.")
-    return found
+    return results
 
 
 def _in_role(plan: bpy.types.Object, what: str) -> list[bpy.types.Object]:
@@ -91,26 +110,9 @@ def _in_role(plan: bpy.types.Object, what: str) -> list[bpy.types.Object]:
     return [] if result is None else [result]
 
 
-def take_export(
-    context: bpy.types.Context, plan: bpy.types.Object, path: Path, what: str, modifiers: bool, with_report: bool
-) -> ExportOrder:
-    """Read the results. Raises `CmcError` where there are none, they have no faces, or the format is not known."""
-    if path.suffix.lower() not in FORMATS:
-        raise JobError(f'{path} has no format known here; use one of {", ".join(FORMATS)}.')
-    objects = wanted_objects(context, plan, what)
-    parts = read_objects(objects, context.evaluated_depsgraph_get() if modifiers else None)
-    if not any(len(part.mesh.starts) for part in parts):
-        raise CmcError(f"'{objects[0].name}' has no faces, so there is nothing to export.")
-    report = _report(plan, objects) if with_report else None
-    return ExportOrder(path, parts, report)
-
-
 def _report(plan: bpy.types.Object, objects: Sequence[bpy.types.Object]) -> str:
-    """The report of what is written, and the names of its objects."""
-    texts = {"FIT": plan.cmc.design_report, "NEAREST": plan.cmc.design_report, "COMPLETED": plan.cmc.complete_report}
-    try:
-        told = json.loads(texts.get(objects[0].cmc.role, plan.cmc.report))
-    except ValueError:
-        told = {}  # nobody has solved yet, or somebody else wrote into the property
+    """The report of the exported shell, with the names of its objects."""
+    reports = {"FIT": design_report, "NEAREST": design_report, "COMPLETED": complete_report}
+    report = reports.get(objects[0].cmc.role, solve_report)(plan) or {}
     names = [ob.name for ob in objects]
-    return json.dumps({"plan": plan.name, "objects": names, **told}, indent=2, ensure_ascii=False) + "\n"
+    return json.dumps({"plan": plan.name, "objects": names, **report}, indent=2, ensure_ascii=False) + "\n"

@@ -1,4 +1,4 @@
-"""Fit to Outline: the order to find the shell whose rim lies on a line, and reading that line and anchors."""
+"""Fit to Outline: the shell whose rim lies on a line or passes through anchors."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ from ...solver.shells.rim_curves import curves_of_loops
 from ..background import plan_cache
 from ..bridges import outline_bridge
 from ..properties.design_settings import POINTERS
-from .design import LIMIT, DesignOrder, DesignOutcome, counted, read_order
+from .design import LIMIT, DesignResult, DesignTask, counted, read_common
 from .design_frame import Frame
 
 Array = NDArray[np.float64]
 
-# Evaluations of the first slice of a fit, after which it is shown; each next slice is twice as long.
+# Evaluations of the first slice of a fit; after each slice the shape is shown, and the next one is twice as long.
 _FIRST_SLICE = 10
-# Evaluations that a fit gets even when a newer wish is there, so that a shell that follows gets anywhere.
+# Evaluations that a fit gets even when it is out of date, so that a shell that follows a drag moves at all.
 _LEAST = 5
 
 
 class Latest:
-    """The last fit that was delivered, from which the next one of this plan goes on; for one plan at a time.
+    """The last fit that was written, from which the next one of its plan starts; for one plan at a time.
 
     settings: those that it fulfils as well as can be; None where that is not known.
     """
@@ -44,18 +44,52 @@ class Latest:
 
 
 @dataclass(eq=False)
-class FitOrder(DesignOrder):
+class FitTask(DesignTask):
     """settings: `FIT_SETTINGS`.
 
     curves: closed lines (m, 3) for the rim, None for the plan's own; see `curves_of_loops`. anchors: places (k, 3) and
-    weights (k,), or None. initial: an earlier fit to go on from. newer: set when this order is out of date, so that it
-    comes to an end with what it has.
+    weights (k,), or None. initial: an earlier fit to start from. newer: set when this task is out of date; it then
+    ends with what it has.
     """
 
     curves: list[Array] | None = None
     anchors: tuple[Array, Array] | None = None
     initial: Fit | None = None
     newer: Event = field(default_factory=Event)
+
+    @classmethod
+    def read(
+        cls,
+        context: bpy.types.Context,
+        plan: bpy.types.Object,
+        settings: SimpleNamespace,
+        curve: bpy.types.Object | None,
+        anchors: bpy.types.Collection | None,
+        stored: tuple[str, ...] = (),
+    ) -> FitTask:
+        """Read the plan, the curve and the anchors, which stay with the plan, as do the `stored` settings.
+
+        Raises `CmcError` on what is missing.
+        """
+        return cls(
+            **read_common(context, plan, settings),
+            role="FIT",
+            stored=stored,
+            targets={
+                POINTERS["curve"]: None if curve is None else ("objects", curve.name),
+                POINTERS["anchors"]: None if anchors is None else ("collections", anchors.name),
+            },
+            curves=_curves(plan, curve) if settings.fit_to == "CURVE" else None,
+            anchors=_anchors(context, anchors, needed=settings.fit_to == "ANCHORS"),
+        )
+
+    def go_on(self, plan: bpy.types.Object) -> FitTask:
+        """This task, started from the last fit if that was of this plan as it is drawn now."""
+        self.initial = Latest.fit if Latest.drawn == self._drawn(plan) else None
+        return self
+
+    def _drawn(self, plan: bpy.types.Object) -> tuple[int, bytes]:
+        return plan.session_uid, plan_cache.fingerprint(self.mesh)
 
     def frame(self, prepared: plan_cache.Prepared) -> Frame:
         return Frame.over(self.mesh.positions, prepared.triangles, self.settings.hanging)
@@ -76,10 +110,10 @@ class FitOrder(DesignOrder):
             solver=prepared.solver,
         )
 
-        def told(count: int, value: float) -> bool | None:
+        def unless_newer(count: int, value: float) -> bool | None:
             return False if self.newer.is_set() and count >= _LEAST else progress(count, value)
 
-        return in_slices(call, self.initial, told, show)
+        return in_slices(call, self.initial, unless_newer, show)
 
     def _lines(self, frame: Frame, prepared: plan_cache.Prepared) -> list[Array] | None:
         """A line for each loop of the plan, in the frame."""
@@ -102,9 +136,9 @@ class FitOrder(DesignOrder):
         lines = self._lines(frame, prepared)
         return self.mesh.positions if lines is None else [frame.outside(line) for line in lines]
 
-    def deliver(self, context: bpy.types.Context, plan: bpy.types.Object, outcome: DesignOutcome) -> list[str]:
-        warnings = super().deliver(context, plan, outcome)
-        Latest.fit, Latest.drawn = outcome.fit, _drawn(plan, self)
+    def write(self, context: bpy.types.Context, plan: bpy.types.Object, result: DesignResult) -> list[str]:
+        warnings = super().write(context, plan, result)
+        Latest.fit, Latest.drawn = result.fit, self._drawn(plan)
         Latest.settings = None if self.newer.is_set() else self.settings
         return warnings
 
@@ -116,60 +150,28 @@ def _bounds(least: float, most: float) -> tuple[float, float]:
 
 
 def in_slices(
-    call: Callable[..., Fit], found: Fit | None, progress: Progress, show: Callable[[Fit], None]
+    call: Callable[..., Fit], initial: Fit | None, progress: Progress, show: Callable[[Fit], None]
 ) -> Fit:
-    """call(initial=…, max_evaluations=…, progress=…), again and again from where it ended, until it ends by itself.
+    """call(initial=…, max_evaluations=…, progress=…), repeated from where it stopped until it ends by itself.
 
-    Each slice is twice as long as the one before, since each forgets what the one before has learnt about the
-    curvature of the problem. Where a wish is not met then, the last one is long enough to try another way.
+    Each slice is twice as long as the one before, since it starts without the curvature that the one before has
+    learnt. If a goal is then unmet, the last slice is long enough to try another way.
     """
     past: list[float] = []
-    size, told = _FIRST_SLICE, counted(progress)
+    fit, size, counting = initial, _FIRST_SLICE, counted(progress)
     while True:
-        found = call(initial=found, max_evaluations=size, progress=told)
-        past += found.history
-        ended = found.status is not FitStatus.EVALUATION_LIMIT or len(past) >= LIMIT
-        if found.status is FitStatus.CANCELLED or size == LIMIT or (ended and found.met):
-            return replace(found, history=past)
-        show(found)
+        fit = call(initial=fit, max_evaluations=size, progress=counting)
+        past += fit.history
+        ended = fit.status is not FitStatus.EVALUATION_LIMIT or len(past) >= LIMIT
+        if fit.status is FitStatus.CANCELLED or size == LIMIT or (ended and fit.met):
+            return replace(fit, history=past)
+        show(fit)
         size = LIMIT if ended else min(2 * size, LIMIT - len(past))
-
-
-# --- taking an order -----------------------------------------------------------------------
-
-def take_fit(
-    context: bpy.types.Context,
-    plan: bpy.types.Object,
-    settings: SimpleNamespace,
-    curve: bpy.types.Object | None,
-    anchors: bpy.types.Collection | None,
-) -> FitOrder:
-    """An order with these settings; curve and anchors are kept with the plan. Raises `CmcError` on what is missing."""
-    return FitOrder(
-        **read_order(context, plan, settings),
-        role="FIT",
-        chosen={
-            POINTERS["curve"]: None if curve is None else ("objects", curve.name),
-            POINTERS["anchors"]: None if anchors is None else ("collections", anchors.name),
-        },
-        curves=_curves(plan, curve) if settings.fit_to == "CURVE" else None,
-        anchors=_anchors(context, anchors, needed=settings.fit_to == "ANCHORS"),
-    )
-
-
-def go_on(order: FitOrder, plan: bpy.types.Object) -> FitOrder:
-    """The order, going on from the last fit if that was of this plan as it is drawn now."""
-    order.initial = Latest.fit if Latest.drawn == _drawn(plan, order) else None
-    return order
 
 
 def fulfilled(plan: bpy.types.Object) -> SimpleNamespace | None:
     """The settings that the fitted shell of a plan fulfils, where that is known."""
     return Latest.settings if Latest.drawn is not None and Latest.drawn[0] == plan.session_uid else None
-
-
-def _drawn(plan: bpy.types.Object, order: FitOrder) -> tuple[int, bytes]:
-    return plan.session_uid, plan_cache.fingerprint(order.mesh)
 
 
 def _curves(plan: bpy.types.Object, curve: bpy.types.Object | None) -> list[np.ndarray]:
@@ -187,16 +189,15 @@ def _curves(plan: bpy.types.Object, curve: bpy.types.Object | None) -> list[np.n
 def _anchors(
     context: bpy.types.Context, collection: bpy.types.Collection | None, needed: bool
 ) -> tuple[np.ndarray, np.ndarray] | None:
-    """Places (k, 3) and weights (k,) of the empties of a collection, or where only anchors count and there is no
-    collection of the selected ones."""
+    """Places (k, 3) and weights (k,) of the empties of a collection; without one, of the selected ones if needed."""
     if collection is not None:
-        found, where = collection.all_objects, f"The collection '{collection.name}' has no empties that count"
+        objects, where = collection.all_objects, f"The collection '{collection.name}' has no empties that count"
     elif needed:
-        found, where = context.selected_objects, "There are no anchors"
+        objects, where = context.selected_objects, "There are no anchors"
     else:
         return None
-    empties = [ob for ob in found if ob.type == "EMPTY" and ob.cmc.anchor_weight > 0.0]
+    empties = [ob for ob in objects if ob.type == "EMPTY" and ob.cmc.anchor_weight > 0.0]
     if not empties:
-        raise CmcError(f"{where}; add empties where the shell is to be held, and select them, or choose a collection.")
+        raise CmcError(f"{where}; add empties where the shell must pass, and select them, or choose a collection.")
     places = np.array([ob.matrix_world.translation for ob in empties], dtype=np.float64)
     return places, np.array([ob.cmc.anchor_weight for ob in empties])

@@ -1,7 +1,4 @@
-"""One solve of one plan: from the plan object to arrays, and from arrays to result objects.
-
-Between the two lies the work itself, which sees no Blender data and may run in a thread (`session.steps`).
-"""
+"""Solve: from a plan and its boundary groups to the shell over it. All other tasks on a shell start from this one."""
 
 from __future__ import annotations
 
@@ -14,7 +11,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...solver.errors import CmcError, Progress
+from ...solver.errors import CmcError, Progress, Status
 from ...solver.shells import form
 from ...solver.shells.gaps import hole_gaps
 from ...solver.shells.plan import Group, Plan, Settings
@@ -23,7 +20,6 @@ from ...solver.shells.shell import Shell
 from ...solver.surface.cmc_surface import SHEETS
 from ..background import plan_cache, solve_cache
 from ..bridges.mesh_bridge import PlanMesh, read_plan
-from ..bridges.numbering import in_plan_numbers
 from ..bridges.result_bridge import Cut, find_cut
 from ..properties.attributes import ATTRIBUTES, USUAL
 from ..properties.links import result_of, results_of, wanted_roles
@@ -32,65 +28,12 @@ from ..properties.stored import ROLES, parameter_values
 from ..results import colours
 from ..results.measures import Measured, polygon_measures, sheet_measures
 from ..results.objects import Writer, delete_result, hide_completed, show_wanted, write_report
+from .task import Result, Task
 
 
 @dataclass(frozen=True, eq=False)
-class Order:
-    """All that a solve needs, without any Blender data: safe in a thread. measured: names of what to measure."""
-
-    name: str
-    mesh: PlanMesh
-    groups: list[Group]
-    settings: SimpleNamespace
-    warnings: list[str]
-    measured: tuple[str, ...] = USUAL
-
-    def work(self, progress: Progress) -> Outcome:
-        """Solve. Raises `CmcError` in the plan's own numbering."""
-        settings = solver_settings(self.settings)
-        prepared = plan_cache.prepare(self.mesh, settings.solver_choice)
-        try:
-            shell = form.form(
-                self.plan(prepared),
-                settings,
-                solver=prepared.solver,
-                progress=progress,
-                intersections=self.settings.intersections and asking(progress),
-            )
-        except CmcError as error:
-            raise in_plan_numbers(error, self.mesh, prepared.triangles, prepared.owners) from error
-        cut = find_cut(self.mesh, prepared.triangles, prepared.owners, shell.faces, shell.source)
-        outcome = Outcome(shell, prepared, settings.combinatorics, cut)
-        for name in (ROLES[role] for role in wanted_roles(self.settings)):
-            if name in shell.placed:
-                outcome.polygons(name)
-                outcome.measures(name, self)
-        solve_cache.remember(self, outcome)
-        return outcome
-
-    def plan(self, prepared: plan_cache.Prepared) -> Plan:
-        """The plan as the solver takes it."""
-        return replace(
-            self.mesh.as_plan(prepared.triangles),
-            polygons=self.mesh.polygons(),
-            groups=self.groups,
-            triangle_polygons=prepared.owners,
-            flipped_corners=self.mesh.flipped_corners,
-        )
-
-    def deliver(self, context: bpy.types.Context, plan: bpy.types.Object, outcome: Outcome) -> list[str]:
-        """Write the results of the plan; see `deliver`."""
-        return deliver(context, plan, self, outcome)
-
-
-def asking(progress: Progress) -> Callable[[], bool]:
-    """Whether work without steps is still wanted: its progress is that of the last of the steps before it."""
-    return lambda: progress(-1, 0.0)
-
-
-@dataclass(frozen=True, eq=False)
-class Outcome:
-    """What the work gave: the surface, placed, where it is cut open, and the faces that its results are to have.
+class SolveResult(Result):
+    """A shell, its cut where it is open, and the faces and measures of its result objects.
 
     more: tables to add to the report.
     """
@@ -111,14 +54,14 @@ class Outcome:
             self._polygons[sheet] = polygon_sheet(self.shell, sheet, self.combinatorics)
         return self._polygons[sheet]
 
-    def measures(self, sheet: str, order: Order) -> Measured | None:
-        """What an order asks to measure of a placed sheet, each made once; None on g and the Gauss image."""
+    def measures(self, sheet: str, task: SolveTask) -> Measured | None:
+        """What the task measures on a placed sheet, each made once; None on g and the Gauss image."""
         if sheet not in SHEETS:
             return None
         known, shell = self._measures.setdefault(sheet, {}), self.shell
-        names = [name for name in order.measured if name != "deviation" or sheet == ROLES[order.settings.sheet]]
+        names = [name for name in task.measured if name != "deviation" or sheet == ROLES[task.settings.sheet]]
         missing = [name for name in names if ATTRIBUTES[name] not in known]
-        points, outline = shell.placed[sheet], order.mesh.positions
+        points, outline = shell.placed[sheet], task.mesh.positions
         known |= sheet_measures(shell.surface, shell.similarity, points, sheet, missing, outline)
         return {ATTRIBUTES[name]: known[ATTRIBUTES[name]] for name in names}
 
@@ -128,44 +71,178 @@ class Outcome:
 
     @property
     def message(self) -> str:
-        return self.shell.message
+        """How even the curvature is; where the shell has a message of its own, as a closed one has, that."""
+        curvature = self.shell.report.shown.mean_curvature
+        if self.shell.message != Status.CONVERGED.sentence or curvature is None:
+            return self.shell.message
+        return f"Done. Curvature is even to {percent(curvature.relative_l2)}."
 
 
-def take_order(
-    context: bpy.types.Context,
-    plan: bpy.types.Object,
-    settings: SimpleNamespace,
-    selection: dict | None = None,
-) -> Order:
-    """Read the plan, its groups and, with `selection` (kind and parameters), its selected boundary edges.
+def percent(part: float) -> str:
+    """A part of 1 for a sentence: two digits, and no less than 0.01 %."""
+    value = max(100.0 * part, 0.01)
+    return f"{value:.0f} %" if value >= 100.0 else f"{value:.2g} %"
 
-    Raises `CmcError` where the plan cannot be read or nothing suitable is selected.
-    """
-    mesh = read_plan(plan, plan_depsgraph(context, settings))
-    chosen = np.zeros(len(mesh.edges), dtype=bool)
-    if selection is not None:
-        chosen = mesh.selected & mesh.boundary
-        if not chosen.any():
-            raise CmcError(
-                f"No boundary edge of '{plan.name}' is selected; select edges of its outline in edit mode."
+
+@dataclass(frozen=True, eq=False)
+class SolveTask(Task[SolveResult]):
+    """A solve, without any Blender data. measured: names of what to measure."""
+
+    name: str
+    mesh: PlanMesh
+    groups: list[Group]
+    settings: SimpleNamespace
+    warnings: list[str]
+    measured: tuple[str, ...] = USUAL
+
+    @classmethod
+    def read(
+        cls,
+        context: bpy.types.Context,
+        plan: bpy.types.Object,
+        settings: SimpleNamespace,
+        selection: dict | None = None,
+    ) -> SolveTask:
+        """Read the plan, its groups and, with `selection` (kind and parameters), its selected boundary edges.
+
+        Raises `CmcError` where the plan cannot be read or no boundary edge is selected.
+        """
+        mesh = read_plan(plan, plan_depsgraph(context, settings))
+        selected = np.zeros(len(mesh.edges), dtype=bool)
+        if selection is not None:
+            selected = mesh.selected & mesh.boundary
+            if not selected.any():
+                raise CmcError(
+                    f"No boundary edge of '{plan.name}' is selected; select edges of its outline in edit mode."
+                )
+        groups, warnings = _groups(plan.data.cmc.groups, mesh, selected)
+        if selection is not None:
+            kind = selection["kind"].lower()
+            groups.append(Group("Selection", mesh.edges[selected], kind, selection["parameters"]))
+        return cls(plan.name, mesh, groups, settings, warnings, colours.wanted_measures(plan))
+
+    @property
+    def tolerance(self) -> float:
+        return self.settings.tolerance
+
+    def work(self, progress: Progress) -> SolveResult:
+        settings = solver_settings(self.settings)
+        prepared = plan_cache.prepare(self.mesh, settings.solver_choice)
+        with prepared.plan_numbers(self.mesh):
+            shell = form.form(
+                self.plan(prepared),
+                settings,
+                solver=prepared.solver,
+                progress=progress,
+                intersections=self.settings.intersections and still_wanted(progress),
             )
-    groups, warnings = _groups(plan.data.cmc.groups, mesh, chosen)
-    if selection is not None:
-        kind = selection["kind"].lower()
-        groups.append(Group("Selection", mesh.edges[chosen], kind, selection["parameters"]))
-    return Order(plan.name, mesh, groups, settings, warnings, colours.wanted_measures(plan))
+        result = self.result(shell, prepared)
+        for name in self.sheets(shell):
+            result.measures(name, self)
+        solve_cache.remember(self, result)
+        return result
+
+    def plan(self, prepared: plan_cache.Prepared) -> Plan:
+        """The plan as the solver takes it."""
+        return replace(
+            self.mesh.as_plan(prepared.triangles),
+            polygons=self.mesh.polygons(),
+            groups=self.groups,
+            triangle_polygons=prepared.owners,
+            flipped_corners=self.mesh.flipped_corners,
+        )
+
+    def result(self, shell: Shell, prepared: plan_cache.Prepared, more: dict | None = None) -> SolveResult:
+        """A shell over this plan, cut as its result objects will be."""
+        cut = find_cut(self.mesh, prepared.triangles, prepared.owners, shell.faces, shell.source)
+        result = SolveResult(shell, prepared, self.settings.combinatorics.lower(), cut, more or {})
+        for name in self.sheets(shell):
+            result.polygons(name)
+        return result
+
+    def sheets(self, shell: Shell) -> list[str]:
+        """The wanted sheets that are not points."""
+        return [name for name in (ROLES[role] for role in wanted_roles(self.settings)) if name in shell.placed]
+
+    def write(self, context: bpy.types.Context, plan: bpy.types.Object, result: SolveResult) -> list[str]:
+        self.check_unchanged(context, plan)
+        warnings = self.write_results(context, plan, result)
+        for name in SETTINGS:
+            setattr(plan.cmc, name, getattr(self.settings, name))
+        return warnings
+
+    def check_unchanged(self, context: bpy.types.Context, plan: bpy.types.Object) -> None:
+        check_unchanged(plan, plan_depsgraph(context, self.settings), self.mesh)
+
+    def write_results(self, context: bpy.types.Context, plan: bpy.types.Object, result: SolveResult) -> list[str]:
+        """Write into a plan that has at least the polygons of this task; its settings stay."""
+        shell, wanted = result.shell, wanted_roles(self.settings)
+        warnings = [*self.warnings, *shell.warnings]
+        writer = Writer(context, plan, plan_depsgraph(context, self.settings), self.mesh, result.cut)
+        for role, sheet in ROLES.items():
+            existing = result_of(plan, role)
+            if role not in wanted and existing is None:
+                continue
+            if sheet not in shell.placed:  # a single point; the shell's warnings say so
+                if existing is not None:
+                    delete_result(existing)
+                continue
+            self._write_sheet(writer, role, result)
+        write_reports(context, plan, result, warnings)
+        show_wanted(plan, wanted)
+        hide_completed(plan, True)
+        plan.cmc.message = result.message
+        colours.repaint(plan, self.settings.sheet)
+        return warnings
+
+    def _write_sheet(self, writer: Writer, role: str, result: SolveResult) -> None:
+        sheet, shell = ROLES[role], result.shell
+        polygons, measures = result.polygons(sheet), result.measures(sheet, self)
+        if polygons is None:
+            writer.write(role, shell.placed[sheet], shell.normals[sheet], measures)
+            return
+        if measures is not None:
+            measures = polygon_measures(measures, polygons, shell.source, len(self.mesh.positions))
+        writer.write_polygons(role, polygons, result.prepared.triangles, result.prepared.owners, measures)
+
+
+def still_wanted(progress: Progress) -> Callable[[], bool]:
+    """For work without steps of its own: asks `progress` whether to go on, and reports nothing."""
+    return lambda: progress(-1, 0.0) is not False
 
 
 def plan_depsgraph(context: bpy.types.Context, settings: SimpleNamespace) -> bpy.types.Depsgraph | None:
-    """The depsgraph to read the plan with, if its modifiers are to be applied."""
+    """The depsgraph to read the plan with, if its modifiers are applied."""
     return context.evaluated_depsgraph_get() if settings.apply_modifiers else None
 
 
-def _groups(
-    groups, mesh: PlanMesh, taken: NDArray[np.bool_]
-) -> tuple[list[Group], list[str]]:
-    """The plan's groups with their boundary edges, less those taken otherwise; and what was left out."""
-    found, warnings = [], []
+def check_unchanged(plan: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None, mesh: PlanMesh) -> None:
+    """Raise `CmcError` where the plan is no longer as `mesh` was read."""
+    if plan_cache.fingerprint(read_plan(plan, depsgraph)) != plan_cache.fingerprint(mesh):
+        raise CmcError(f"'{plan.name}' was changed while it was being solved; solve again.")
+
+
+def write_reports(
+    context: bpy.types.Context, plan: bpy.types.Object, result: SolveResult, warnings: list[str]
+) -> None:
+    """Put the solver's report on a plan and its results, with what only Blender knows: names and the scene's unit."""
+    report = {
+        "plan": plan.name,
+        "unit_scale": context.scene.unit_settings.scale_length,
+        "message": result.message,
+        **result.shell.report.to_dict(),
+        "holes": [gap.to_dict() for gap in hole_gaps(result.shell)],
+        **result.more,
+        "warnings": warnings,
+    }
+    for ob in results_of(plan).values():
+        write_report(ob, report)
+    plan.cmc.report = json.dumps(report, ensure_ascii=False)
+
+
+def _groups(groups, mesh: PlanMesh, taken: NDArray[np.bool_]) -> tuple[list[Group], list[str]]:
+    """The plan's groups with their boundary edges, without those taken; and a warning for each edge left out."""
+    read, warnings = [], []
     for group in groups:
         mine = mesh.groups == group.uid
         inside = int((mine & ~mesh.boundary).sum())
@@ -174,8 +251,8 @@ def _groups(
         edges = mesh.edges[mine & mesh.boundary & ~taken]
         if len(edges):
             parameters = parameter_values(group.kind, group)
-            found.append(Group(group.name, edges, group.kind.lower(), parameters))
-    return found, warnings
+            read.append(Group(group.name, edges, group.kind.lower(), parameters))
+    return read, warnings
 
 
 def settings_of(owner) -> SimpleNamespace:
@@ -184,7 +261,7 @@ def settings_of(owner) -> SimpleNamespace:
 
 
 def solver_settings(settings: SimpleNamespace) -> Settings:
-    """Settings as the pipeline takes them."""
+    """The settings as the solver takes them."""
     value_name = SIZE_PROPERTY[settings.size]
     return Settings(
         size=settings.size.lower(),
@@ -206,76 +283,3 @@ def solver_settings(settings: SimpleNamespace) -> Settings:
         side=SIDES[settings.side],
         count_modes=settings.count_modes,
     )
-
-
-def _report(context: bpy.types.Context, plan: bpy.types.Object, outcome: Outcome) -> dict:
-    """The solver's report, with what only Blender knows: the plan's name and the scene's unit."""
-    return {
-        "plan": plan.name,
-        "unit_scale": context.scene.unit_settings.scale_length,
-        "message": outcome.shell.message,
-        **outcome.shell.report.to_dict(),
-        "holes": [gap.to_dict() for gap in hole_gaps(outcome.shell)],
-        **outcome.more,
-    }
-
-
-def tell(context: bpy.types.Context, plan: bpy.types.Object, outcome: Outcome, warnings: list[str]) -> None:
-    """Put the report on a plan and its results."""
-    report = {**_report(context, plan, outcome), "warnings": warnings}
-    for result in results_of(plan).values():
-        write_report(result, report)
-    plan.cmc.report = json.dumps(report, ensure_ascii=False)
-
-
-def check_unchanged(plan: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None, mesh: PlanMesh) -> None:
-    """Raise `CmcError` where the plan is not what it was when `mesh` was read."""
-    if plan_cache.fingerprint(read_plan(plan, depsgraph)) != plan_cache.fingerprint(mesh):
-        raise CmcError(f"'{plan.name}' was changed while it was being solved; solve again.")
-
-
-def deliver(
-    context: bpy.types.Context, plan: bpy.types.Object, order: Order, outcome: Outcome
-) -> list[str]:
-    """Write the results of a plan and return what the user should be warned of.
-
-    Raises `CmcError`, with nothing changed, where the plan is not what it was when the order was taken.
-    """
-    check_unchanged(plan, plan_depsgraph(context, order.settings), order.mesh)
-    warnings = put_results(context, plan, order, outcome)
-    for name in SETTINGS:
-        setattr(plan.cmc, name, getattr(order.settings, name))
-    return warnings
-
-
-def put_results(
-    context: bpy.types.Context, plan: bpy.types.Object, order: Order, outcome: Outcome
-) -> list[str]:
-    """The same for a plan whose polygons, at least, are those that the order was taken with; its settings stay."""
-    settings, shell = order.settings, outcome.shell
-    depsgraph = plan_depsgraph(context, settings)
-    wanted = wanted_roles(settings)
-    warnings = [*order.warnings, *shell.warnings]
-    writer = Writer(context, plan, depsgraph, order.mesh, outcome.cut)
-    for role, sheet in ROLES.items():
-        existing = result_of(plan, role)
-        if role not in wanted and existing is None:
-            continue
-        if sheet not in shell.placed:  # a single point; the pipeline's warnings say so
-            if existing is not None:
-                delete_result(existing)
-            continue
-        polygons, prepared = outcome.polygons(sheet), outcome.prepared
-        measures = outcome.measures(sheet, order)
-        if polygons is None:
-            writer.write(role, shell.placed[sheet], shell.normals[sheet], measures)
-        else:
-            if measures is not None:
-                measures = polygon_measures(measures, polygons, shell.source, len(order.mesh.positions))
-            writer.write_polygons(role, polygons, prepared.triangles, prepared.owners, measures)
-    tell(context, plan, outcome, warnings)
-    show_wanted(plan, wanted)
-    hide_completed(plan, True)
-    plan.cmc.message = shell.message
-    colours.repaint(plan, settings.sheet)
-    return warnings

@@ -1,4 +1,4 @@
-"""Modules that complete themselves, coarse, and what to look at in their copies."""
+"""Coarse modules for Repeat by Symmetry, and measures of their copies."""
 
 from __future__ import annotations
 

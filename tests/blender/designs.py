@@ -1,4 +1,4 @@
-"""Plans and surfaces to design on, the two calls that tests make, and what they measure."""
+"""Plans and surfaces for designs, the two calls that tests make, and their measures."""
 
 from __future__ import annotations
 
@@ -84,10 +84,10 @@ def wavy(name="Wavy"):
 
 
 def hand_for(design, operator):
-    """Stands for the operator that Blender makes, to turn its crank by hand."""
+    """Stands in for Blender's operator; the test calls its ticks."""
 
-    class Hand(design.Designing):
-        bl_label, take = "Fit to Outline", operator.take
+    class Hand(design.DesignOperator):
+        bl_label, read_task = "Fit to Outline", operator.read_task
         properties = SimpleNamespace(is_property_set=lambda name: False)
 
         def __init__(self):

@@ -1,4 +1,4 @@
-"""What a user does with Live on, and the crank that the timer turns in a window."""
+"""What a user does with Live on, and the ticks that the timer makes in a window."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from .scenes import add_group, boundary_edges, positions, quad_disc
 
 EXACT = 2e-6
-"""Of the size of a shell: two solves of the same plan, stored in single precision."""
+"""Relative to the size of a shell: two solves of one plan, stored in single precision."""
 
 
 def live_disc(name: str = "Disc", **shape) -> bpy.types.Object:
@@ -23,7 +23,7 @@ def live_disc(name: str = "Disc", **shape) -> bpy.types.Object:
 
 
 def settle(live, seconds: float = 30.0) -> int:
-    """Turn the crank until there is nothing more to do; how often."""
+    """Tick until there is nothing more to do; returns the number of ticks."""
     bpy.context.view_layer.update()
     ticks = 1
     while live.tick() is not None:
@@ -34,7 +34,7 @@ def settle(live, seconds: float = 30.0) -> int:
 
 
 def catch_up(live, seconds: float = 30.0) -> None:
-    """Turn it until the results show the last change, and no further."""
+    """Tick until the results show the last change, and no further."""
     bpy.context.view_layer.update()
     until = time.monotonic() + seconds
     live.tick()
@@ -49,16 +49,16 @@ def state_of(live, plan):
 
 
 def solved_anew(addon, plan) -> np.ndarray:
-    """Points that a solve gives for the plan as it is, with nothing kept from before."""
-    forming, plan_cache = addon.cmc_addon.tasks.solve, addon.cmc_addon.background.plan_cache
+    """Points of a fresh solve of the plan, with empty caches."""
+    solve, plan_cache = addon.cmc_addon.tasks.solve, addon.cmc_addon.background.plan_cache
     bpy.context.view_layer.update()
-    order = forming.take_order(bpy.context, plan, forming.settings_of(plan.cmc))
+    task = solve.SolveTask.read(bpy.context, plan, solve.settings_of(plan.cmc))
     plan_cache.forget()
-    return order.work(lambda *_: True).shell.placed[forming.ROLES[plan.cmc.sheet]]
+    return task.work(lambda *_: True).shell.placed[solve.ROLES[plan.cmc.sheet]]
 
 
 def off_by(addon, plan) -> float:
-    """How far the shown sheet is from where a solve would put it, as a part of its size."""
+    """Distance of the shown sheet from that of a fresh solve, relative to its size."""
     expected = solved_anew(addon, plan)
     found = positions(getattr(plan.cmc, plan.cmc.sheet.lower()))
     return float(np.abs(found - expected).max() / np.linalg.norm(np.ptp(expected, axis=0)))

@@ -1,4 +1,4 @@
-"""Plans to solve, and the scene's data as plain values, to see what a call has changed."""
+"""Plans to solve, and the scene's data as plain values, to compare before and after a call."""
 
 from __future__ import annotations
 

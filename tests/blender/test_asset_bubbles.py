@@ -50,11 +50,11 @@ def test_the_job_does_the_same(name, tmp_path):
     for file in BUBBLES[name].parent.glob(f"{name}.*"):
         shutil.copy(file, folder)
     assert run_job(load_job(folder / f"{name}.toml")).converged
-    told = json.loads((made / f"{name}.json").read_text())
+    reported = json.loads((made / f"{name}.json").read_text())
     if COPIES[name] is not None:
-        assert told["completed"]["copies"] == COPIES[name] and told["completed"]["relative_gap"] < 2e-3
+        assert reported["completed"]["copies"] == COPIES[name] and reported["completed"]["relative_gap"] < 2e-3
     else:
-        assert told["index"] > 10 and told["gap"] < 1e-5
+        assert reported["index"] > 10 and reported["gap"] < 1e-5
     assert (made / f"{name}.obj").stat().st_size > 100_000
 
 
@@ -64,5 +64,5 @@ def test_a_job_with_a_start_is_opened_in_blender(tmp_path):
 
     out = tmp_path / "out"
     assert cli.run([str(BUBBLES["torus"].with_suffix(".toml")), "--output", str(out)]) == 0
-    told = json.loads((out / "torus" / "torus" / "report.json").read_text())
-    assert told["converged"] and told["index"] > 10
+    reported = json.loads((out / "torus" / "torus" / "report.json").read_text())
+    assert reported["converged"] and reported["index"] > 10

@@ -1,4 +1,4 @@
-"""Add > Mesh > CMC: Wente's cylinder and torus, the honeycomb ring; solved, completed, as they were added."""
+"""Add > Mesh > CMC: Wente's cylinder and torus and the honeycomb ring, solved and completed as added."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ def add(bubble: str, **settings):
 def solved(plan, **settings) -> dict:
     activate(plan)
     assert bpy.ops.cmc.solve(**settings) == {"FINISHED"}
-    told = json.loads(plan.cmc.report)
-    assert told["converged"] and not told["is_open"]
-    return told
+    reported = json.loads(plan.cmc.report)
+    assert reported["converged"] and not reported["is_open"]
+    return reported
 
 
 def completed(plan) -> dict:
@@ -36,7 +36,7 @@ def completed(plan) -> dict:
 
 
 def doubled(ob) -> float:
-    """The part of the vertices that lie on another one, as some do where a surface crosses itself."""
+    """The share of vertices that coincide with another one, as on a surface that crosses itself."""
     at = positions(ob)
     return float((KDTree(at).query(at, k=2)[0][:, 1] < 1e-3).mean())
 
@@ -50,8 +50,8 @@ def test_a_wente_cylinder_is_completed_to_a_torus(addon, angle, columns, copies)
     plan = add("WENTE", angle=np.radians(angle), columns=columns)
     assert [group.name for group in plan.data.cmc.groups] == ["Mirror", "Free", "Bottom", "Top"]
     solved(plan)
-    told, torus = completed(plan), plan.cmc.completed
-    assert told["copies"] == copies and told["is_closed"] and told["relative_gap"] < 2e-3
+    reported, torus = completed(plan), plan.cmc.completed
+    assert reported["copies"] == copies and reported["is_closed"] and reported["relative_gap"] < 2e-3
     assert euler(torus.data) == 0 and not len(boundary_edges(torus.data))
     assert_allclose(max(torus.dimensions), 8.0, rtol=0.15, atol=0)
     assert doubled(torus) < 0.1  # no copy lies on another one
@@ -61,20 +61,20 @@ def test_where_the_torus_never_closes_there_is_a_cylinder(addon):
     plan = add("WENTE", angle=2.0, columns=12)
     assert {group.name: group.across for group in plan.data.cmc.groups}["Bottom"] == "OFF"
     solved(plan)
-    told = completed(plan)
-    assert told["copies"] == 4 and not told["lattice"]
+    reported = completed(plan)
+    assert reported["copies"] == 4 and not reported["lattice"]
     assert euler(plan.cmc.completed.data) == 0 and len(boundary_edges(plan.cmc.completed.data))
 
 
 @pytest.mark.parametrize("height", [0.8, 1.25])
 def test_at_another_height_there_is_a_strip_of_bubbles(addon, height):
-    """Figure 13: one bubble after the other, as often as wanted."""
+    """Figure 13: a row of bubbles of any length."""
     plan = add("WENTE", height=height)
     assert tuple(plan.cmc.complete_repeat) == (3, 1, 1)
     solved(plan)
-    told = completed(plan)
-    assert told["copies"] == 12 and len(told["lattice"]) == 1
-    assert_allclose(told["lattice"][0][:2], 0, rtol=0, atol=1e-5)
+    reported = completed(plan)
+    assert reported["copies"] == 12 and len(reported["lattice"]) == 1
+    assert_allclose(reported["lattice"][0][:2], 0, rtol=0, atol=1e-5)
 
 
 def test_the_whole_torus_is_a_saddle_that_is_found(addon):
@@ -82,9 +82,9 @@ def test_the_whole_torus_is_a_saddle_that_is_found(addon):
     assert euler(plan.data) == 0 and not len(boundary_edges(plan.data))
     drawn = positions(plan)
     assert_allclose(np.ptp(drawn[:, :2], axis=0), 8.0, rtol=0.01, atol=0)
-    told = solved(plan)
-    assert told["index"] == 11 and abs(told["degree"]) < 1e-6 and told["gap"] < 1e-5
-    assert_allclose(told["sheets"]["f+"]["span"], 8.0, rtol=1e-5, atol=0)
+    reported = solved(plan)
+    assert reported["index"] == 11 and abs(reported["degree"]) < 1e-6 and reported["gap"] < 1e-5
+    assert_allclose(reported["sheets"]["f+"]["span"], 8.0, rtol=1e-5, atol=0)
     shell = plan.cmc.f_plus
     assert doubled(shell) < 0.1
     assert euler(shell.data) == 0 and not len(boundary_edges(shell.data))
@@ -107,18 +107,18 @@ def test_the_drawn_torus_is_conformal_to_the_flat_one(addon):
 def test_the_ring_is_solved_where_it_was_drawn_and_tiled(addon):
     plan = add("RING")
     assert [group.kind for group in plan.data.cmc.groups] == ["MIRROR"] * 6 and euler(plan.data) == -6
-    told = solved(plan)
-    assert told["index"] in (12, 13)  # one mode is nearly null on this mesh
+    reported = solved(plan)
+    assert reported["index"] in (12, 13)  # one mode is nearly null on this mesh
     apart = np.linalg.norm(positions(plan.cmc.f_plus) - positions(plan), axis=1)
     assert_allclose(apart, 0.15 * 0.5 * plan.cmc.radius, rtol=0.01, atol=0)  # drawn a little inside itself
-    assert not [note for note in told["warnings"] if "goes through" in note]
+    assert not [note for note in reported["warnings"] if "goes through" in note]
     tiled = completed(plan)
     assert tiled["copies"] == 9 and len(tiled["lattice"]) == 2 and tiled["relative_gap"] < 1e-5
     assert euler(plan.cmc.completed.data) == -54
 
 
 def test_newton_runs_away_from_a_saddle(addon):
-    """A minimiser comes to nothing, and says so; the scene stays."""
+    """A minimiser fails with a message, and the scene stays."""
     plan = add("TORUS", columns=8)
     activate(plan)
     before = snapshot()
@@ -128,12 +128,12 @@ def test_newton_runs_away_from_a_saddle(addon):
 
 
 def test_a_torus_that_does_not_close_on_faces_is_cut_open(addon):
-    """The height is that at which the map on vertices closes; on faces there is a gap, told and cut."""
+    """The height is that at which the map on vertices closes; on faces the surface is cut open, with a gap."""
     plan = add("TORUS", columns=8)
     activate(plan)
     assert bpy.ops.cmc.solve(sites="FACES") == {"FINISHED"}
-    told = json.loads(plan.cmc.report)
-    assert told["is_open"] and told["gap"] > 0.0
+    reported = json.loads(plan.cmc.report)
+    assert reported["is_open"] and reported["gap"] > 0.0
     assert len(boundary_edges(plan.cmc.f_plus.data))
 
 
@@ -150,8 +150,8 @@ def test_design_of_a_closed_plan_is_refused(addon):
 def test_modes_do_not_count_what_only_moves_along(addon):
     """Three rotations and two translations of the torus, in single precision, are no unstable modes."""
     plan = add("TORUS", columns=8)
-    told = solved(plan)
-    assert (told["index"], told["nullity"]) == (11, 5)
+    reported = solved(plan)
+    assert (reported["index"], reported["nullity"]) == (11, 5)
 
 
 def test_what_cannot_be_added_is_said(addon):

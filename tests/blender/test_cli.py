@@ -33,7 +33,7 @@ def report(path: Path) -> dict:
 
 @pytest.fixture
 def hall(tmp_path) -> Path:
-    """A file with two plans, one of them with a group, and a mesh that is none."""
+    """A file with two plans, one with a group, and a mesh that is no plan."""
     disc = jittered(quad_disc("Disc", rings=6))
     disc.data.materials.append(bpy.data.materials.new("Glass"))
     disc.data.uv_layers.new(name="Map")
@@ -121,7 +121,7 @@ def test_choices_of_a_job_are_those_of_the_plan(tmp_path):
 
 
 def test_a_job_that_fits_is_refused(tmp_path, capsys):
-    """It would be solved as if nothing had been wished for."""
+    """Otherwise it would be solved without its goals."""
     path = tmp_path / "fit.toml"
     path.write_text('[shape]\nkind = "disc"\nn = 100\n\n[fit]\nrise = 0.3\n')
     assert cli.run([str(path), "--output", str(tmp_path / "out")]) == 1

@@ -1,4 +1,4 @@
-"""`make demo` but for the rendering, and what docs/reference/blender.md says about scripts."""
+"""`make demo` without the rendering, and the scripts in docs/reference/blender.md."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every operator in every state: allowed, or disabled with a reason; offenders selected after errors."""
+"""Every operator in every state: allowed, or disabled with a reason; faulty elements selected after errors."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ def reasons() -> dict[str, str]:
 
 
 def check(expected: dict[str, str]) -> None:
-    told = reasons()
-    bare = [name for name, reason in told.items() if BARE in reason]
+    reported = reasons()
+    bare = [name for name, reason in reported.items() if BARE in reason]
     assert not bare, "disabled without a reason"
     for name, text in expected.items():
-        assert text in told[name], f"{name}: {told.get(name)}"
+        assert text in reported[name], f"{name}: {reported.get(name)}"
     draw()
 
 
@@ -194,7 +194,7 @@ def test_a_click_that_fails_ends_there(addon):
     class Operator(CMC_OT_solve.__mro__[1]):
         bl_label, properties = "Solve", None
 
-        def order_settings(self, plan):
+        def task_settings(self, plan):
             return addon.cmc_addon.tasks.solve.settings_of(plan.cmc)
 
         def report(self, kind, text):

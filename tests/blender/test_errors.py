@@ -224,6 +224,24 @@ def test_a_registration_that_fails_is_taken_back(addon, monkeypatch, failing):
     assert hasattr(bpy.types, "CMC_OT_solve")
 
 
+def test_a_class_that_fails_leaves_the_others_to_be_taken_back(addon):
+    registration = import_module(f"{addon.cmc_addon.__name__}.properties.registration").registration
+
+    class CMC_OT_good(bpy.types.Operator):
+        bl_idname, bl_label = "cmc.good", "Good"
+
+    class CMC_OT_bad(bpy.types.Operator):
+        """No label: Blender refuses it."""
+
+    register, unregister = registration((CMC_OT_good, CMC_OT_bad), {"load_post": print})
+    with pytest.raises((ValueError, RuntimeError, AttributeError)):
+        register()
+    assert CMC_OT_good.is_registered
+    assert print not in bpy.app.handlers.load_post
+    unregister()
+    assert not hasattr(bpy.types, "CMC_OT_good")
+
+
 @pytest.mark.parametrize("name", ["Closed", "Loose"])
 def test_errors_in_edit_mode(name):
     """The same in edit mode, with a change that is not yet in the mesh."""

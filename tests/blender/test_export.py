@@ -1,4 +1,4 @@
-"""Export: what is written and where, in every format; read back by the solver's own reader."""
+"""Export: files in every format, read back by the solver's own reader."""
 
 from __future__ import annotations
 
@@ -42,12 +42,12 @@ def test_every_format_has_the_shell_in_its_place(plan, tmp_path, suffix):
     assert bpy.ops.cmc.export(filepath=str(path)) == FINISHED
     mesh, wanted = read(path), points(shell)
     assert len(mesh.polygons) == len(shell.data.polygons)
-    order = [np.lexsort(np.round(p, 4).T) for p in (mesh.positions, wanted)]
+    task = [np.lexsort(np.round(p, 4).T) for p in (mesh.positions, wanted)]
     assert len(mesh.positions) == len(wanted)
-    np.testing.assert_allclose(mesh.positions[order[0]], wanted[order[1]], atol=2e-4)
+    np.testing.assert_allclose(mesh.positions[task[0]], wanted[task[1]], atol=2e-4)
     assert sorted(os.listdir(tmp_path)) == sorted([f"hall.{suffix}", "hall.json"])
-    told = json.loads((tmp_path / "hall.json").read_text(encoding="utf-8"))
-    assert told["objects"] == [shell.name] and told["energy"] == json.loads(plan.cmc.report)["energy"]
+    reported = json.loads((tmp_path / "hall.json").read_text(encoding="utf-8"))
+    assert reported["objects"] == [shell.name] and reported["energy"] == json.loads(plan.cmc.report)["energy"]
 
 
 def test_an_obj_has_uvs_and_materials(plan, tmp_path):
@@ -66,18 +66,18 @@ def test_an_obj_has_uvs_and_materials(plan, tmp_path):
 
 def test_normals_are_those_of_the_surface(plan, addon):
     from cmc_formfinding.cmc_addon.bridges.export_bridge import joined
-    from cmc_formfinding.cmc_addon.tasks.export import take_export
+    from cmc_formfinding.cmc_addon.tasks.export import ExportTask
 
     shell = plan.cmc.f_plus
     shell.rotation_euler = (0.3, -0.2, 1.0)
     bpy.context.view_layer.update()
-    order = take_export(bpy.context, plan, Path("/nowhere/x.ply"), "SHELL", True, False)
+    task = ExportTask.read(bpy.context, plan, Path("/nowhere/x.ply"), "SHELL", True, False)
     turn = np.array(shell.matrix_world)[:3, :3]
     own = np.array([item.vector for item in shell.data.attributes["cmc_normal"].data])
-    np.testing.assert_allclose(joined(order.parts)[1], own @ turn.T, atol=1e-5)
+    np.testing.assert_allclose(joined(task.parts)[1], own @ turn.T, atol=1e-5)
     shell.scale.z = -1.0
     bpy.context.view_layer.update()
-    mirrored = take_export(bpy.context, plan, Path("/nowhere/x.ply"), "SHELL", True, False)
+    mirrored = ExportTask.read(bpy.context, plan, Path("/nowhere/x.ply"), "SHELL", True, False)
     mesh, normals = joined(mirrored.parts)
     a, b, c = (mesh.positions[[polygon[k] for polygon in mesh.polygons]] for k in range(3))
     faces = np.cross(b - a, c - a)
@@ -152,7 +152,7 @@ def test_what_goes_wrong_is_said_and_leaves_nothing(plan, tmp_path):
     with pytest.raises(RuntimeError, match="cannot be written"):
         bpy.ops.cmc.export(filepath=str(tmp_path / "hall.glb"))
     assert sorted(os.listdir(tmp_path)) == ["file", "hall.glb"]
-    with pytest.raises(RuntimeError, match="Complete by Symmetry makes it"):
+    with pytest.raises(RuntimeError, match="Repeat by Symmetry makes it"):
         bpy.ops.cmc.export(filepath=str(tmp_path / "x.glb"), export_what="COMPLETED")
     activate(None)
     with pytest.raises(RuntimeError, match="No object is active"):
@@ -163,10 +163,10 @@ def test_what_goes_wrong_is_said_and_leaves_nothing(plan, tmp_path):
 
 
 def test_cancelled_nothing_is_written(plan, tmp_path):
-    from cmc_formfinding.cmc_addon.tasks.export import take_export
+    from cmc_formfinding.cmc_addon.tasks.export import ExportTask
 
-    order = take_export(bpy.context, plan, tmp_path / "hall.obj", "SHELL", True, True)
-    assert order.work(lambda *_: False) == [] and os.listdir(tmp_path) == []
+    task = ExportTask.read(bpy.context, plan, tmp_path / "hall.obj", "SHELL", True, True)
+    assert task.work(lambda *_: False) == [] and os.listdir(tmp_path) == []
 
 
 def test_meshes_with_and_without_uvs_together(plan, tmp_path):

@@ -1,4 +1,4 @@
-"""The zip that is given to users: what is in it, and that it works in clean Blenders.
+"""The zip for users: its contents, and whether it works in clean Blenders.
 
 `make test-blender` builds it (dist/) and the environments (.venvs/), which have bpy and what bpy
 itself depends on. scipy is not among these, so that the extension's own wheels are what is tested.

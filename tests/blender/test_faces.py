@@ -1,4 +1,4 @@
-"""Dual and corner meshes as results: their faces, what they carry of the plan, and the way back to the plan's faces."""
+"""Dual and corner meshes as results: their faces, the plan's layers on them, and the way back to the plan's faces."""
 
 from __future__ import annotations
 
@@ -204,7 +204,7 @@ def test_a_surface_that_is_cut_open(faces, sites):
 
 
 def test_twins_and_unwanted_results_have_the_same_faces(dressed):
-    """A result that is not wanted now is brought up to date all the same."""
+    """A result that is not wanted now is still updated."""
     solve(dressed, want_g=True, want_gauss=True, combinatorics="DUAL")
     faces = len(dressed.cmc.g.data.polygons)
     assert len(dressed.cmc.gauss.data.polygons) == faces == len(dressed.data.vertices)

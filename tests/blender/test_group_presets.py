@@ -146,7 +146,7 @@ def test_f3_finds_every_operator():
         "cmc.add_module", "cmc.add_plan", "cmc.add_bubble",  # Add > Mesh > CMC
         "cmc.group_remove", "cmc.group_move", "cmc.group_plane", "cmc.flip_corner", "cmc.cancel",  # beside their thing
     }
-    ours = {cls.bl_idname for cls in operators._classes() if issubclass(cls, bpy.types.Operator)}
+    ours = {cls.bl_idname for cls in operators.CLASSES if issubclass(cls, bpy.types.Operator)}
     assert ours - elsewhere <= found
 
 

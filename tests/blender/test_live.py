@@ -1,4 +1,4 @@
-"""Live: whatever is changed, the shell ends where Solve would put it, and while it is dragged it is nearly there."""
+"""Live: after any change the shell is where Solve would put it, and during a drag nearly there."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def test_all_that_is_wanted_follows(live, plan):
 
 @pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
 def test_a_long_drag(addon, live, plan, mode):
-    """Vertices on the way: each answer goes on from the last one, with the factors of a plan some way back."""
+    """Each update of a drag starts from the last one and reuses the factors of an earlier plan."""
     bpy.ops.object.mode_set(mode=mode)
     for _ in range(6):
         move(plan, 25, (0.05, 0.02, 0.0))
@@ -138,19 +138,19 @@ def test_a_ring_that_is_cut_open(addon, live):
 
 
 def test_the_newest_wins(addon, live, plan, monkeypatch):
-    """Twenty changes in a hurry: a few answers, each newer than the one before, the last one to the last change."""
-    work, told = addon.cmc_addon.live.update, []
-    for cls in (work.GoingOn, work.Anew):
-        def deliver(self, *args, real=cls.deliver):
-            told.append(self.reading.order.groups[0].parameters["tilt"])
+    """Twenty quick changes give a few updates, each newer than the one before, the last one for the last change."""
+    tasks, reported = addon.cmc_addon.live.update, []
+    for cls in (tasks.QuickTask, tasks.FullTask):
+        def write(self, *args, real=cls.write):
+            reported.append(self.reading.solve.groups[0].parameters["tilt"])
             return real(self, *args)
-        monkeypatch.setattr(cls, "deliver", deliver)
+        monkeypatch.setattr(cls, "write", write)
     for k in range(20):
         group(plan).tilt = 0.31 + 0.01 * k
         live.tick()
     settle(live)
-    assert told == sorted(told) and len(told) < 20
-    assert told[-1] == pytest.approx(0.5)
+    assert reported == sorted(reported) and len(reported) < 20
+    assert reported[-1] == pytest.approx(0.5)
     assert off_by(addon, plan) < EXACT
 
 
@@ -170,7 +170,7 @@ def test_slow_measures_are_made_once(addon, live, plan, monkeypatch):
     assert json.loads(plan.cmc.report)["message"]
 
 
-def test_large_plans_get_a_coarse_answer_first(addon, live, plan, monkeypatch):
+def test_large_plans_get_a_coarse_update_first(addon, live, plan, monkeypatch):
     monkeypatch.setattr(live, "limit", lambda: 50)
     grades, write = [], live._write
     monkeypatch.setattr(live, "_write", lambda *args: grades.append(args[3].grade) or write(*args))
@@ -184,16 +184,16 @@ def test_large_plans_get_a_coarse_answer_first(addon, live, plan, monkeypatch):
 
 
 def test_what_is_at_rest_gives_way(addon, live, plan):
-    """The last answer is dropped for a change, at once."""
+    """A change cancels the last update at once."""
     group(plan).tilt = 0.4
     catch_up(live)
     state = state_of(live, plan)
     state.since = state.served = 0.0
     live.tick()
-    assert live.Live.errand is not None and live.Live.can_wait
+    assert live.Live.running is not None and live.Live.can_wait
     group(plan).tilt = 0.5
     live.tick()
-    assert live.Live.errand is None or not live.Live.can_wait
+    assert live.Live.running is None or not live.Live.can_wait
     settle(live)
     assert off_by(addon, plan) < EXACT
 
@@ -215,7 +215,7 @@ def test_at_rest_there_are_no_ticks(live, plan):
     assert settle(live) == 1
     plan.select_set(True)
     plan.name = "Hall"
-    assert settle(live) <= 2 and live.Live.errand is None
+    assert settle(live) <= 2 and live.Live.running is None
 
 
 @pytest.mark.parametrize("how", ["edit mode", "modifiers"])

@@ -39,7 +39,7 @@ def group(plan):
 # --- undo ----------------------------------------------------------------------------------
 
 def test_a_drag_is_one_step_of_undo(addon, live, plan):
-    """Blender makes it when the mouse is released; what comes after that is not in it, and is made up for."""
+    """Blender makes it when the mouse is released; it lacks later updates, which Live repeats after undo."""
     for tilt in (0.4, 0.5, 0.6):
         group(plan).tilt = tilt
         catch_up(live)
@@ -59,7 +59,7 @@ def test_undo_while_it_is_dragged(addon, live, plan):
     group(plan).tilt = 0.9
     live.tick()
     bpy.ops.ed.undo()
-    assert live.Live.errand is None, "what is for later input is not written any more"
+    assert live.Live.running is None, "what is for later input is not written any more"
     plan = bpy.data.objects["Disc"]
     settle(live)
     assert off_by(addon, plan) < EXACT
@@ -107,7 +107,7 @@ def test_an_animated_plan(addon, live, plan):
 def test_the_plan_is_deleted_while_it_is_dragged(addon, live, plan, how):
     group(plan).tilt = 0.6
     live.tick()
-    assert live.Live.errand is not None
+    assert live.Live.running is not None
     if how == "removed":
         bpy.data.objects.remove(plan)
     else:
@@ -115,7 +115,7 @@ def test_the_plan_is_deleted_while_it_is_dragged(addon, live, plan, how):
         plan.select_set(True)
         bpy.ops.object.delete()
     settle(live)
-    assert not live.Live.states and live.Live.errand is None
+    assert not live.Live.states and live.Live.running is None
     assert addon.cmc_addon.background.worker.Running.stop is None
 
 
@@ -134,7 +134,7 @@ def test_another_file(addon, live, plan, tmp_path):
     group(plan).tilt = 0.9
     live.tick()
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    assert live.Live.errand is None and not live.Live.states
+    assert live.Live.running is None and not live.Live.states
     import addon_utils
 
     addon_utils.enable(addon.__name__, default_set=True)
@@ -151,7 +151,7 @@ def test_the_extension_is_switched_off(addon, live, plan):
     group(plan).tilt = 0.6
     live.tick()
     addon_utils.disable(addon.__name__)
-    assert live.Live.errand is None and not live.Live.states
+    assert live.Live.running is None and not live.Live.states
     assert live._on_change not in bpy.app.handlers.depsgraph_update_post
     addon_utils.enable(addon.__name__, default_set=True)
 
@@ -202,7 +202,7 @@ def test_a_mesh_that_two_plans_share(addon, live, plan):
 
 
 def test_a_plan_of_another_file(live, plan, tmp_path):
-    """It cannot be written: a line in the panel says so, and nothing else happens."""
+    """It cannot be written: only a line in the panel says so."""
     path = str(tmp_path / "library.blend")
     bpy.data.libraries.write(path, {plan})
     bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -221,13 +221,13 @@ def test_a_plan_of_another_file(live, plan, tmp_path):
 
 def test_two_of_them_follow_different_things(addon, live, plan):
     """Live beside Follow, on one plan."""
-    following = addon.cmc_addon.live.follow
+    follow = addon.cmc_addon.live.follow
     activate(plan)
     assert bpy.ops.cmc.fit_outline(fit_rise=0.4) == {"FINISHED"}
     plan.cmc.follow = True
     group(plan).tilt = 0.5
     plan.cmc.fit_rise = 0.45
-    while [one for one in (following.tick(), live.tick()) if one is not None]:
+    while [one for one in (follow.tick(), live.tick()) if one is not None]:
         time.sleep(0.003)
     assert positions(plan.cmc.fit)[:, 2].max() == pytest.approx(1.8, rel=1e-2)
     assert off_by(addon, plan) < EXACT
@@ -292,7 +292,7 @@ def test_many_edits(addon, live, plan):
 
 
 def many_edits(live, name: str, count: int, seed: int) -> None:
-    """Tilts, H, vertices inside and on the rim, undo and redo; in between the crank is turned, or not."""
+    """Tilts, H, vertices inside and on the rim, undo and redo; between them Live ticks, or not."""
     dice = random.Random(seed)
     for _ in range(count):
         plan = bpy.data.objects[name]

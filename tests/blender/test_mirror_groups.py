@@ -1,4 +1,4 @@
-"""Mirrors as boundary groups: their planes, the corners between two of them, what the panels say of both."""
+"""Mirrors as boundary groups: their planes, the corners between two of them, and what the panels show of both."""
 
 from __future__ import annotations
 

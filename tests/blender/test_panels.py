@@ -406,7 +406,7 @@ def test_the_specials_menu() -> None:
 def test_every_operator_has_a_tooltip_and_every_property_a_description() -> None:
     from cmc_formfinding.cmc_addon import operators
 
-    for cls in operators._classes():
+    for cls in operators.CLASSES:
         kind = getattr(bpy.ops.cmc, cls.bl_idname.removeprefix("cmc.")).get_rna_type()
         assert kind.description, f"{cls.bl_idname} has no tooltip"
         for name, prop in kind.properties.items():

@@ -251,8 +251,8 @@ def test_esc_leaves_everything_as_it_was(plan, addon):
 
     class Hand(operators.CMC_OT_close_periods.__mro__[1]):
         bl_label, names = "Close Periods", operators.CLOSE_SETTINGS
-        take = operators.CMC_OT_close_periods.take
-        tell = operators.CMC_OT_close_periods.tell
+        read_task = operators.CMC_OT_close_periods.read_task
+        progress_of = operators.CMC_OT_close_periods.progress_of
         properties = SimpleNamespace(is_property_set=lambda name: False)
 
         def __init__(self):

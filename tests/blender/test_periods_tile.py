@@ -52,8 +52,10 @@ def hand_for(operators):
     """Stands for the operator that Blender makes."""
     operator = operators.CMC_OT_tile_periods
 
-    class Made(operators.Periodic):
-        bl_label, names, take, tell = operator.bl_label, operator.names, operator.take, operator.tell
+    class Made(operators.PeriodsOperator):
+        bl_label, names, read_task, progress_of = (
+            operator.bl_label, operator.names, operator.read_task, operator.progress_of
+        )
         properties = SimpleNamespace(is_property_set=lambda name: False)
 
         def __init__(self):

@@ -1,4 +1,4 @@
-"""Result objects: layers, names, links, and what stays through the next solve (see cmc_addon/results.py)."""
+"""Result objects: layers, names, links, and what stays through the next solve (see cmc_addon/results/objects.py)."""
 
 from __future__ import annotations
 
@@ -431,7 +431,7 @@ def test_a_twin_that_has_become_a_point_is_deleted():
 
 
 def test_a_plan_with_shape_keys():
-    """Its basis is solved, or with modifiers applied what is shown; the result has no keys."""
+    """Solve takes its basis, or with modifiers applied the shown shape; the result has no keys."""
     plan = quad_disc()
     plan.shape_key_add(name="Basis")
     plan.shape_key_add(name="Wide").data[0].co.z = 1.0

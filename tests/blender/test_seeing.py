@@ -95,13 +95,13 @@ def whole(addon, plan):
     from cmc_formfinding.solver.shells.plan import plan_conditions
 
     bpy.context.view_layer.update()
-    order = solve.take_order(bpy.context, plan, solve.settings_of(plan.cmc))
-    prepared = plan_cache.prepare(order.mesh)
+    task = solve.SolveTask.read(bpy.context, plan, solve.settings_of(plan.cmc))
+    prepared = plan_cache.prepare(task.mesh)
     domain = prepared.solver.domain
-    settings = solve.solver_settings(order.settings)
-    conditions = plan_conditions(order.plan(prepared), settings, domain)
+    settings = solve.solver_settings(task.settings)
+    conditions = plan_conditions(task.plan(prepared), settings, domain)
     held = resolved(conditions, SiteGraph.of(domain, "vertices"))
-    points = order.mesh.positions - np.array(plan.matrix_world.translation)
+    points = task.mesh.positions - np.array(plan.matrix_world.translation)
     return points[held.fixed], held.data, points[held.mirrors.sites]
 
 
@@ -565,8 +565,7 @@ def test_what_is_slow_waits_for_a_pause(addon, monkeypatch):
 
 
 def test_handlers_come_and_go(addon):
-    module = addon.cmc_addon.drawing.overlay_cache
-    names = [name for name, _ in module._HANDLERS]
+    names = ["depsgraph_update_post", "frame_change_post", "undo_post", "redo_post", "load_post"]
     before = [len(getattr(bpy.app.handlers, name)) for name in names]
     for _ in range(3):
         addon.cmc_addon.unregister()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import threading
 
 import bpy
@@ -101,7 +102,7 @@ def test_far_from_the_origin():
     assert_allclose(solved(plan) - [1000.0, -2000.0, 50.0], expected, rtol=0, atol=2e-3)
 
 
-def test_modifiers_on_wish():
+def test_modifiers_if_chosen():
     """The result then has the modified plan's polygons, and is that of the plan with the modifier applied."""
     plan = quad_disc(columns=16)
     plan.modifiers.new("Subdivision", "SUBSURF").levels = 1
@@ -261,7 +262,7 @@ def test_selection_goes_before_groups():
 # --- settings, undo, running ---------------------------------------------------------------
 
 def test_settings_are_the_objects_unless_given():
-    """A call's own settings win and are kept on the plan; they are not taken over to another plan."""
+    """The settings of a call win and stay with the plan; another plan does not get them."""
     plan, other = quad_disc("One"), quad_disc("Other")
     solved(plan, size="RISE", rise=2.0)
     assert (plan.cmc.size, plan.cmc.rise) == ("RISE", 2.0)
@@ -341,31 +342,31 @@ def test_a_second_solve_factors_nothing(addon, monkeypatch):
 
 
 def test_cancelled_changes_nothing(addon, monkeypatch):
-    forming, session = addon.cmc_addon.tasks.solve, addon.cmc_addon.background.worker
+    solve, worker = addon.cmc_addon.tasks.solve, addon.cmc_addon.background.worker
     plan = quad_disc()
     solved(plan)
     add_group(plan, "Rim", boundary_edges(plan.data)[:5], "BINORMAL", tilt=0.3)
-    real = forming.form.form
+    real = solve.form.form
 
     def form(*args, **keywords):
-        session.cancel()
+        worker.cancel()
         return real(*args, **keywords)
 
-    monkeypatch.setattr(forming.form, "form", form)
+    monkeypatch.setattr(solve.form, "form", form)
     before = snapshot()
     assert bpy.ops.cmc.solve() == {"CANCELLED"}
     assert snapshot() == before
-    assert session.Running.stop is None
+    assert worker.Running.stop is None
 
 
 def test_only_our_own_errors_are_caught(addon, monkeypatch):
-    """A mistake of ours is shown as one, with its traceback, and leaves nothing behind."""
-    forming = addon.cmc_addon.tasks.solve
+    """A bug of ours shows its traceback and leaves nothing behind."""
+    solve = addon.cmc_addon.tasks.solve
 
     def form(*args, **keywords):
         raise ZeroDivisionError("a mistake")
 
-    monkeypatch.setattr(forming.form, "form", form)
+    monkeypatch.setattr(solve.form, "form", form)
     quad_disc()
     before = snapshot()
     with pytest.raises(RuntimeError, match=r"Traceback(.|\n)*ZeroDivisionError"):
@@ -376,17 +377,17 @@ def test_only_our_own_errors_are_caught(addon, monkeypatch):
 # --- the window's way: a little at a time --------------------------------------------------
 
 class Hand:
-    """Stands for the operator that Blender makes, to turn its crank by hand."""
+    """Stands in for Blender's operator; the test calls its ticks."""
 
     def __init__(self, addon, context):
         solve = addon.cmc_addon.operators.solve
-        for name in ("modal", "_advance", "_cleanup", "_fail", "_say_cancelled", "take", "tell"):
-            setattr(self, name, getattr(solve.Solving, name).__get__(self))
+        for name in ("modal", "_advance", "_cleanup", "_fail", "_report_cancelled", "read_task", "progress_of"):
+            setattr(self, name, getattr(solve.TaskOperator, name).__get__(self))
         self.context, self.reports = context, []
-        self.order_settings = lambda plan: addon.cmc_addon.tasks.solve.settings_of(plan.cmc)
+        self.task_settings = lambda plan: addon.cmc_addon.tasks.solve.settings_of(plan.cmc)
         self.selection = lambda: None
         self.bl_label, self._about = "Solve", 0
-        self._work, self._timer = solve.Solving.steps(self, context, 0.0), None
+        self._work, self._timer = solve.TaskOperator.steps(self, context, 0.0), None
 
     def report(self, kind, text):
         self.reports.append((kind, text))
@@ -430,8 +431,8 @@ def test_escape_cancels(addon, hand):
 
 
 def test_cancelled_while_it_measures(addon):
-    """Work that has no more steps is not waited for; the next solve starts when it is through."""
-    session = addon.cmc_addon.background.worker
+    """Nobody waits for work without further steps; the next solve starts when it has ended."""
+    worker = addon.cmc_addon.background.worker
     order, gate, begun = [], threading.Event(), threading.Event()
 
     def slow(progress):
@@ -439,14 +440,14 @@ def test_cancelled_while_it_measures(addon):
         gate.wait(10.0)
         order.append("slow")
 
-    first = session.steps(slow, 1e-6, 0.01)
+    first = worker.steps(slow, 1e-6, 0.01)
     assert next(first) is None
     assert begun.wait(10.0)
-    session.cancel()
+    worker.cancel()
     with pytest.raises(StopIteration) as end:
         next(first)
     assert end.value.value is None
-    second = session.steps(lambda progress: order.append("next"), 1e-6, 0.01)
+    second = worker.steps(lambda progress: order.append("next"), 1e-6, 0.01)
     assert next(second) is None
     gate.set()
     for update in second:
@@ -524,3 +525,22 @@ def test_angles_of_neighbouring_groups_blend_over_a_length():
         normals = np.array(values(plan.cmc.f_plus.data.attributes["cmc_normal"]))[-64:]
         steps.append(np.abs(np.diff(np.append(normals[:, 2], normals[0, 2]))).max())
     assert steps[0] > 0.3 and steps[1] < 0.15
+
+
+def test_the_message_says_how_even_the_curvature_is(addon):
+    """The measured error of the shown sheet; a coarser plan has a larger one."""
+    errors = []
+    for rings in (4, 8):
+        plan = quad_disc(f"Disc {rings}", rings=rings, columns=8 * rings)
+        edges = boundary_edges(plan.data)
+        add_group(plan, "Half", edges[: len(edges) // 2], "BINORMAL", tilt=0.3)
+        solved(plan)
+        report = json.loads(plan.cmc.report)
+        errors.append(report["sheets"]["f+"]["mean_curvature"]["relative_l2"])
+        assert plan.cmc.message == report["message"] == f"Done. Curvature is even to {100 * errors[-1]:.2g} %."
+    assert errors[1] < errors[0] < 1.0
+
+
+@pytest.mark.parametrize(("part", "text"), [(1e-9, "0.01 %"), (0.00612, "0.61 %"), (0.14, "14 %"), (1.234, "123 %")])
+def test_percentages_have_no_powers_of_ten(addon, part, text):
+    assert addon.cmc_addon.tasks.solve.percent(part) == text

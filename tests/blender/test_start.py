@@ -60,9 +60,9 @@ def fails(words: str, operator=None, **arguments) -> None:
 
 def test_a_closed_plan_becomes_a_closed_shell(torus):
     assert bpy.ops.cmc.solve() == {"FINISHED"}
-    told = report(torus)
-    assert told["converged"] and not told["is_open"] and told["residual"] < 1e-6
-    assert told["index"] > 20 and abs(told["degree"]) < 1e-6
+    reported = report(torus)
+    assert reported["converged"] and not reported["is_open"] and reported["residual"] < 1e-6
+    assert reported["index"] > 20 and abs(reported["degree"]) < 1e-6
     shell = torus.cmc.f_plus
     assert len(shell.data.vertices) == len(torus.data.vertices) and not len(boundary_edges(shell.data))
     assert {"cmc_length", "cmc_start"}.isdisjoint(shell.data.attributes.keys())
@@ -254,5 +254,5 @@ def test_the_command_line_chooses_a_shell(addon, tmp_path):
     for number, arguments in enumerate((["--shell", "bubble"], ["--degree", "-0.75", "--sheet", "f-"])):
         out = tmp_path / str(number)
         assert cli.run([str(job(tmp_path, "side = 1")), "--output", str(out), *arguments]) == 0
-        told = json.loads(next(out.rglob("report.json")).read_text())
-        assert told["sheet"] == "f-" and abs(told["degree"] + 0.75) < 0.01
+        reported = json.loads(next(out.rglob("report.json")).read_text())
+        assert reported["sheet"] == "f-" and abs(reported["degree"] + 0.75) < 0.01

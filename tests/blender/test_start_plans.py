@@ -22,9 +22,9 @@ def test_solve_needs_nothing_else(shape):
     plan = bpy.context.object
     assert plan.select_get() and [group.name for group in plan.data.cmc.groups] == ["Rim"]
     assert bpy.ops.cmc.solve() == FINISHED
-    told = report(plan)
-    shown = told["sheets"][told["sheet"]]
-    assert told["converged"] and not told["is_open"] and shown["overhang"]["area_share"] == 0.0
+    reported = report(plan)
+    shown = reported["sheets"][reported["sheet"]]
+    assert reported["converged"] and not reported["is_open"] and shown["overhang"]["area_share"] == 0.0
     assert not shown["intersections"]["count"]
     assert 0.1 * shown["span"] < shown["rise"] < 0.35 * shown["span"]
 
@@ -33,10 +33,10 @@ def test_the_round_plan_has_a_cap_of_a_sphere_on_its_outline():
     """A cap that leaves its rim at 45° is (√2 - 1)/2 of its span high, and H = √2 over its span."""
     bpy.ops.cmc.add_plan(shape="ROUND", columns=32)
     bpy.ops.cmc.solve()
-    told = report(bpy.context.object)
-    shown = told["sheets"][told["sheet"]]
+    reported = report(bpy.context.object)
+    shown = reported["sheets"][reported["sheet"]]
     np.testing.assert_allclose(shown["rise"], 0.5 * (np.sqrt(2.0) - 1.0) * shown["span"], rtol=0.01)
-    np.testing.assert_allclose(told["mean_curvature"] * shown["span"], np.sqrt(2.0), rtol=0.01)
+    np.testing.assert_allclose(reported["mean_curvature"] * shown["span"], np.sqrt(2.0), rtol=0.01)
     assert shown["outline"]["max"] < 0.005 * shown["span"]
 
 

@@ -27,7 +27,7 @@ def top() -> float:
 
 def following() -> bool:
     found = next(module for name, module in sys.modules.items() if name.endswith("cmc_addon.live.follow"))
-    return found.Following.uid
+    return found.Follow.uid
 
 
 def tell(hands):

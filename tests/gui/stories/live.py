@@ -15,7 +15,7 @@ def live():
 
 def at_rest() -> bool:
     states = live().Live.states.values()
-    return bool(states) and live().Live.errand is None and all(s.is_settled and not s.is_dirty for s in states)
+    return bool(states) and live().Live.running is None and all(s.is_settled and not s.is_dirty for s in states)
 
 
 def points(ob) -> np.ndarray:

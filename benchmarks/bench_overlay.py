@@ -1,6 +1,6 @@
-"""What is drawn over the viewport: how long a redraw takes, and the first one after a change, in processor time.
+"""The viewport overlay: processor time of a redraw, and of the first redraw after a change.
 
-`make bench` prints milliseconds. Started as a script it is the Blender that is measured, in a process of its own.
+`make bench` prints milliseconds. Run as a script, this file is the measured Blender, in a process of its own.
 """
 
 from __future__ import annotations
@@ -27,16 +27,16 @@ def test_a_redraw(vertices, capsys):
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
     done = subprocess.run(arguments, capture_output=True, text=True, env=environment, check=False)
     assert done.returncode == 0, done.stderr[-2000:]
-    found = json.loads(next(line for line in reversed(done.stdout.splitlines()) if line.startswith("{")))
+    measured = json.loads(next(line for line in reversed(done.stdout.splitlines()) if line.startswith("{")))
     with capsys.disabled():
-        print(f"\n{found.pop('vertices')} vertices")
-        for name, seconds in found.items():
+        print(f"\n{measured.pop('vertices')} vertices")
+        for name, seconds in measured.items():
             print(f"  {name:<32s} {1e3 * seconds:7.2f} ms")
-    assert found["nothing has changed"] < 0.002
+    assert measured["nothing has changed"] < 0.002
 
 
 def measure(vertices: int) -> dict[str, float]:
-    """Seconds of each kind of redraw, the least of some rounds."""
+    """Seconds of each kind of redraw: the minimum over the rounds."""
     import bmesh
     import bpy
     from blender.scenes import add_group, boundary_edges
@@ -46,7 +46,7 @@ def measure(vertices: int) -> dict[str, float]:
     plan = bpy.context.object
     edges = boundary_edges(plan.data)
     group = add_group(plan, "Half", edges[: len(edges) // 2], "BINORMAL")
-    seeing = sys.modules["cmc_formfinding.cmc_addon.drawing.overlay"]
+    overlay = sys.modules["cmc_formfinding.cmc_addon.drawing.overlay"]
 
     def least(change) -> float:
         taken = []
@@ -54,7 +54,7 @@ def measure(vertices: int) -> dict[str, float]:
             change(0.1 * (k + 1))
             bpy.context.view_layer.update()
             before = time.thread_time()
-            assert seeing.frame(bpy.context)
+            assert overlay.frame(bpy.context)
             taken.append(time.thread_time() - before)
         return min(taken)
 
@@ -64,16 +64,16 @@ def measure(vertices: int) -> dict[str, float]:
         bm.verts[0].co.z = x
         bmesh.update_edit_mesh(plan.data, loop_triangles=False, destructive=False)
 
-    seeing.frame(bpy.context)
-    found = {"vertices": len(plan.data.vertices)}
-    found["nothing has changed"] = least(lambda _: None)
-    found["the plan was moved"] = least(lambda x: setattr(plan.location, "x", x))
-    found["an angle was turned"] = least(lambda x: setattr(group, "tilt", x))
-    found["the plan was scaled"] = least(lambda x: setattr(plan.scale, "x", 1.0 + x))
+    overlay.frame(bpy.context)
+    measured = {"vertices": len(plan.data.vertices)}
+    measured["nothing has changed"] = least(lambda _: None)
+    measured["the plan was moved"] = least(lambda x: setattr(plan.location, "x", x))
+    measured["an angle was turned"] = least(lambda x: setattr(group, "tilt", x))
+    measured["the plan was scaled"] = least(lambda x: setattr(plan.scale, "x", 1.0 + x))
     bpy.ops.object.mode_set(mode="EDIT")
-    found["a vertex was dragged (edit mode)"] = least(drag)
+    measured["a vertex was dragged (edit mode)"] = least(drag)
     bpy.ops.object.mode_set(mode="OBJECT")
-    return found
+    return measured
 
 
 if __name__ == "__main__":

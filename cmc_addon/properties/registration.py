@@ -1,0 +1,39 @@
+"""How a module registers with Blender: its classes and its functions on the lists of `bpy.app.handlers`.
+
+    register, unregister = registration(CLASSES)
+
+`bpy.utils.register_classes_factory` does the same for classes; its `unregister` raises where registering stopped
+half-way. This one leaves out what is not registered, see `cmc_addon.register`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+
+import bpy
+
+
+def registration(
+    classes: Iterable[type] = (), handlers: Mapping[str, Callable] | None = None
+) -> tuple[Callable[[], None], Callable[[], None]]:
+    """`register()` and `unregister()` for classes, in order and in reverse, and for handlers.
+
+    handlers: name of a list in `bpy.app.handlers` -> the function to append to it.
+    """
+    known, lists = tuple(classes), dict(handlers or {})
+
+    def register() -> None:
+        for cls in known:
+            bpy.utils.register_class(cls)
+        for name, handler in lists.items():
+            getattr(bpy.app.handlers, name).append(handler)
+
+    def unregister() -> None:
+        for name, handler in lists.items():
+            if handler in getattr(bpy.app.handlers, name):
+                getattr(bpy.app.handlers, name).remove(handler)
+        for cls in reversed(known):
+            if cls.is_registered:
+                bpy.utils.unregister_class(cls)
+
+    return register, unregister
