@@ -1,10 +1,12 @@
-"""The result: a CMC surface as plain arrays."""
+"""The result of a solve: a CMC surface as plain arrays, and the meshes made of it."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +15,14 @@ from ..domain.domain import Domain
 from ..domain.sites import SiteGraph
 from ..errors import Status, check_choice
 from ..gauss.harmonic import HarmonicMap
+from . import convert, notebook
 from .averaging import AVERAGINGS
 from .conjugate import Conjugate
 from .dual_mesh import Complex, Corners, corner_complex, dual_complex
 from .polygon_mesh import PolygonMesh
+
+if TYPE_CHECKING:
+    import trimesh
 
 Array = NDArray[np.float64]
 
@@ -47,16 +53,17 @@ COMBINATORICS = {
 
 @dataclass(frozen=True, eq=False)
 class CmcSurface:
-    """The two CMC surfaces f± = g ± N of a harmonic map, and g, in scaled units (H as asked for).
+    """The two CMC surfaces f± = g ± N of a harmonic map, and g, at the scale of the mean curvature H.
 
-    domain: the one asked about, whose triangles the surface has. graph: the sites and links of the normals; its
-    domain is another triangulation of the same, where a Delaunay one was asked for.
+    domain: as given; the surface has its triangles. graph: the sites and links of the normals, whose domain is the
+    intrinsic Delaunay triangulation where the solve used it.
     harmonic, conjugate: on that graph, the conjugate at scale 1, without its periods if they were projected out.
     averaging: how g or N came to the vertices. centre: (3,) where the origin of the surface is on the conjugate.
     g, f_plus, f_minus: (n, 3); g is centred at the mean of its boundary. normals: (n, 3) unit N.
-    faces: (F, 3) rows. source: (n,) the vertex of the domain each row comes from.
+    faces: (F, 3) cut vertices. source: (n,) the vertex of the domain that each cut vertex comes from.
     scale: 1 / (2 H). periods: (k, 3) translations around the holes and handles, scaled.
-    is_open: whether the surface is cut open along seams across which it jumps by the periods; then n > V.
+    is_open: whether the surface is cut open along seams across which it jumps by the periods; then n > V. Where it is
+    not, cut vertices are the vertices of the domain.
     """
 
     domain: Domain
@@ -75,6 +82,27 @@ class CmcSurface:
     periods: Array
     is_open: bool
 
+    def __repr__(self) -> str:
+        gap = f", gap {self.gap:.3g}" if self.is_open else ""
+        size = f"{len(self.g)} vertices, {len(self.faces)} faces"
+        numbers = f"H = {self.mean_curvature:.4g}, energy {self.harmonic.energy:.6g}"
+        return f"CmcSurface({size}, {numbers}, {self.status.value}{gap})"
+
+    def _repr_html_(self) -> str:
+        """Numbers, and a picture of f+ where matplotlib is installed."""
+        harmonic = self.harmonic
+        numbers = {
+            "mean curvature H": f"{self.mean_curvature:.4g}",
+            "vertices, faces": f"{len(self.g)}, {len(self.faces)}",
+            "size of f+": " × ".join(f"{extent:.4g}" for extent in np.ptp(self.f_plus, axis=0)),
+            "energy, degree": f"{harmonic.energy:.6g}, {round(harmonic.degree, 6) + 0.0:.4g}",
+            "residual": f"{harmonic.residual:.1e} after {harmonic.iterations} steps",
+            "status": self.status.value,
+        }
+        if self.is_open:
+            numbers["gap"] = f"{self.gap:.4g}"
+        return notebook.table("CmcSurface", numbers, notebook.picture(self.f_plus, self.faces))
+
     @property
     def mean_curvature(self) -> float:
         """H of f+ with the normal N, and of f- with the normal -N."""
@@ -92,6 +120,11 @@ class CmcSurface:
         return Status.GAP if self.is_open and harmonic is Status.CONVERGED else harmonic
 
     @property
+    def ok(self) -> bool:
+        """Whether the map converged and the surface closes around holes and handles."""
+        return self.status is Status.CONVERGED
+
+    @property
     def message(self) -> str:
         """The status as a sentence, with the numbers that matter."""
         parts = [self.harmonic.status.sentence]
@@ -106,6 +139,28 @@ class CmcSurface:
         sheets = {"f+": self.f_plus, "f-": self.f_minus, "g": self.g, "gauss": self.scale * self.normals}
         check_choice(name, sheets, "sheet")
         return sheets[name]
+
+    def sheet_normals(self, name: str) -> Array:
+        """Unit normals (n, 3) of a sheet, for which H is positive: N, and -N on f-."""
+        check_choice(name, ("f+", "f-", "g", "gauss"), "sheet")
+        return -self.normals if name == "f-" else self.normals
+
+    def save(self, path: str | os.PathLike[str], sheet: str = "f+", combinatorics: str = "primal") -> None:
+        """Write a sheet as OBJ, PLY, STL or GLB, by the suffix of `path`; see `as_mesh` and `convert.save_mesh`."""
+        mesh = self.as_mesh(sheet, combinatorics)
+        convert.save_mesh(path, mesh.vertices, mesh.polygons, -mesh.normals if sheet == "f-" else mesh.normals)
+
+    def to_trimesh(self, sheet: str = "f+") -> trimesh.Trimesh:
+        """A sheet as a `trimesh.Trimesh` with its normals."""
+        return convert.to_trimesh(self.sheet(sheet), self.faces, self.sheet_normals(sheet))
+
+    def to_pyvista(self, sheet: str = "f+") -> Any:
+        """A sheet as a `pyvista.PolyData` with its normals; raises `CmcError` where pyvista is not installed."""
+        return convert.to_pyvista(self.sheet(sheet), self.faces, self.sheet_normals(sheet))
+
+    def to_meshio(self, sheet: str = "f+") -> Any:
+        """A sheet as a `meshio.Mesh` with its normals; raises `CmcError` where meshio is not installed."""
+        return convert.to_meshio(self.sheet(sheet), self.faces, self.sheet_normals(sheet))
 
     def as_mesh(self, sheet: str, combinatorics: str = "primal") -> PolygonMesh:
         """A sheet as a mesh with the triangles of the domain, or one of the other `COMBINATORICS` (paper, Fig. 5).
