@@ -127,12 +127,17 @@ class CmcSurface:
     @property
     def message(self) -> str:
         """The status as a sentence, with the numbers that matter."""
-        parts = [self.harmonic.status.sentence]
-        if self.harmonic.status is not Status.CONVERGED:
-            parts[0] += f" (Residual {self.harmonic.residual:.1e} after {self.harmonic.iterations} steps.)"
-        if self.is_open:
-            parts.append(f"{Status.GAP.sentence} The gap is {self.gap:.4g} long ({_periods(self.periods)}).")
-        return " ".join(parts)
+        if not self.is_open:
+            return self.outcome
+        return f"{self.outcome} {Status.GAP.sentence} The gap is {self.gap:.4g} long ({_periods(self.periods)})."
+
+    @property
+    def outcome(self) -> str:
+        """The status of the map as a sentence."""
+        harmonic = self.harmonic
+        if harmonic.status is Status.CONVERGED:
+            return harmonic.status.sentence
+        return f"{harmonic.status.sentence} (Residual {harmonic.residual:.1e} after {harmonic.iterations} steps.)"
 
     def sheet(self, name: str) -> Array:
         """Points (n, 3) of "f+", "f-", "g", or "gauss" (the normals as points of a sphere of radius `scale`)."""
