@@ -74,7 +74,7 @@ def test_four_mirrors_and_a_side_that_touches_the_ceiling_or_a_ball(kind, radius
     whole = complete(piece.surface, piece.sides)
     assert whole.sheets.count("f+") == whole.sheets.count("f-") == 16 and len(whole.lattice) == 3
     rim = next(plane for plane in whole.planes if plane.name == "oculus")
-    points = piece.surface.f_plus[rim.rows]
+    points = piece.surface.f_plus[rim.cut_vertices]
     if kind == "tangent":
         assert_allclose(points[:, 2], rim.offset + 1.0, atol=1e-9)
         assert points[:, 2].max() > piece.surface.f_plus[:, 2].max() - 2e-3  # the ceiling
@@ -98,7 +98,7 @@ def test_a_ring_that_touches_the_floor_encloses_a_whole_bay():
     both = complete(piece.surface, piece.sides)
     assert sorted(both.sheets) == ["f+"] * 4 + ["f-"] * 4
     down = next(plane for plane in both.planes if plane.name == "column")
-    assert_allclose(piece.surface.f_plus[down.rows] @ down.normal, down.offset + 1.0, atol=1e-9)
+    assert_allclose(piece.surface.f_plus[down.cut_vertices] @ down.normal, down.offset + 1.0, atol=1e-9)
 
 
 def test_with_a_free_foot_nothing_holds_the_column():
