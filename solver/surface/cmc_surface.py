@@ -18,7 +18,7 @@ from ..gauss.harmonic import HarmonicMap
 from . import convert, notebook
 from .averaging import AVERAGINGS
 from .conjugate import Conjugate
-from .dual_mesh import Complex, Corners, corner_complex, dual_complex
+from .dual_mesh import CornerValues, DualMesh, corner_mesh, dual_mesh
 from .polygon_mesh import PolygonMesh
 
 if TYPE_CHECKING:
@@ -37,16 +37,16 @@ class Combinatorics:
 
     label: str
     description: str
-    complex: Callable[[Corners], Complex] | None = None
+    mesh_of: Callable[[CornerValues], DualMesh] | None = None
 
 
 COMBINATORICS = {
     "primal": Combinatorics("Primal", "The faces of the plan"),
     "dual": Combinatorics(
-        "Dual", "A vertex for each triangle of the plan, a polygon for each of its vertices", dual_complex
+        "Dual", "A vertex for each triangle of the plan, a polygon for each of its vertices", dual_mesh
     ),
     "corner": Combinatorics(
-        "Corners", "A polygon for each triangle, each edge and each vertex of the plan", corner_complex
+        "Corners", "A polygon for each triangle, each edge and each vertex of the plan", corner_mesh
     ),
 }
 
@@ -170,25 +170,25 @@ class CmcSurface:
     def as_mesh(self, sheet: str, combinatorics: str = "primal") -> PolygonMesh:
         """A sheet as a mesh with the triangles of the domain, or one of the other `COMBINATORICS` (paper, Fig. 5).
 
-        Those are of the domain on which the normals were solved for, `graph.domain`. Where the surface is cut open,
+        Those are polygons of the domain that carries the normals, `graph.domain`. Where the surface is cut open,
         vertices along the seam are repeated so that every polygon is whole.
         """
         check_choice(combinatorics, COMBINATORICS, "combinatorics")
         points = self.sheet(sheet)
-        complex_of = COMBINATORICS[combinatorics].complex
-        if complex_of is None:
+        mesh_of = COMBINATORICS[combinatorics].mesh_of
+        if mesh_of is None:
             domain = self.graph.domain
-            rows = self.faces if domain is self.domain else domain.faces
-            return PolygonMesh.of_triangles(points, self.faces, self.source, self.normals, domain, rows)
-        mesh = complex_of(self._corners)
+            cut_faces = self.faces if domain is self.domain else domain.faces
+            return PolygonMesh.of_triangles(points, self.faces, self.source, self.normals, domain, cut_faces)
+        mesh = mesh_of(self._corners)
         g, N = self.scale * (mesh.conjugate - self.centre), self.scale * mesh.normals
         return mesh.mesh({"f+": g + N, "f-": g - N, "g": g, "gauss": N}[sheet])
 
     @cached_property
-    def _corners(self) -> Corners:
+    def _corners(self) -> CornerValues:
         weights = AVERAGINGS[self.averaging].to_faces(self.graph.domain)
         at_vertices = self.normals[: self.domain.vertex_count]
-        return Corners.of(self.graph, self.conjugate, self.harmonic.normals, at_vertices, weights, self.is_open)
+        return CornerValues.of(self.graph, self.conjugate, self.harmonic.normals, at_vertices, weights, self.is_open)
 
     def is_degenerate(self, name: str) -> bool:
         """Whether a sheet has shrunk to (almost) a point: f- over a spherical f+, and the other way round."""

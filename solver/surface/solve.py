@@ -75,7 +75,7 @@ class CmcSolver:
         if self._carried:
             conditions = conditions.carried(self._carried.edges)
         self._check_on_rim(conditions)
-        harmonic = self.harmonic.solve(conditions, **options.of_the_map)
+        harmonic = self.harmonic.solve(conditions, **options.map_keywords)
         planes = harmonic.admissible.sides.planes
         conjugate = self.conjugation.conjugate(harmonic.normals, self.harmonic.energy, planes)
         return self._surface(harmonic, conjugate, options)
