@@ -1,7 +1,22 @@
-"""Constant mean curvature surfaces from discrete harmonic maps.
+"""Surfaces of constant mean curvature from discrete harmonic maps.
 
-The rooms follow the mathematics: domain → gauss → surface → measure. What is done with surfaces comes next (symmetry,
-closing, fitting), then ready-made ones (catalogue), and shells over a drawn plan (shells, jobs).
+The Gauss map of such a surface is harmonic, and the surface follows from it. The rooms follow the mathematics: a
+`Domain` has triangles and edge lengths (domain, from plans by meshing); `conditions` prescribe tangent planes along its
+boundary and `HarmonicSolver` finds the unit normals N (gauss); `solve_cmc` integrates them to a conjugate surface g and
+returns f± = g ± N (surface); `report` measures what came of it (measure). Then surfaces are completed by mirrors
+(symmetry), closed around holes (closing) and fitted to outlines (fitting); some are ready-made (catalogue). `form`
+makes a shell over a drawn `Plan`, sized and placed (shells), from Python or from a job file (jobs). Each room opens
+with such a page::
+
+    import numpy as np
+    from solver import conditions, report, shapes, solve_cmc
+
+    plan = shapes.polygon(np.array([(0, 0), (4, 0), (4, 3), (0, 3)]), max_edge=0.25, corner_radius=0.6)
+    rim = conditions.binormal(plan, "outer", tilt=np.radians(40))
+    surface = solve_cmc(plan, rim, mean_curvature=0.2)
+    assert surface.ok, surface.message
+    surface.save("shell.obj")
+    text = report(surface).summary("m")
 """
 
 from .catalogue import modules, shapes
@@ -84,3 +99,8 @@ __all__ = [
     "wente_start",
     "whole",
 ]
+
+
+def __dir__() -> list[str]:
+    """The public names; rooms are imported by their full names."""
+    return list(__all__)
