@@ -27,6 +27,7 @@ from .closing.close import close_periods
 from .closing.holes import hole
 from .closing.moduli import tube
 from .domain.domain import Domain
+from .domain.shape import Shape
 from .errors import CmcError, ConditionError, JobError, MeshError, Status
 from .fitting.fit import Fit, fit
 from .fitting.gauss_map import fit_gauss_map
@@ -36,6 +37,7 @@ from .gauss.boundary_data import Conditions
 from .gauss.harmonic import HarmonicMap, HarmonicSolver
 from .gauss.modes import modes_of, saddle
 from .measure import (
+    Report,
     conformal_distortion,
     gauss_curvature_of,
     mean_curvature_of,
@@ -49,6 +51,7 @@ from .surface.cmc_surface import CmcSurface
 from .surface.periods import periods
 from .surface.solve import CmcSolver, solve_cmc
 from .symmetry.complete import complete
+from .symmetry.completion import Completion
 from .symmetry.glued_map import whole
 from .symmetry.sides import Side, side_plane
 
@@ -58,6 +61,7 @@ __all__ = [
     "CmcError",
     "CmcSolver",
     "CmcSurface",
+    "Completion",
     "ConditionError",
     "Conditions",
     "Domain",
@@ -68,7 +72,9 @@ __all__ = [
     "JobError",
     "MeshError",
     "Plan",
+    "Report",
     "Settings",
+    "Shape",
     "Side",
     "Status",
     "close_periods",
