@@ -38,7 +38,7 @@ def wente_height(angle: float) -> float:
 
 
 def discrete_height(angle: float, columns: int) -> float:
-    """About the height on a mesh with that many columns for a quarter: larger, with an error of second order."""
+    """The approximate height on a mesh with that many columns for a quarter: larger, by an error of second order."""
     return wente_height(angle) * (1.0 + min(_error(angle) / columns**2, _RESOLVED))
 
 

@@ -157,7 +157,7 @@ def corner_mesh(corners: CornerValues) -> DualMesh:
 
 
 def _quads(corners: CornerValues) -> tuple[Int, Int]:
-    """CornerValues (n, 4) around each edge, and their shifts (n, 4, k); each on the sheet of the left face of its edge.
+    """Corners (n, 4) around each edge, and their shifts (n, 4, k); each on the sheet of the left face of its edge.
 
     The left face traverses the edge forwards, the right one backwards, the quad against both.
     """

@@ -34,7 +34,7 @@ _LARGEST_ORDER = 12
 
 @dataclass(frozen=True)
 class Corner:
-    """Where two sides meet.
+    """A vertex where two sides meet.
 
     plane_angle: between their planes, in (0, π/2], 0 for one and the same plane. domain_angle: of the domain there.
     order: k, if the planes generate 2 k copies around the corner. turns: how often those copies go around it,

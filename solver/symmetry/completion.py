@@ -90,7 +90,7 @@ class Completion:
 
     @property
     def vertex_count(self) -> int:
-        """Of the welded mesh."""
+        """Number of vertices of the welded mesh."""
         return self._glued.vertex_count
 
     @property

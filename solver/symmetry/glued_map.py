@@ -20,13 +20,13 @@ from .completion import Completion
 
 Array = NDArray[np.float64]
 
-# Normals of two copies at a common vertex may differ by this much; prescribed ones have five digits or more.
+# Normals of two copies at a common vertex may differ by this much: given normals may have only five digits.
 _SAME = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
 class GluedMap:
-    """domain: of all copies. normals: (V, 3) the map on it. members: (K, n) the vertex of each vertex of each copy."""
+    """domain: of all copies. normals: (V, 3) the map on it. members: (K, n) the vertex that each of a copy became."""
 
     domain: Domain
     normals: Array

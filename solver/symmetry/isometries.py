@@ -25,7 +25,7 @@ _COARSE = 4.0
 class Isometry:
     """x ↦ linear x + translation, applied to the sheet f+ (sheet = 1) or f- (-1), whose normal is sheet × linear N.
 
-    linear: (3, 3) orthogonal; faces walk the other way round where its determinant is negative. translation: (3,).
+    linear: (3, 3) orthogonal; faces are reversed if its determinant is negative. translation: (3,).
     """
 
     linear: Array
@@ -223,5 +223,5 @@ def _signed(v: Array, tolerance: float) -> Array:
 
 
 def _order(v: Array, tolerance: float) -> tuple[float, ...]:
-    """By length, then by direction, both no finer than the tolerance, so that ties do not depend on rounding."""
+    """Sort key: length, then direction, both no finer than the tolerance, so that ties do not depend on rounding."""
     return (round(float(np.linalg.norm(v)) / tolerance), *(-np.round(v / tolerance)))

@@ -6,16 +6,22 @@ mean, which for reflected copies lies in the plane.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..domain.gluing import Glued
+from ..surface import convert
 from ..surface.cmc_surface import CmcSurface
 from ..surface.polygon_mesh import PolygonMesh
 from .sides import SidePlane
+
+if TYPE_CHECKING:
+    import trimesh
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -58,6 +64,14 @@ class CompletedMesh:
     def __repr__(self) -> str:
         copies = int(self.copies.max(initial=-1)) + 1
         return f"CompletedMesh({len(self.vertices)} vertices, {len(self.faces)} faces, {copies} copies)"
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the mesh as OBJ, PLY, STL or GLB, by the suffix of `path`; see `convert.save_mesh`."""
+        convert.save_mesh(path, self.vertices, self.faces, self.normals)
+
+    def to_trimesh(self) -> trimesh.Trimesh:
+        """The mesh as a `trimesh.Trimesh` with its normals."""
+        return convert.to_trimesh(self.vertices, self.faces, self.normals)
 
     @property
     def largest_gap(self) -> float:

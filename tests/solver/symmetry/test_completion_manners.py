@@ -6,10 +6,12 @@ import copy
 import pickle
 from dataclasses import replace
 
+import numpy as np
 import pytest
-from numpy.testing import assert_array_equal
+from numpy.testing import assert_allclose, assert_array_equal
 
 from solver import Side, complete, conditions, modules, side_plane, solve_cmc, whole
+from solver.io.mesh_files import read_mesh
 
 
 @pytest.fixture(scope="module")
@@ -53,6 +55,15 @@ def test_a_completion_says_whether_its_copies_meet(completion):
     stopped = replace(surface.harmonic, status=type(surface.status).ITERATION_LIMIT)
     unfinished = replace(completion, surface=replace(surface, harmonic=stopped))
     assert not unfinished.ok and unfinished.message.startswith("The iteration limit was reached")
+
+
+def test_the_welded_mesh_goes_to_files_and_trimesh(completion, tmp_path):
+    mesh = completion.mesh
+    mesh.save(tmp_path / "honeycomb.obj")
+    assert_allclose(read_mesh(tmp_path / "honeycomb.obj").positions, mesh.vertices, rtol=0.0, atol=1e-6)
+    solid = mesh.to_trimesh()
+    assert_array_equal(solid.faces, mesh.faces)
+    assert (np.einsum("fi,fi->f", solid.face_normals, mesh.normals[mesh.faces].mean(axis=1)) > 0.0).mean() > 0.95
 
 
 @pytest.mark.parametrize("duplicate", [copy.deepcopy, lambda one: pickle.loads(pickle.dumps(one))])
