@@ -45,6 +45,9 @@ class Conjugate:
     closure_error: float
     periods: Array
 
+    def __repr__(self) -> str:
+        return f"Conjugate({len(self.g)} points, {len(self.periods)} periods, closure error {self.closure_error:.1e})"
+
 
 class Conjugation:
     """Conjugates on one domain; the trees along which they are integrated are kept."""

@@ -43,6 +43,9 @@ def test_the_repr_is_a_line_without_arrays(surface, open_surface):
     assert text.startswith(f"CmcSurface({SHAPE.domain.vertex_count} vertices, {len(SHAPE.domain.faces)} faces, H = 0.5")
     assert text.endswith("converged)") and len(text) < 120 and "\n" not in text
     assert re.search(r"gap \d", repr(open_surface))
+    points = len(COURTYARD.domain.faces)
+    assert repr(open_surface.conjugate).startswith(f"Conjugate({points} points, 1 periods, closure error")
+    assert repr(surface.as_mesh("f+", "dual")).startswith("PolygonMesh(")
 
 
 def test_a_surface_says_whether_it_worked(surface, open_surface):

@@ -15,7 +15,7 @@ MESHES = (20, 40, 80)
 
 
 def rates(errors) -> np.ndarray:
-    """Orders of convergence between meshes of which each is twice as fine as the one before."""
+    """Orders of convergence between meshes, each twice as fine as the one before."""
     return np.log2(np.asarray(errors)[:-1] / np.asarray(errors)[1:])
 
 
@@ -240,7 +240,7 @@ def test_a_placed_surface_has_placed_copies():
 
 
 def test_parts_of_one_plane_are_one_plane():
-    """A side in two parts: the parts get one plane, and how far apart they came out is told."""
+    """A side in two parts: the parts get one plane, and their measured distance is reported."""
     piece = pieces.sphere_eighth(16)
     left = piece.sides[0]
     parts = [Side("low", left.edges[:8], normal=(1, 0, 0)), Side("high", left.edges[8:], normal=(-1, 0, 0))]

@@ -18,7 +18,7 @@ HEXAGON = ("bisector", "end", "floor")
 
 
 def rates(errors) -> np.ndarray:
-    """Orders of convergence between meshes of which each is twice as fine as the one before."""
+    """Orders of convergence between meshes, each twice as fine as the one before."""
     return np.log2(np.asarray(errors)[:-1] / np.asarray(errors)[1:])
 
 
