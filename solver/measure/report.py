@@ -221,14 +221,10 @@ def _with_solve(surface: CmcSurface, sheet: str, sheets: dict[str, SheetReport],
 def _sentence(surface: CmcSurface, shown: SheetReport, scale: float) -> str:
     """How even the curvature of the shown sheet is, where the map converged; and how long the gap is, at that scale."""
     H = shown.mean_curvature
+    gap = f"{Status.GAP.sentence} The gap is {scale * surface.gap:.4g} long."
     if surface.harmonic.status is not Status.CONVERGED or H is None:
-        words = surface.outcome
-    else:
-        done = "" if surface.is_open else "Done. "
-        words = f"{done}Curvature is even to {_percent(H.relative_l2)}."
-    if surface.is_open:
-        words += f" {Status.GAP.sentence} The gap is {scale * surface.gap:.4g} long."
-    return words
+        return f"{surface.outcome} {gap}" if surface.is_open else surface.outcome
+    return f"{gap if surface.is_open else 'Done.'} Curvature is even to {_percent(H.relative_l2)}."
 
 
 def _percent(part: float) -> str:
