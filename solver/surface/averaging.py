@@ -234,6 +234,8 @@ def _fitted(a: Averaging, vertices: Int) -> Array:
 
 def _in_planes(a: Averaging, vertices: Int, g: Array) -> Array:
     """Values (n, 3) at sorted vertices, those on mirrors in the planes of the boundary points beside them."""
+    if not len(a.admissible.sides.edges):
+        return g
     planes = a.admissible.sides.planes.copy()
     chosen = np.zeros(a.domain.vertex_count, dtype=bool)
     chosen[vertices] = True
