@@ -1,7 +1,22 @@
-"""Constant mean curvature surfaces from discrete harmonic maps.
+"""Surfaces of constant mean curvature from discrete harmonic maps.
 
-The rooms follow the mathematics: domain → gauss → surface → measure. What is done with surfaces comes next (symmetry,
-closing, fitting), then ready-made ones (catalogue), and shells over a drawn plan (shells, jobs).
+The Gauss map of such a surface is harmonic, and the surface follows from it. The rooms follow the mathematics: a
+`Domain` has triangles and edge lengths (domain, from plans by meshing); `conditions` prescribe tangent planes along its
+boundary and `HarmonicSolver` finds the unit normals N (gauss); `solve_cmc` integrates them to a conjugate surface g and
+returns f± = g ± N (surface); `report` measures what came of it (measure). Then surfaces are completed by mirrors
+(symmetry), closed around holes (closing) and fitted to outlines (fitting); some are ready-made (catalogue). `form`
+makes a shell over a drawn `Plan`, sized and placed (shells), from Python or from a job file (jobs). Each room opens
+with such a page::
+
+    import numpy as np
+    from solver import conditions, report, shapes, solve_cmc
+
+    plan = shapes.polygon(np.array([(0, 0), (4, 0), (4, 3), (0, 3)]), max_edge=0.25, corner_radius=0.6)
+    rim = conditions.binormal(plan, "outer", tilt=np.radians(40))
+    surface = solve_cmc(plan, rim, mean_curvature=0.2)
+    assert surface.ok, surface.message
+    surface.save("shell.obj")
+    text = report(surface).summary("m")
 """
 
 from .catalogue import modules, shapes
@@ -12,6 +27,7 @@ from .closing.close import close_periods
 from .closing.holes import hole
 from .closing.moduli import tube
 from .domain.domain import Domain
+from .domain.shape import Shape
 from .errors import CmcError, ConditionError, JobError, MeshError, Status
 from .fitting.fit import Fit, fit
 from .fitting.gauss_map import fit_gauss_map
@@ -21,6 +37,7 @@ from .gauss.boundary_data import Conditions
 from .gauss.harmonic import HarmonicMap, HarmonicSolver
 from .gauss.modes import modes_of, saddle
 from .measure import (
+    Report,
     conformal_distortion,
     gauss_curvature_of,
     mean_curvature_of,
@@ -34,6 +51,7 @@ from .surface.cmc_surface import CmcSurface
 from .surface.periods import periods
 from .surface.solve import CmcSolver, solve_cmc
 from .symmetry.complete import complete
+from .symmetry.completion import Completion
 from .symmetry.glued_map import whole
 from .symmetry.sides import Side, side_plane
 
@@ -43,6 +61,7 @@ __all__ = [
     "CmcError",
     "CmcSolver",
     "CmcSurface",
+    "Completion",
     "ConditionError",
     "Conditions",
     "Domain",
@@ -53,7 +72,9 @@ __all__ = [
     "JobError",
     "MeshError",
     "Plan",
+    "Report",
     "Settings",
+    "Shape",
     "Side",
     "Status",
     "close_periods",
@@ -84,3 +105,8 @@ __all__ = [
     "wente_start",
     "whole",
 ]
+
+
+def __dir__() -> list[str]:
+    """The public names; rooms are imported by their full names."""
+    return list(__all__)

@@ -200,7 +200,7 @@ def free() -> list[str]:
         found = []
         for piece, side in map(make, sizes):
             plane = side_plane(piece.surface, next(s for s in piece.sides if s.name == side))
-            away = np.linalg.norm(piece.surface.f_plus[plane.rows] - plane.point, axis=1)
+            away = np.linalg.norm(piece.surface.f_plus[plane.cut_vertices] - plane.point, axis=1)
             found.append([plane.error, np.abs(away - 1.0).max()])
         points, spheres = np.transpose(found)
         cells = [f"{x:.1e}" for x in points], [f"{x:.1e}" for x in spheres]

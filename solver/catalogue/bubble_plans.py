@@ -1,7 +1,7 @@
-"""Bubbles to start from: a quarter of a Wente cylinder, a whole torus, a honeycomb ring. Arrays only.
+"""Bubbles to start from: a quarter of a Wente cylinder, a whole torus, a honeycomb ring (paper, Sec. 5.3.3).
 
-Maps that are no minimisers: the quarter is a minimiser between its mirrors; torus and ring are whole, and bring edge
-lengths of their own and a map to start from (paper, Sec. 5.3.3, Figures 13, 15 and 16).
+Their maps are no minimisers on the whole surface. The quarter is one between its mirrors; torus and ring are whole,
+with edge lengths of their own and an initial map (paper, Figures 13, 15 and 16).
 """
 
 from __future__ import annotations
@@ -24,23 +24,23 @@ from .wente_heights import check_angle, discrete_height
 
 Array = NDArray[np.float64]
 
-# A shell that crosses itself, as these do, need not be told so.
+# These shells intersect themselves by nature, so they are not tested for it.
 _QUIET = {"intersections": False}
-# A simple part of a half turn has a denominator up to this, and is meant where an angle is so near to it.
+# Largest denominator of a simple part of a half turn, and how near an angle must be to count as that part.
 _MOST_PARTS, _SINGLE = 100, 1e-6
-# A ring is drawn by this part of 1/(2H) inside itself, so that the shell is not in its plan.
+# A ring's plan lies by this part of 1/(2H) inside the shell, so that the two do not coincide.
 _INSIDE = 0.15
-# Of a Wente torus, its radius 1/H as a part of its diameter.
+# Radius 1/H of a Wente torus, as a part of its diameter.
 _RADIUS = 0.3
 
 
 def wente_plan(size: float, angle: float, height: float, columns: int) -> StartPlan:
     """A quarter of a Wente cylinder whose ends have normals `angle` apart; `size` is about that of the torus.
 
-    height: as a part of the one at which it closes, which is looked for exactly where this is 1. columns: of the
-    quarter, which is halved at a mirror where copies of the whole would go over the torus twice. Across which sides the
-    shell goes on is set so that it becomes a torus where that closes, a cylinder where it does not, and a strip of
-    bubbles where the cylinder is open (paper, Fig. 13). Raises `ConditionError` where no bubble is found.
+    height: as a part of the one at which the cylinder closes; 1 finds that height exactly. columns: of the quarter,
+    which is halved at a mirror where copies of the whole would cover the torus twice. The shell continues across the
+    sides that make it a torus if that closes, a cylinder if it does not, and a strip of bubbles if the cylinder is open
+    (paper, Fig. 13). Raises `ConditionError` where there is no bubble.
     """
     bubble = _bubble(angle, columns, height)
     flat = bubble.positions * (0.5 * size / float(np.ptp(bubble.positions, axis=0).max()))
@@ -64,7 +64,7 @@ def wente_plan(size: float, angle: float, height: float, columns: int) -> StartP
         {title: np.asarray(side.edges) for title, side in sides.items()},
         kinds,
         settings={"size": "RADIUS", "radius": _RADIUS * size, "complete_repeat": repeat} | _QUIET,
-        initial=bubble.surface.normals if halved else None,  # where two mirrors meet nothing says which way is long
+        initial=bubble.surface.normals if halved else None,  # where two mirrors meet the long way is not determined
     )
 
 
@@ -75,7 +75,7 @@ def torus_plan(size: float, angle: float, columns: int) -> StartPlan:
     """The flat torus of Wente's torus, drawn as a torus of revolution, with its lengths and its map.
 
     The drawing is conformal where the flat torus is a rectangle; at 120° it is a parallelogram.
-    Raises `ConditionError` where no bubble is found or the torus of that angle never closes.
+    Raises `ConditionError` where there is no bubble, or the torus of that angle never closes.
     """
     bubble = _bubble(angle, columns, 1.0)
     if bubble.cylinders is None:
@@ -84,66 +84,66 @@ def torus_plan(size: float, angle: float, columns: int) -> StartPlan:
             "180°, like 60°, 90° or 120°."
         )
     completion = complete(bubble.surface, bubble.sides)
-    found = whole(completion)
+    glued = whole(completion)
     width, length = 2.0 * np.pi, bubble.cylinders / bubble.covers * bubble.height
     shift = np.pi if bubble.covers == 2 else 0.0  # around, once along
     corners = _unrolled(completion, bubble.positions, np.array([[width, 0.0], [shift, length]]))
-    at = np.zeros((found.domain.vertex_count, 2))
-    at[found.domain.faces] = corners @ np.linalg.inv([[width, 0.0], [shift, length]])
+    at = np.zeros((glued.domain.vertex_count, 2))
+    at[glued.domain.faces] = corners @ np.linalg.inv([[width, 0.0], [shift, length]])
     points = _revolution(at, length / width, size)
     return StartPlan(
         "Wente Torus",
-        found.domain,
+        glued.domain,
         points,
         corners * (np.pi * size / max(width, length)),
         {},
         {},
-        seams_of(found.domain, corners),
+        seams_of(glued.domain, corners),
         {"method": "CRITICAL", "ground": "RIM", "size": "SPAN", "span": size} | _QUIET,
         own_lengths=True,
-        initial=found.normals,
+        initial=glued.normals,
     )
 
 
 def ring_plan(size: float, slenderness: float, columns: int) -> StartPlan:
-    """A hexagon of tubes and the half tubes that leave it, drawn a little inside itself, with its lengths and its map.
+    """A hexagon of tubes and the half tubes that leave it, drawn slightly smaller, with its lengths and its map.
 
     slenderness: from 0, stocky, to 1, thin necks. columns: edges along half a tube, about.
     """
     length = 1.3 + 1.8 * slenderness
-    found = ring(length, max_edge=length / columns)
-    domain = found.domain
-    scale = size / float(np.ptp(found.positions, axis=0).max())
-    middle = found.positions.mean(axis=0)
+    honeycomb = ring(length, max_edge=length / columns)
+    domain = honeycomb.domain
+    scale = size / float(np.ptp(honeycomb.positions, axis=0).max())
+    middle = honeycomb.positions.mean(axis=0)
     sides: dict[str, NDArray[np.integer]] = {}
     kinds: dict[str, tuple[str, Mapping[str, object]]] = {}
     for number, loop in enumerate(domain.boundary_loop_edges, start=1):
         rim = np.unique(domain.edges[loop])
-        normal = np.linalg.svd(found.normals[rim])[2][-1]
-        out = normal * np.sign(normal @ (found.positions[rim].mean(axis=0) - middle))
+        normal = np.linalg.svd(honeycomb.normals[rim])[2][-1]
+        out = normal * np.sign(normal @ (honeycomb.positions[rim].mean(axis=0) - middle))
         name = f"Tube {number}"
         sides[name] = np.asarray(loop)
         kinds[name] = ("mirror", {"normal": tuple(np.round(out, 12).tolist())})
-    points = scale * (found.positions - _INSIDE * found.normals - middle)
+    points = scale * (honeycomb.positions - _INSIDE * honeycomb.normals - middle)
     flat = modules.node(3, length, max_edge=length / columns).shape.positions
-    corners = np.concatenate([flat[faces] for faces in _faces(found.completion)])
+    corners = np.concatenate([flat[faces] for faces in _faces(honeycomb.completion)])
     return StartPlan(
         "Honeycomb Ring",
         domain,
         points,
-        corners * (0.5 * scale * found.spacing / length),
+        corners * (0.5 * scale * honeycomb.spacing / length),
         sides,
         kinds,
         settings={"method": "CRITICAL", "size": "RADIUS", "radius": 2.0 * scale, "ground": "RIM"}
         | {"complete_repeat": (3, 3, 1)}
         | _QUIET,
         own_lengths=True,
-        initial=found.normals,
+        initial=honeycomb.normals,
     )
 
 
 def _bubble(angle: float, columns: int, height: float) -> Bubble:
-    """Closed where the height is 1, else at that part of the height that closes. The angle is single precision."""
+    """Closed if the height is 1, else at that part of the closing height. The angle has single precision."""
     part = Fraction(angle / np.pi).limit_denominator(_MOST_PARTS)
     angle = float(part) * np.pi if abs(float(part) * np.pi - angle) < _SINGLE else angle
     if height == 1.0:
@@ -157,7 +157,7 @@ def _bubble(angle: float, columns: int, height: float) -> Bubble:
 
 
 def _faces(completion: Completion) -> list[NDArray[np.integer]]:
-    """The faces of each copy of a completion, in the rows of the piece, as the mesh of all of them walks them."""
+    """The faces of each copy of a completion, as vertices of the piece, oriented as in the mesh of all copies."""
     faces = completion.surface.faces
     return [faces[:, ::-1] if copy.flipped else faces for copy in completion.copies]
 

@@ -1,4 +1,4 @@
-"""Plans with a hole to start from: a ring around a court, and a tube as a strip that never ends. Arrays only."""
+"""Plans with a hole to start from: a ring around a court, and a tube as an endless strip; and what a start plan is."""
 
 from __future__ import annotations
 
@@ -14,16 +14,19 @@ from . import shapes
 
 Array = NDArray[np.float64]
 
-# Part of the radius that a court leaves of the plan at its narrowest.
+# Least distance between court and rim, as a part of the radius.
 _NARROWEST = 0.05
 
 
 @dataclass(frozen=True, eq=False)
 class StartPlan:
-    """points (V, 3) of a domain, uvs (F, 3, 2) of its corners, edges that are seams of these (n,), sides: name → edges,
-    the kind of condition on each and its parameters, settings of `Object.cmc`. remesh: Mesh Plan makes it finer in
-    place, from its own rim. own_lengths: whether the domain's edge lengths are others than those of the points.
-    initial (V, 3): the map to start from."""
+    """A plan to start from, as arrays.
+
+    points (V, 3): of a domain. uvs: (F, 3, 2) of its corners; seams: (n,) edges where these jump. sides: name → edges,
+    with the kind of condition on each and its parameters. settings: of `Object.cmc`. remesh: whether Mesh Plan refines
+    it in place, from its own rim. own_lengths: whether the domain's edge lengths differ from those of the points.
+    initial: (V, 3) the map to start from.
+    """
 
     name: str
     domain: Domain
@@ -37,14 +40,17 @@ class StartPlan:
     own_lengths: bool = False
     initial: Array | None = None
 
+    def __repr__(self) -> str:
+        return f"StartPlan({self.name!r}, {self.domain!r}, sides: {', '.join(self.sides) or 'none'})"
+
 
 def annulus(size: float, hole: float, offset: float, columns: int) -> StartPlan:
     """A round plan with a round court, off the middle by `offset`; hole and offset are parts of the outer radius.
 
-    columns: edges along the outer rim. Raises `CmcError` where the court comes too near to the rim.
+    columns: edges along the outer rim. Raises `CmcError` if the court is too near to the rim.
     """
     if hole + offset > 1.0 - _NARROWEST:
-        raise CmcError("The hole comes too near to the outer rim; make it smaller, or move it towards the middle.")
+        raise CmcError("The hole is too near to the outer rim; make it smaller, or move it towards the middle.")
     edge = 2.0 * np.pi / columns
     shape = shapes.annulus(hole, 1.0, max(18, round(np.pi * (1.0 - hole**2) / np.sqrt(0.75) / edge**2)))
     flat = shape.positions.copy()
@@ -58,7 +64,7 @@ def annulus(size: float, hole: float, offset: float, columns: int) -> StartPlan:
 
 
 def cylinder(size: float, height: float, columns: int) -> StartPlan:
-    """A tube of a diameter, as high as `height` diameters, whose normals wind once along both ends (paper, Fig. 12)."""
+    """A tube, `size` wide and `height` diameters high, whose normals wind once along both ends (paper, Fig. 12)."""
     around = np.pi * size
     shape = shapes.cylinder(around, height * size, columns)
     domain, (x, y) = shape.domain, shape.positions.T
@@ -69,12 +75,12 @@ def cylinder(size: float, height: float, columns: int) -> StartPlan:
     uvs[across, :, 0] += np.where(uvs[across, :, 0] < 0.5 * around, around, 0.0)
     sides = {"Bottom": shape.sides["bottom"], "Top": shape.sides["top"]}
     kinds = {name: ("twisted", {"m": 1.0}) for name in sides}
-    settings = {"size": "SPAN", "span": 2.0 * size}  # its ends are no outlines that could be matched
+    settings = {"size": "SPAN", "span": 2.0 * size}  # its ends are no outline to match
     return StartPlan("Cylinder Strip", domain, points, uvs, sides, kinds, seams_of(domain, uvs), settings)
 
 
 def seams_of(domain: Domain, uvs: Array) -> NDArray[np.integer]:
-    """Edges whose two faces have them at different places of the texture."""
+    """Edges whose two faces have them at different places in the texture."""
     inside = domain.interior_edges
     left, right = domain.half_edges[inside].T
     middles = 0.5 * (np.roll(uvs, -1, axis=1) + np.roll(uvs, 1, axis=1)).reshape(-1, 2)  # opposite each corner

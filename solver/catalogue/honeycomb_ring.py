@@ -1,7 +1,7 @@
-"""The honeycomb ring (paper, Sec. 5.3.3 and Figure 16): a domain of genus one with six boundary loops, all of copies.
+"""The honeycomb ring (paper, Sec. 5.3.3 and Figure 16): a domain of genus one with six boundary loops.
 
 Six tubes of a hexagon and the half tubes that leave it are 72 copies of a quadrilateral between mirrors, on which the
-map is a minimiser. On the ring it is critical, a saddle with about a dozen unstable modes, and its periods vanish.
+map is a minimiser. On the ring it is a saddle with about a dozen unstable modes, and its periods vanish.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ from . import modules
 
 Array = NDArray[np.float64]
 
-# Everything around a node, and that around the middle of the ring: for `complete(…, around=AROUND)`.
+# The copies around a node, then those around the middle of the ring: for `complete(…, around=AROUND)`.
 AROUND = (("axis", "bisector", "floor"), ("bisector", "end"))
-# Tubes at a node → vectors of the lattice of rings, in distances of nodes along and across a tube.
+# Tubes at a node → basis of the lattice of rings, in distances of nodes along and across a tube.
 _LATTICES = {
     3: ((3.0, 0.0), (1.5, 1.5 * np.sqrt(3.0))),
     4: ((2.0, 0.0), (0.0, 2.0)),
@@ -42,9 +42,9 @@ class Ring:
 
     domain: genus 1, with the edge lengths of the quadrilateral's plan; one boundary loop for each tube that leaves it.
     normals: (V, 3) the Gauss map. conditions: a mirror along each loop. positions: (V, 3) of f+, with the triangles of
-    the domain. energy: E(N). periods: (b + 1, 3) of the ring as it was put together, for b loops.
+    the domain. energy: E(N). periods: (b + 1, 3) of the assembled ring, for b loops.
     piece, sides: the solved quadrilateral and its sides "axis", "end", "floor", "bisector", as `complete` takes them.
-    completion: its copies that are the ring. lattice: (2, 3) translations by which rings go on to each other; with
+    completion: its copies that form the ring. lattice: (2, 3) translations from one ring to the next; with
     `around=AROUND, translations=lattice, repeat=3` `complete` makes 3 × 3 of them.
     neck: the smallest radius of the tubes. spacing: of the nodes.
     """
@@ -62,6 +62,18 @@ class Ring:
     neck: float
     spacing: float
 
+    def __repr__(self) -> str:
+        return f"Ring({self.domain!r}, neck {self.neck:.4g}, spacing {self.spacing:.4g}, {self.piece.status.value})"
+
+    @property
+    def ok(self) -> bool:
+        """Whether the map of the piece converged."""
+        return self.piece.ok
+
+    @property
+    def message(self) -> str:
+        return f"{self.piece.message} The ring consists of {len(self.completion.copies)} copies."
+
 
 def ring(
     length: float = 2.4,
@@ -72,7 +84,7 @@ def ring(
     tolerance: float = 1e-12,
     progress: Progress | None = None,
 ) -> Ring:
-    """A ring of tubes from a plan of that length, 1 deep; longer plans have thinner necks (see `modules.node`).
+    """A ring of tubes from a plan of this `length` and depth 1; longer plans have thinner necks (see `modules.node`).
 
     tubes: at a node; 3 for a hexagon of a honeycomb (72 copies, six loops), 4 for a square (64, eight loops), 6 for a
     triangle (72, twelve loops). max_edge: of the plan. tolerance: of the map on the quadrilateral.
@@ -91,7 +103,7 @@ def ring(
     walls = AROUND[0]
     node = np.linalg.solve([module.normals[name] for name in walls], [planes[name].offset for name in walls])
     spacing = 2.0 * float(planes["end"].offset - node[0])
-    section = surface.f_plus[planes["end"].rows] - node
+    section = surface.f_plus[planes["end"].cut_vertices] - node
     return Ring(
         domain=domain,
         normals=N,
@@ -121,7 +133,7 @@ def _piece(
 
 
 def _mirrors(domain: Domain, N: Array) -> Conditions:
-    """Each loop is in a plane through the middle of a tube, across it: N along the loop is orthogonal to the tube."""
+    """A mirror across the middle of each tube that leaves the ring: N along the loop is orthogonal to the tube."""
     held = Conditions()
     for loop in domain.boundary_loop_edges:
         held += ways.mirror(domain, loop, np.linalg.svd(N[np.unique(domain.edges[loop])])[2][-1])

@@ -1,6 +1,6 @@
-"""Modules to start from: plans of pieces between mirrors that are solved and completed without another setting.
+"""Modules to start from: plans of pieces between mirrors, to be solved and completed without further settings.
 
-Arrays only. All corners of the plans have the angles of the surface.
+All corners of the plans have the angles of the surface.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ from . import modules, shapes
 from .modules import Module
 
 EDGES = 26
-"""Edges along the longest side of a module, unless told otherwise."""
+"""Edges along the longest side of a module, by default."""
 
 
 @dataclass(frozen=True)
 class Preset:
     """A module as a user interface offers it.
 
-    make(slenderness, edges): the module, slenderness from 0 to 1, with about so many edges along its longest side.
+    make(slenderness, edges): the module, slenderness from 0 to 1, with about `edges` edges along its longest side.
     size: of the plan's longest side, in metres. kinds: of groups that are no mirrors. ends: groups across which the
-    completed shell does not go on. repeat: of the unit cell. settings: of `Object.cmc`, identifiers as in Blender.
+    completed shell does not continue. repeat: of the unit cell. settings: of `Object.cmc`, identifiers as in Blender.
     """
 
     name: str
@@ -72,7 +72,7 @@ def _capital(slenderness: float, edges: int) -> Module:
 
 
 def _titled(module: Module) -> Module:
-    """Sides named as a user would: with a capital."""
+    """The module with capitalised names of sides."""
     shape = module.shape
     sides = {name.capitalize(): edges for name, edges in shape.sides.items()}
     normals = {name.capitalize(): normal for name, normal in module.normals.items()}
@@ -82,7 +82,7 @@ def _titled(module: Module) -> Module:
 PRESETS: dict[str, Preset] = {
     "nodoid": Preset(
         "Nodoid",
-        "A quarter of a nodoid between two planes that it touches; beyond them its other sheet goes on",
+        "A quarter of a nodoid between two planes that it touches; beyond them it continues as its other sheet",
         _nodoid,
         6.0,
         kinds={"Start": "plane", "End": "plane"},
@@ -90,7 +90,7 @@ PRESETS: dict[str, Preset] = {
     ),
     "unduloid": Preset(
         "Unduloid",
-        "A quarter of half a period of a tube with necks; completed it is as long as wanted",
+        "A quarter of half a period of a tube with necks; completed, it can be of any length",
         _unduloid,
         6.0,
         repeat=(3, 1, 1),

@@ -1,7 +1,7 @@
-"""Plans of pieces between mirrors whose copies make columns, tubes and lattices, with the corner angles of the surface.
+"""Plans of pieces between mirrors whose copies form columns, tubes and lattices.
 
-Where two mirrors meet at an angle of π/k a surface has a corner of π/k; a plan that has another angle there converges
-slowly. Where a curved side meets a straight one the polygon of the curve leaves at a right angle exactly.
+Where two mirrors meet at an angle of π/k the surface has a corner of π/k; a plan with another angle there converges
+slowly. Where a curved side meets a straight one the polygon of the curve leaves at exactly a right angle.
 """
 
 from __future__ import annotations
@@ -27,12 +27,15 @@ _NEAR = 1e-9
 class Module:
     """A shape between mirrors.
 
-    shape: every boundary edge is on one of its sides. normals: of the planes of the sides, out of f+, so that the two
-    of a corner have the normal of the surface there for their product, in the order of the boundary.
+    shape: every boundary edge is on one of its sides. normals: of the planes of the sides, pointing out of f+; the
+    cross product of the two at a corner, in the order of the boundary, is the normal of the surface there.
     """
 
     shape: Shape
     normals: dict[str, Array]
+
+    def __repr__(self) -> str:
+        return f"Module({self.shape!r})"
 
 
 def node(tubes: int, length: float, *, depth: float = 1.0, bend: float = 1.0, max_edge: float) -> Module:
@@ -43,7 +46,7 @@ def node(tubes: int, length: float, *, depth: float = 1.0, bend: float = 1.0, ma
     `depth` along the end, with the angle π/tubes at the node and right angles elsewhere: the floor is an arc of radius
     `bend`, then straight. Two tubes are one (an unduloid) and have a rectangular plan.
 
-    Longer plans, relative to their depth, have thinner necks. Raises `MeshError` where the arc leaves no straight part.
+    Longer plans, relative to their depth, have thinner necks. Raises `MeshError` if the arc leaves no straight part.
     """
     if tubes < 2:
         raise MeshError(f"A node needs two tubes or more, not {tubes}.")
@@ -77,7 +80,7 @@ def pentagon(length: float, spoke: float, *, depth: float = 1.0, bend: float = 1
     across = np.array([-np.sqrt(0.75), 0.5, 0.0])
     turned = np.eye(3) - 2.0 * np.outer(across, across)
     ring, outer = (_quadrilateral(end, 3, depth, bend, max_edge) for end in (length, spoke))
-    beside = (outer @ turned[:2, :2])[-2:0:-1]  # ends are corners, the places where quadrilaterals meet are not
+    beside = (outer @ turned[:2, :2])[-2:0:-1]  # its ends are corners, where quadrilaterals meet there is none
     outline = np.concatenate([(ring * [1.0, -1.0])[:1:-1], ring[2:], beside])
     normals = {
         "middle": turned @ [0.0, -1.0, 0.0],
@@ -96,15 +99,15 @@ def pentagon(length: float, spoke: float, *, depth: float = 1.0, bend: float = 1
 
 
 def capital(radius: float, *, oculus: float = 0.0, eighth: bool = False, bay: float = 1.0, max_edge: float) -> Module:
-    """A quarter of a bay of a grid of columns: half a bay square, less the quarter of a disc from which a column comes.
+    """A quarter of a bay of a grid of columns: half a bay square, without the quarter disc of a column.
 
     Sides: "front", "right", "back", "left", the vertical planes through the axes and half-way between them, "column",
     an arc, and with an `oculus` another one of that name, about the middle of the bay. An `eighth` ends at a "diagonal"
     in place of back and left. All corners but that at a middle without oculus are right angles (there an eighth has
     45°). The radii are parts of half the `bay` in the plan, not in space: thinner plans make slenderer columns.
 
-    The column's side is for a mirror in the floor: a ring that touched the floor would enclose the area of a whole bay.
-    The oculus is for a tangent side, with the normal of a flat ceiling, or a free one.
+    The column's side takes a mirror in the floor: a ring that touched the floor would enclose the area of a whole bay.
+    The oculus takes a tangent side, with the normal of a flat ceiling, or a free one.
     """
     a = 0.5 * bay
     if not (0.0 < radius < 1.0 and a > 0.0 and max_edge > 0.0 and np.isfinite([bay, max_edge]).all()):
@@ -140,7 +143,7 @@ def vault(openings: int, foot: float | Sequence[float], *, length: float = 1.0, 
     opposite sides, and `length` times as long along the first wall. Arcs are about the corners, so that all corners of
     the plan are right angles; their radius is `foot`, one for all or one each, as a part of half a regular side.
 
-    Feet of different radii come out at different heights. Raises `MeshError` where an arc leaves nothing of a wall.
+    Feet of different radii end at different heights. Raises `MeshError` if an arc leaves nothing of a wall.
     """
     count = openings if openings >= 3 else 0
     radii = np.full(count, foot, dtype=np.float64) if np.ndim(foot) == 0 else np.asarray(foot, dtype=np.float64)
@@ -192,8 +195,10 @@ def _cut_out(corner: Array, back: Array, ahead: Array, radius: float, max_edge: 
 
 
 def _arc(radius: float, turn: float, max_edge: float) -> Array:
-    """Points (k + 1, 2) of the polygon about an arc that starts at the origin along x and turns left, the start left
-    out: corners where tangents meet, and the end, so that its first and last segments are tangent."""
+    """Points (k + 1, 2) of the polygon about an arc from the origin along x, turning left, without the origin.
+
+    They are the corners where tangents meet, and the end, so that the first and last segments are tangent.
+    """
     count = max(2, int(np.ceil(radius * turn / max_edge)))
     angles = (np.arange(count) + 0.5) * turn / count
     outer = radius / np.cos(0.5 * turn / count)
@@ -202,7 +207,7 @@ def _arc(radius: float, turn: float, max_edge: float) -> Array:
 
 
 def _shape(outline: Array, max_edge: float, straight: dict, curved: str | Callable[[Array], Sequence[str]]) -> Shape:
-    """The meshed plan; edges that are on no straight side are on the curved one, or on that which their middles say."""
+    """The meshed plan; edges on no straight side are on the `curved` one, or on those it names for their midpoints."""
     plan = mesh_plan(outline, max_edge=max_edge, keep=[np.arange(len(outline)).tolist()])
     domain = Domain.from_positions(plan.positions, plan.triangles)
     rim = domain.boundary_edges

@@ -1,7 +1,7 @@
-"""Ready-made domains with named sides, at any size: what tests, examples and job files start from.
+"""Ready-made domains with named sides, at any size, for tests, examples and job files.
 
-Every shape has its own numbering rule, stated with it; boundary loops start at a vertex that is easy to say: angle 0 on
-round shapes, x = 0 on unrolled ones.
+Every shape states how its vertices are numbered. Boundary loops start at angle 0 on round shapes, at x = 0 on unrolled
+ones.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def annulus(inner: float, outer: float, n: int) -> Shape:
     edge = np.sqrt(np.pi * (outer**2 - inner**2) / _ROW / n)
     radii = np.linspace(outer, inner, max(2, round((outer - inner) / (_ROW * edge))) + 1)
     counts = np.maximum(6, np.round(radii * n / radii.sum()).astype(int))
-    # Circles in between are turned against each other, or rows of equal triangles would meet in seams.
+    # Inner circles are turned against each other, or rows of equal triangles would meet in seams.
     turned = np.modf(np.arange(len(radii)) * 0.618)[0]
     turned[[0, -1]] = 0.0
     points = np.concatenate([_circle(r, k, t) for r, k, t in zip(radii, counts, turned, strict=True)])
@@ -63,7 +63,7 @@ def polygon(
     """A plan with holes, meshed as `mesher.mesh_plan` does; by default with about a thousand vertices.
 
     Sides "outer", "hole0", "hole1"…; "side0"… for each segment of the outline as given, "hole0.side0"… for those of
-    the holes, as far as edges come from them. Boundary vertices come first, loop after loop, with the plan on their
+    the holes, as far as edges lie on them. Boundary vertices come first, loop after loop, with the plan on their
     left, from the first point on (from an arc's middle where that point is a rounded corner).
     """
     if max_edge is None:
@@ -207,7 +207,7 @@ def _ring_faces(k: int, outer: int, inner: int) -> np.ndarray:
 
 
 def _glued(columns: int, rows: int, step: np.ndarray, wrap_rows: bool) -> tuple[Domain, np.ndarray]:
-    """Staggered rows around a cylinder or torus; corners keep the unrolled place that they have in their face."""
+    """Staggered rows around a cylinder or torus; corners keep their unrolled positions in their face."""
     i, j = (a.ravel() for a in np.meshgrid(np.arange(columns), np.arange(rows), indexing="xy"))
     odd = j % 2
     above = i + odd  # the vertex of the next row that lies half a column to the right
@@ -252,7 +252,7 @@ def _loop_order(domain: Domain, walls: np.ndarray) -> np.ndarray:
 
 
 def _even_rows(columns_high: float) -> int:
-    """Even number of rows, so that the last row stands as the first one does."""
+    """Even number of rows, so that the last row is like the first."""
     return max(2, 2 * round(columns_high / _ROW / 2))
 
 

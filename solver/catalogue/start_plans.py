@@ -1,7 +1,7 @@
-"""Ordinary plans to start from: rectangular, round, L-shaped, with a court; meshed, with one group. Arrays only.
+"""Ordinary plans to start from: rectangular, round, L-shaped, with a court; meshed, with one group.
 
-Corners are rounded by a tenth of the size and the rim leaves the plan at an angle that gives a shell without overhang
-near the drawn outline, so that Solve needs nothing else.
+Corners are rounded by a tenth of the size, and the rim leaves the plan at an angle that gives a shell without overhang
+near the drawn outline, so that it can be solved at once.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ def l_shape(size: float, width: float, columns: int) -> StartPlan:
 def court(size: float, width: float, hole: float, columns: int) -> StartPlan:
     """A rectangle around a round court in its middle, whose diameter is a part of the shorter side.
 
-    By its symmetry the shell closes around the court. A flat one comes nearer to both its lines, so Fit to Outline is
-    asked for that.
+    By its symmetry the shell closes around the court. A flat shell is nearer to both lines, so Fit to Outline gets a
+    small rise.
     """
     angle = np.linspace(0.0, 2.0 * np.pi, 96, endpoint=False)
     inner = 0.5 * hole * min(width, 1.0) * size * np.column_stack([np.cos(angle), np.sin(angle)])

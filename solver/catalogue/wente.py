@@ -1,9 +1,9 @@
 """Wente's cylinders and tori: a quarter on which the map is a minimiser, closed over its height.
 
-Constant normals on the two ends of a cylinder, N going the long way from one to the other (paper, Sec. 5.3.3, Figures
-13 and 15). On the whole cylinder that map is a saddle. It is mirror-symmetric about two lines along it and even about
-two others, and on the quarter between two of these, π/2 wide, it is a minimiser. It is mirror-symmetric about the line
-half-way between the ends, too, so that half of the quarter says all.
+The normals are constant on the two ends of a cylinder, and N goes the long way from one to the other (paper, Sec.
+5.3.3, Figures 13 and 15). On the whole cylinder that map is a saddle. It is mirror-symmetric about two lines along it
+and even about two others, and on the quarter between two of these, π/2 wide, it is a minimiser. It is also
+mirror-symmetric about the line half-way between the ends, so that half of the quarter suffices.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..closing.close import ClosingResult, close_periods
 from ..closing.moduli import tube
 from ..domain.domain import Domain
-from ..errors import ConditionError, Progress
+from ..errors import ConditionError, Progress, Status
 from ..gauss import conditions as ways
 from ..gauss.boundary_data import Conditions
 from ..gauss.modes import flat_axis
@@ -32,7 +32,7 @@ from .wente_heights import check_angle, discrete_height, needed_columns
 Array = NDArray[np.float64]
 
 FIRST, AXIS = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
-# Parts of a half turn with denominators up to this one, and how near to one an angle has to be, as such a part.
+# Largest denominator of a part of a half turn, and how near an angle must be to count as that part.
 _MOST_PARTS, _EXACT = 100, 1e-9
 _FEWEST = 4
 
@@ -43,14 +43,14 @@ class Bubble:
 
     angle: between the normals of its two ends, radians. domain: a rectangle of near-equilateral triangles, positions
     (V, 2) in [0, π/2] × [0, height]. sides: "left", a mirror with normal (0, 0, 1), along which N goes the long way;
-    "right", free; "bottom" and "top", tangent with the normals of the ends: what `complete` needs. Of half a quarter,
-    [0, π/2] × [0, height/2], the top is a mirror. closing: how the height was found, None where it was given.
-    cylinders: how many make a torus 2π × cylinders · height; None where it never ends. covers: how often this one goes
-    over the surface, twice where it is the same at (x + π, y + cylinders/2 · height). Copies of a quarter do so, too;
-    those of half a quarter are there once.
+    "right", free; "bottom" and "top", tangent with the normals of the ends, as `complete` takes them. In half a
+    quarter, [0, π/2] × [0, height/2], the top is a mirror. closing: how the height was found; None if it was given.
+    cylinders: the number that makes a torus 2π × cylinders · height; None if it never ends. covers: how often that
+    torus covers the surface, twice if it is the same at (x + π, y + cylinders/2 · height). So do the copies of a
+    quarter; those of half a quarter cover it once.
 
-    Four quarters are a cylinder. Where the surface is not closed they are a strip instead, one bubble after the other
-    in the direction (0, 0, 1).
+    Four quarters are a cylinder. If the surface is not closed they are a strip instead, one bubble after the other in
+    the direction (0, 0, 1).
     """
 
     angle: float
@@ -64,28 +64,38 @@ class Bubble:
     cylinders: int | None
     covers: int
 
+    def __repr__(self) -> str:
+        state = "collapsed" if self.collapsed else "closed" if self.closed else "open"
+        return f"Bubble({np.degrees(self.angle):.5g}° between the ends, height {self.height:.6g}, {state})"
+
+    @property
+    def ok(self) -> bool:
+        """Whether the map converged and did not collapse, and the height closes the cylinder unless it was given."""
+        closes = self.closing is None or self.closing.closed
+        return closes and not self.collapsed and self.surface.harmonic.status is Status.CONVERGED
+
     @property
     def closed(self) -> bool:
         return self.closing is not None and self.closing.closed
 
     @property
     def collapsed(self) -> bool:
-        """Whether N came to lie in the plane of the end normals: the other solution, a piece of a straight line."""
+        """Whether N lies in the plane of the end normals: the other solution, a piece of a straight line."""
         return flat_axis(self.surface.normals) is not None
 
     @property
     def message(self) -> str:
-        """What was found, and what to do where it was not a bubble."""
+        """The result in a sentence, and the way out if it is no bubble."""
         if self.collapsed or (self.closing is not None and not self.closing.closed):
-            found = "The normals collapsed into one plane" if self.collapsed else "The cylinder does not close"
+            failure = "The normals collapsed into one plane" if self.collapsed else "The cylinder does not close"
             return (
-                f"{found}: the mesh is too coarse for a bubble, or the height too far from the one that closes. "
+                f"{failure}: the mesh is too coarse for a bubble, or the height too far from the one that closes. "
                 f"Ends {np.degrees(self.angle):.5g}° apart need about {needed_columns(self.angle)} columns or more."
             )
         if not self.closed:
             return f"A piece of a cylinder of height {self.height:.6g}, as given; it need not close."
         ending = "never ends" if self.cylinders is None else f"closes after {self.cylinders} cylinders"
-        twice = ", which go over it twice" if self.covers == 2 else ""
+        twice = ", which cover it twice" if self.covers == 2 else ""
         return f"A piece of a cylinder that closes at the height {self.height:.6g}; the torus {ending}{twice}."
 
 
@@ -104,12 +114,12 @@ def wente(
 
     angle: radians, more than 0 and less than π. columns: of the quarter, which is π/2 wide; small angles need more of
     them (`wente_heights.needed_columns`). height: of the flat cylinder of circumference 2π; by default about the one
-    that closes. closed: look for that height, by Newton's method from the one given, until the gap is below the
-    `tolerance` as a part of the size; else the height is left as it is. halved: only the lower half of the quarter,
-    whose copies never lie on each other. progress: as in `close_periods`.
+    that closes. closed: find that height, by Newton's method from the one given, until the gap is below the `tolerance`
+    as a part of the size; else the height stays as given. halved: only the lower half of the quarter, whose copies
+    never lie on each other. progress: as in `close_periods`.
 
-    A map that collapses, or a height that is not found, is no error: see `collapsed`, `closed` and `message`; the
-    surface is then that at the height given. Raises `ConditionError` on other angles and senseless numbers.
+    A map that collapses, or a height that is not found, is no error: see `ok`, `collapsed`, `closed` and `message`; the
+    surface is then that of the given height. Raises `ConditionError` on other angles and numbers out of range.
     """
     check_angle(angle)
     check_number(columns, "number of columns")
@@ -121,7 +131,7 @@ def wente(
     shape = shapes.strip(0.5 * np.pi, 0.5 * first if halved else first, columns)
     held, sides = _held(shape, float(angle), halved)
     domain, positions = shape.domain, shape.positions
-    start = wente_start(positions, angle, first) if halved else None  # its corner normals do not say the long way
+    start = wente_start(positions, angle, first) if halved else None  # its corner normals do not determine the long way
     closing = _closed(shape, held, sides, start, mean_curvature, tolerance, progress) if closed else None
     if closing is not None and closing.closed:
         stretch = float(np.exp(closing.moduli[0]))
@@ -137,8 +147,8 @@ def wente(
 def wente_start(points: ArrayLike, angle: float, height: float, push: float = 1.5) -> Array:
     """N (V, 3) of a start on the whole cylinder, of unrolled points (x, y) in [0, 2π) × [0, height].
 
-    The long arc, pushed off its plane by `push` radians times sin(π y / height) sin x. From there `saddle` finds the
-    map of index 1 on meshes that have none of its symmetries; a push of 0.6 is too little.
+    The long arc, pushed off its plane by `push` radians times sin(π y / height) sin x. From it `saddle` finds the map
+    of index 1 on meshes without its symmetries; a push of 0.6 is too little.
     """
     check_angle(angle)
     x, y = as_numbers(points, "Points of a cylinder", ConditionError)[:, :2].T
@@ -148,16 +158,16 @@ def wente_start(points: ArrayLike, angle: float, height: float, push: float = 1.
 
 
 def cylinder_count(angle: float) -> int | None:
-    """Cylinders of a torus: each but turns the next by 2 angle, mirrored, so twice the denominator of angle / π.
+    """Cylinders in a torus: twice the denominator of angle / π, since each turns the next by 2 angle, mirrored.
 
-    None where the angle is no such part of a half turn with a denominator up to 100.
+    None if angle / π is no fraction with a denominator up to 100.
     """
     part = Fraction(float(angle) / np.pi).limit_denominator(_MOST_PARTS)
     return 2 * part.denominator if abs(float(part) - angle / np.pi) <= _EXACT else None
 
 
 def cover_count(angle: float) -> int:
-    """How often these cylinders go over the surface: 2 where half of them, an odd number, turn by whole turns."""
+    """How often these cylinders cover the surface: 2 if half of them, an odd number, turn by whole turns."""
     count = cylinder_count(angle)
     if count is None or count % 4 != 2:
         return 1
@@ -190,7 +200,7 @@ def _closed(
     tolerance: float,
     progress: Progress | None,
 ) -> ClosingResult:
-    """It closes where the mirror's plane goes through the point in which the free side inverts."""
+    """The cylinder closes when the mirror's plane contains the point in which the free side inverts."""
     domain = shape.domain
     every = np.arange(len(domain.faces))
     height = tube(domain, shape.positions[domain.faces], every, (0, 1), "height")

@@ -1,8 +1,8 @@
-"""Heights at which Wente's cylinders close, exactly: the solutions by Abresch and by Walter in elliptic functions.
+"""The exact heights at which Wente's cylinders close: the solutions of Abresch and Walter in elliptic functions.
 
 On the flat cylinder with y along it the metric e^ω of the surface (H = 1) has tanh(ω/4) = c cn(αx) cn(βy), with the
-moduli sin θ̄ around and sin θ along, c² = tan θ̄ tan θ. The period around closes where 2E = K, that is θ̄ = 65.354955°,
-whatever θ is; between two ends, the zeros of the second factor, N turns in a plane along x = 0.
+moduli sin θ̄ around and sin θ along, c² = tan θ̄ tan θ. The period around closes if 2E = K, that is θ̄ = 65.354955°,
+for any θ; between two ends, the zeros of the second factor, N turns in a plane along x = 0.
 (U. Abresch, J. reine angew. Math. 374, 1987; R. Walter, Geom. Dedicata 23, 1987.)
 """
 
@@ -17,12 +17,12 @@ from scipy.special import ellipe, ellipk, elliprf, elliprj
 
 from ..errors import ConditionError
 
-# How near to the ends of its range the parameter may be, as a part of it: angles of 0.001° and 180°.
+# Distance of the parameter from the ends of its range, as a part of it: angles of 0.001° and 180°.
 _END = 1e-10
-# What the height on n columns a quarter is too large by, as a part: _ERROR (120° / angle)^_POWER / n². Measured for
-# angles from 40° to 170° on 8 to 64 columns, within a tenth.
+# Relative error of the height on n columns for a quarter, _ERROR (120° / angle)^_POWER / n²: measured for angles from
+# 40° to 170° on 8 to 64 columns, within a tenth.
 _ERROR, _POWER = 6.1, 3.7
-# The largest such error at which closing has been seen not to collapse.
+# The largest such error with which closing was seen to succeed.
 _RESOLVED = 0.1
 _FEWEST = 8
 
@@ -30,29 +30,29 @@ _FEWEST = 8
 def wente_height(angle: float) -> float:
     """Height h of the cylinder of circumference 2π that closes with normals `angle` apart (radians) on its ends.
 
-    N goes the long way between them, 2π - angle. From 2.2288 towards angle 0, where the bubbles become whole spheres,
-    down to 0 towards π, where the surface becomes a straight cylinder. Raises `ConditionError` on other angles.
+    N goes the long way between them, 2π - angle. h falls from 2.2288 at angle 0, where the bubbles become whole
+    spheres, to 0 at π, where the surface becomes a straight cylinder. Raises `ConditionError` on other angles.
     """
     check_angle(angle)
     return _height_at(_parameter(float(angle)))
 
 
 def discrete_height(angle: float, columns: int) -> float:
-    """About the height on a mesh of that many columns a quarter: it is larger, the error being of second order."""
+    """The approximate height on a mesh with that many columns for a quarter: larger, by an error of second order."""
     return wente_height(angle) * (1.0 + min(_error(angle) / columns**2, _RESOLVED))
 
 
 def needed_columns(angle: float) -> int:
-    """Columns a quarter below which the map collapses, as a rule: 8 at 120°, 14 at 90°, 29 at 60°, 102 at 30°."""
+    """Columns for a quarter below which the map usually collapses: 8 at 120°, 14 at 90°, 29 at 60°, 102 at 30°."""
     return max(_FEWEST, int(np.ceil(np.sqrt(_error(angle) / _RESOLVED))))
 
 
 def check_angle(angle: float) -> None:
-    """Raise `ConditionError` where there is no such cylinder."""
+    """Raise `ConditionError` if there is no such cylinder."""
     if not (isinstance(angle, (int, float, np.number)) and np.isfinite(angle) and 0.0 < angle < np.pi):
         raise ConditionError(
-            f"Wente's cylinders have ends with normals more than 0 and less than π apart, in radians, not {angle!r}; "
-            "π/2, π/3 and 2π/3 give tori of four and of six cylinders."
+            f"The normals of the two ends of a Wente cylinder differ by more than 0 and less than π radians, not by "
+            f"{angle!r}; π/2 gives a torus of four cylinders, π/3 and 2π/3 one of six."
         )
 
 
@@ -80,7 +80,7 @@ def _root(function: Callable[[float], float], low: float, high: float) -> float:
 
 
 def _turn(theta: float) -> float:
-    """The angle that N turns by between two ends, the integral of 2 cosh(ω/2) = 2 (1 + t²) / (1 - t²) along x = 0.
+    """The angle by which N turns between two ends, the integral of 2 cosh(ω/2) = 2 (1 + t²) / (1 - t²) along x = 0.
 
     There t = c cn, so that it is the complete integrals of the first and the third kind.
     """

@@ -1,4 +1,4 @@
-"""Which axis-parallel boxes overlap: a balanced tree of boxes, walked against itself in whole arrays."""
+"""Overlapping axis-parallel boxes: a balanced tree of boxes, traversed against itself in whole arrays."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .arrays import Array
 Pairs = NDArray[np.int64]
 Nodes = NDArray[np.int32]
 
-# Pairs of tree nodes looked at together: enough to make numpy's overhead small, little enough for memory.
+# Pairs of tree nodes handled at once: enough to hide numpy's overhead, few enough for memory.
 _BLOCK = 1 << 16
 
 
@@ -67,7 +67,7 @@ def _tree_order(centres: Array) -> NDArray[np.int64]:
 
 
 def _levels(low: Array, high: Array) -> list[tuple[Array, Array]]:
-    """Boxes (3, n) of the nodes, root first; filled up to a power of two with boxes that overlap nothing."""
+    """Boxes (3, n) of the nodes, root first; padded to a power of two with boxes that overlap nothing."""
     size = 1 << (len(low) - 1).bit_length()
     empty = np.full((3, size - len(low)), np.inf)
     levels = [(np.concatenate([low.T, empty], axis=1), np.concatenate([high.T, -empty], axis=1))]

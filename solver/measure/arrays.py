@@ -1,4 +1,4 @@
-"""Triangle corners and edges of a mesh in space, checked: what every measure starts from."""
+"""Checked points, triangles and edge vectors of a mesh in space: the input of every measure."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def face_areas_in_space(vertices: ArrayLike, faces: ArrayLike) -> Array:
 
 
 def weighted_mean(values: Array, weights: Array) -> float:
-    """Mean of the finite values; nan where none has weight."""
+    """Mean of the finite values; nan if none has weight."""
     known = np.isfinite(values) & (weights > 0)
     total = float(weights[known].sum())
     if total <= 0.0:
@@ -89,7 +89,7 @@ def weighted_mean(values: Array, weights: Array) -> float:
 
 
 def weighted_l2(values: Array, weights: Array) -> float:
-    """sqrt(∫ values² / ∫ 1), over the finite values; nan where none has weight."""
+    """sqrt(∫ values² / ∫ 1), over the finite values; nan if none has weight."""
     mean = weighted_mean(np.square(values), weights)
     return float(np.sqrt(mean))
 
@@ -98,9 +98,9 @@ def vertex_means(values: ArrayLike, vertices: ArrayLike, faces: ArrayLike) -> Ar
     """Mean of the values of the faces around each vertex, weighted by their areas in space.
 
     values (F,) or (F, …) on the faces (F, 3) of `vertices` (n, 3) -> (n,) or (n, …), in the unit of the values. At the
-    boundary it is the mean over the faces that are there. Faces whose value is not finite, or whose area is zero, do
-    not count; a vertex that has no others gives nan. Raises `MeshError` where the shapes do not match or an index does
-    not exist.
+    boundary it is the mean over the faces there. Faces whose value is not finite, or whose area is zero, do not count;
+    a vertex without other faces gives nan. Raises `MeshError` where the shapes do not match or an index does not
+    exist.
     """
     points = points_in_space(vertices)
     triangles = triangles_of(faces, len(points))

@@ -1,14 +1,12 @@
 """Curvature of a triangle mesh from normals at its vertices: the Regge shape operator of paper, Sec. 4.3.2.
 
-dN = df ∘ S. The lowest order Regge element on a face is the one constant symmetric form b with b(e, e) =
-<dN_e, df_e> on its three edges. Three numbers fix it, so no basis has to be assembled: with u = v1 - v0 and v
-= v2 - v0
+dN = df ∘ S. The lowest order Regge element on a face is the constant symmetric form b with b(e, e) = <dN_e, df_e>
+on its three edges. Three numbers fix it, so no basis has to be assembled: with u = v1 - v0 and v = v2 - v0
 
     b(u, u) = b_01,   b(v, v) = b_02,   b(u, v) = ½ (b_01 + b_02 - b_12) = ½ (<dN_u, v> + <dN_v, u>),
 
 and S = g⁻¹ b with the metric g of the face. This equals the paper's sum a_ij S_ij^k (a test compares them).
-S has unit 1/length; a sphere of radius r with its outer normal has S = 1/r, so f± with ±N has H = +½ at scale
-1.
+S has unit 1/length; a sphere of radius r with its outer normal has S = 1/r, so f± with ±N has H = +½ at scale 1.
 """
 
 from __future__ import annotations
@@ -138,8 +136,8 @@ def principal_curvatures(vertices: ArrayLike, faces: ArrayLike, normals: ArrayLi
 def vertex_mean_curvature(vertices: ArrayLike, faces: ArrayLike, normals: ArrayLike) -> Array:
     """Mean curvature at the vertices (n,): the mean of the faces around each, weighted by their areas.
 
-    Arguments and errors as `mean_curvature_of`. At the boundary it is the mean over the faces that are there.
-    Degenerate faces do not count; a vertex that has no others gives nan.
+    Arguments and errors as `mean_curvature_of`. At the boundary it is the mean over the faces there. Degenerate faces
+    do not count; a vertex without other faces gives nan.
     """
     return vertex_means(mean_curvature_of(vertices, faces, normals), vertices, faces)
 

@@ -1,10 +1,10 @@
 """Principal curvatures and directions at the vertices: the shape operators of the faces, averaged.
 
-A principal direction is a line, and there are two of them: neighbouring ones cannot be added, and where the two
-curvatures are equal, K = H², there are none. What can be added are the operators themselves. In space that of a face is
-the symmetric tensor Eᵀ S E, with the rows of E the frame of the face; the mean over the faces around a vertex, seen in
-the plane square to its normal, has the principal curvatures and directions at the vertex as its eigenpairs. That a
-face's plane is turned against that plane by an angle O(h) changes them by O(h²).
+Principal directions are lines and cannot be averaged, and where the two curvatures are equal, K = H², there are none.
+The operators themselves can be averaged. In space that of a face is the symmetric tensor Eᵀ S E, with the rows of E the
+frame of the face; the eigenpairs of the mean over the faces around a vertex, in the plane orthogonal to its normal, are
+the principal curvatures and directions there. The planes of the faces differ from that plane by an angle O(h), which
+changes the eigenpairs by O(h²).
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ from numpy.typing import ArrayLike
 from .arrays import Array, Indices, face_areas_in_space, points_in_space, triangles_of, vertex_means
 from .curvature import face_frames, shape_operator
 
-# Vertices where k1 - k2 is at most this part of the surface's own curvature (root mean square) are umbilics.
+# Vertices where k1 - k2 is at most this part of the surface's curvature (root mean square) are umbilics.
 UMBILIC = 0.05
 
 
 class VertexCurvatures(NamedTuple):
-    """Principal curvatures (n,), `k1 >= k2`, in 1/length, and unit directions (n, 3) square to the normals.
+    """Principal curvatures (n,), `k1 >= k2`, in 1/length, and unit directions (n, 3) orthogonal to the normals.
 
-    A direction is a line: its sign means nothing. `strength` (n,) is how much the directions mean, from 0 to 1: zero
-    at umbilics, where they are zero vectors; 1 where k1 - k2 is as large as the surface's own curvature. Vertices
-    without a proper face have nan curvatures, zero directions and strength zero.
+    A direction is a line: its sign means nothing. `strength` (n,), from 0 to 1, says how well the directions are
+    defined: zero at umbilics, where they are zero vectors; 1 where k1 - k2 is as large as the surface's curvature.
+    Vertices without a proper face have nan curvatures, zero directions and strength zero.
     """
 
     k1: Array
@@ -52,11 +52,11 @@ def vertex_principal_curvatures(
     """Principal curvatures and directions at the vertices: the eigenpairs of the mean shape operator around each.
 
     The mean of the operators of the faces (paper, Sec. 4.3.2; `shape_operator`) is weighted by their areas and taken in
-    the plane square to the normal. `vertices` (n, 3), `faces` (F, 3), unit `normals` (n, 3).
+    the plane orthogonal to the normal. `vertices` (n, 3), `faces` (F, 3), unit `normals` (n, 3).
 
     umbilic: where k1 - k2 is at most this part of the root mean square of sqrt(½ (k1² + k2²)) over the surface, or
-    cannot be told from how much the faces around differ among themselves, the vertex is an umbilic. Signs follow the
-    normals, not the winding. Errors as `mean_curvature_of`; at the boundary the mean is over the faces that are there.
+    below the scatter of the faces around the vertex, it is an umbilic. Signs follow the normals, not the winding.
+    Errors as `mean_curvature_of`; at the boundary the mean is over the faces there.
     """
     points = points_in_space(vertices)
     triangles = triangles_of(faces, len(points))
@@ -69,15 +69,15 @@ def vertex_principal_curvatures(
     radius = np.hypot(half, xy)
     scale = _curvature_scale(points, triangles, mean**2 + radius**2)
     with np.errstate(invalid="ignore"):
-        told = 2.0 * radius > np.maximum(umbilic * scale, _doubt(means, triangles))
-        strength = np.where(told, np.minimum(2.0 * radius / (scale or 1.0), 1.0), 0.0)
+        defined = 2.0 * radius > np.maximum(umbilic * scale, _doubt(means, triangles))
+        strength = np.where(defined, np.minimum(2.0 * radius / (scale or 1.0), 1.0), 0.0)
     angle = 0.5 * np.arctan2(xy, half)
     cos, sin = np.cos(angle)[:, None], np.sin(angle)[:, None]
-    first, second = (np.where(told[:, None], line, 0.0) for line in (cos * x + sin * y, cos * y - sin * x))
+    first, second = (np.where(defined[:, None], line, 0.0) for line in (cos * x + sin * y, cos * y - sin * x))
     return VertexCurvatures(mean + radius, mean - radius, first, second, strength)
 
 
-# Components of a symmetric tensor, in this order, and how often each of them is there.
+# Components of a symmetric tensor, in this order, and how often each occurs.
 _COMPONENTS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 _TIMES = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
 
@@ -107,8 +107,9 @@ def _squared_difference(tensors: Array) -> Array:
 
 
 def _doubt(means: Array, triangles: Indices) -> Array:
-    """Twice the standard error (n,) of k1 - k2, by how much the operators around a vertex differ from their mean: of
-    mere noise no more than one in fifty is larger.
+    """Twice the standard error (n,) of k1 - k2, from the scatter of the operators around each vertex.
+
+    Mere noise exceeds it once in fifty times.
 
     means (n, 7): the mean operator, and the mean of `_squared_difference`, which is quadratic.
     """
@@ -118,14 +119,14 @@ def _doubt(means: Array, triangles: Indices) -> Array:
 
 
 def _tangents(normals: Array) -> tuple[Array, Array]:
-    """Two unit vectors (n, 3) square to each normal and to each other."""
+    """Two unit vectors (n, 3) orthogonal to each normal and to each other."""
     x = np.cross(normals, np.eye(3)[np.argmin(np.abs(normals), axis=1)])
     x /= np.linalg.norm(x, axis=1, keepdims=True)
     return x, np.cross(normals, x)
 
 
 def _curvature_scale(points: Array, triangles: Indices, squares: Array) -> float:
-    """Root mean square over the surface of what has these squares at the vertices."""
+    """Root mean square over the surface, from the squares at the vertices."""
     areas = np.bincount(triangles.ravel(), np.repeat(face_areas_in_space(points, triangles), 3), len(points))
     known = np.isfinite(squares) & (areas > 0)
     return float(np.sqrt(np.average(squares[known], weights=areas[known]))) if known.any() else 0.0

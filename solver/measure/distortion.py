@@ -1,29 +1,25 @@
-"""How far a map from a domain into space is from conformal, face by face."""
+"""Conformal distortion: how far a map from a domain into space is from conformal, face by face."""
 
 from __future__ import annotations
-
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..domain.shape import DomainLike, as_domain
 from ..errors import MeshError
 from .arrays import Array, dot, double_areas, edge_vectors, points_in_space, triangles_of
 
-if TYPE_CHECKING:
-    from ..domain.domain import Domain
 
-
-def conformal_distortion(domain: Domain, vertices: ArrayLike, faces: ArrayLike | None = None) -> Array:
+def conformal_distortion(domain: DomainLike, vertices: ArrayLike, faces: ArrayLike | None = None) -> Array:
     """Quasi-conformal distortion Q = σ₁ / σ₂ >= 1 of each face: the ratio of the map's singular values.
 
     The map is the affine one from the face's own layout in the domain (`domain.layout`, (F, 3, 2)) to its
-    triangle in space (paper, Sec. 6). `vertices` (n, 2|3); `faces` (F, 3) index them, face by face as the
-    domain's (the default), for surfaces on a cut domain. -> (F,), without unit; 1 where the map is conformal.
-    A face that is collapsed in space gives nan. Raises `MeshError` where the shapes do not match.
+    triangle in space (paper, Sec. 6). domain: a Domain, or a Shape. `vertices` (n, 2|3); `faces` (F, 3) index them,
+    face by face as the domain's (the default), for surfaces that are cut open. -> (F,), without unit; 1 where the map
+    is conformal. A face that is collapsed in space gives nan. Raises `MeshError` where the shapes do not match.
     """
-    triangles = domain.faces if faces is None else faces
-    return distortion_of_layout(domain.layout, vertices, triangles)
+    flat = as_domain(domain)
+    return distortion_of_layout(flat.layout, vertices, flat.faces if faces is None else faces)
 
 
 def distortion_of_layout(layout: ArrayLike, vertices: ArrayLike, faces: ArrayLike) -> Array:
@@ -42,8 +38,7 @@ def _ratio(p: Array, q: Array, u: Array, v: Array) -> Array:
     """Q of the linear maps that send the plane vectors p, q (2, F) to u, v (3, F).
 
     With the pulled back metric C: σ₁² = ½ (tr C + R), σ₁σ₂ = sqrt(det C), R² = (C_xx - C_yy)² + 4 C_xy².
-    Nothing cancels, so Q - 1 is exact to rounding; the textbook c + sqrt(c² - 1) would lose half of the
-    digits.
+    Nothing cancels, so Q - 1 is exact to rounding; the textbook c + sqrt(c² - 1) would lose half of the digits.
     """
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         area = p[0] * q[1] - p[1] * q[0]

@@ -1,4 +1,4 @@
-"""Size and lie of a sheet in space: boundary, bounding box, rise, overhang."""
+"""How a sheet lies in space: boundary edges, face normals, lean and overhang."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from .arrays import Array, Indices, double_areas, edge_vectors, points_in_space,
 if TYPE_CHECKING:
     from ..domain.domain import Domain
 
-# Angle by which a face must lean past the vertical to count as overhanging: above rounding, below drawing.
+# Angle by which a face must lean past the vertical to overhang: more than rounding, less than anyone draws.
 _PAST_VERTICAL = 1e-6
 
 
 def boundary_sides(domain: Domain, faces: ArrayLike | None = None) -> NDArray[np.int32]:
-    """Boundary edges as pairs of rows (K, 2), the surface on their left, in the order of the faces.
+    """Boundary edges as pairs of cut vertices (K, 2), the surface on their left, in the order of the faces.
 
-    `faces` (F, 3) index the rows of a surface, face by face as the domain's. The edges along which a surface
-    was cut open are not boundary edges of its domain and are left out.
+    `faces` (F, 3) are the cut vertices of a surface, face by face as the domain's. The edges along which a surface
+    is cut open are not boundary edges of its domain and are left out.
     """
     triangles = np.asarray(domain.faces if faces is None else faces)
     face, corner = np.nonzero(domain.edge_faces[domain.face_edges, 1] < 0)
@@ -37,8 +37,8 @@ def face_normals(vertices: ArrayLike, faces: ArrayLike) -> Array:
 def leans(vertices: ArrayLike, faces: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0)) -> Array:
     """Angle (F,) in radians by which the upper side of each face leans out past the vertical; below 0 it does not.
 
-    The upper side of a sheet is the one whose area vector points up. So the bowl that a flipped dome makes
-    does not overhang, whichever way its faces wind. `up` is a direction (3,). Degenerate faces give nan.
+    The upper side of a sheet is the one whose area vector points up, so a flipped dome, a bowl, does not overhang,
+    whichever way its faces wind. `up` is a direction (3,). Degenerate faces give nan.
     """
     points = points_in_space(vertices)
     triangles: Indices = triangles_of(faces, len(points))

@@ -1,4 +1,4 @@
-"""Whether a mesh is a graph over a plane: then it cannot go through itself, which is quick to know.
+"""Whether a mesh is a graph over a plane: a quick proof that it does not intersect itself.
 
 When every triangle keeps its orientation seen along some direction, a point of the plane is covered as often
 as the boundary winds around it. If the boundary curves are simple and disjoint there, it suffices to count
@@ -15,7 +15,7 @@ from scipy.sparse.csgraph import connected_components
 from .aabb_tree import overlapping_boxes
 from .arrays import Array, Indices, dot, edge_vectors
 
-# Least sine of the angle between a triangle and the direction of view in a graph.
+# Least sine of the angle between a triangle of a graph and the direction of view.
 _STEEPEST = 1e-3
 _ROUNDING = 1e-9
 

@@ -1,10 +1,9 @@
-"""Where a triangle mesh goes through itself.
+"""Self-intersections of a triangle mesh.
 
-Two faces without a common vertex intersect when no axis separates them (the separating axis theorem; the
-plane normals, the products of edge directions, and the in-plane normals for parallel faces are all the axes
-there are). Faces that touch in a point or along an edge do not intersect, faces that lie on each other do.
-Two faces with one common vertex intersect when the far edge of one goes through the other. Faces that share
-an edge are not looked at. A mesh that is a graph over a plane needs no search.
+Two faces without a common vertex intersect when no axis separates them (the separating axis theorem; the plane normals,
+the products of edge directions, and the in-plane normals for parallel faces suffice). Faces that touch in a point or
+along an edge do not intersect, faces that lie on each other do. Two faces with one common vertex intersect when the far
+edge of one goes through the other. Faces that share an edge are not tested, nor is a mesh that is a graph over a plane.
 """
 
 from __future__ import annotations
@@ -30,7 +29,7 @@ def self_intersections(
 
     `vertices` (n, 3), `faces` (F, 3), any mixture of sizes; faces with nan or without area intersect nothing.
     Vertices are the same when their index is. Raises `MeshError` on a bad shape or index, and `Interrupted` as soon as
-    `is_wanted`, asked now and then, says no.
+    `is_wanted`, called now and then, returns False.
     """
     points = points_in_space(vertices)
     triangles = triangles_of(faces, len(points))
@@ -43,7 +42,7 @@ def _search(points: Array, triangles: Indices, is_wanted: Callable[[], bool]) ->
     corners = points[triangles]
     normals = _normals(corners)
     corners[np.isnan(normals[:, 0])] = np.nan
-    found = [np.zeros((0, 2), dtype=np.int64)]
+    blocks = [np.zeros((0, 2), dtype=np.int64)]
     for pairs in overlapping_boxes(corners.min(axis=1), corners.max(axis=1)):
         if not is_wanted():
             raise Interrupted
@@ -52,9 +51,9 @@ def _search(points: Array, triangles: Indices, is_wanted: Callable[[], bool]) ->
         for a, b in ((0, 1), (1, 0)):
             apart = apart[_meets_plane(corners, normals, apart[:, a], apart[:, b], +_TOUCHING)]
             joined = joined[_meets_plane(corners, normals, joined[:, a], joined[:, b], -_TOUCHING)]
-        found.append(apart[_overlap(corners[apart[:, 0]], corners[apart[:, 1]])])
-        found.append(joined[_pierce(points, triangles, joined)])
-    pairs = np.sort(np.concatenate(found), axis=1)
+        blocks.append(apart[_overlap(corners[apart[:, 0]], corners[apart[:, 1]])])
+        blocks.append(joined[_pierce(points, triangles, joined)])
+    pairs = np.sort(np.concatenate(blocks), axis=1)
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))].astype(np.int32)
 
 
@@ -70,7 +69,7 @@ def _normals(corners: Array) -> Array:
 def _meets_plane(
     corners: Array, normals: Array, face: NDArray[np.int64], other: NDArray[np.int64], margin: float
 ) -> NDArray[np.bool_]:
-    """Whether `other` is not all on one side of the plane of `face`: a quick look that few pairs pass.
+    """Whether `other` is not all on one side of the plane of `face`: a quick test that few pairs pass.
 
     Faces that lie in the plane pass with a positive margin and fail with a negative one.
     """
@@ -105,7 +104,7 @@ def _overlap(a: Array, b: Array) -> NDArray[np.bool_]:
 
 
 def _axes(a: Array, b: Array) -> Iterator:
-    """The candidate axes, the most successful first, as functions of the pairs still in question."""
+    """The candidate axes, the most successful first, as functions of the remaining pairs."""
     normals = (lambda a, b: _normal(a)), (lambda a, b: _normal(b))
     yield from normals
     for i in range(3):
@@ -117,7 +116,7 @@ def _axes(a: Array, b: Array) -> Iterator:
 
 
 def _edge(corners: Array, k: int) -> Array:
-    """Unit directions, so that a product that is nearly zero can be told from a small triangle."""
+    """Unit directions, so that a small triangle is not mistaken for parallel edges."""
     edge = corners[:, (k + 1) % 3] - corners[:, k]
     return edge / np.sqrt(_square(edge))[:, None]
 
@@ -150,7 +149,7 @@ def _separated(axis: Array, a: Array, b: Array) -> NDArray[np.bool_]:
 
 
 def _pierce(points: Array, triangles: Indices, pairs: Pairs) -> NDArray[np.bool_]:
-    """Whether of two faces with one common vertex either's far edge goes through the other."""
+    """Whether, for two faces with one common vertex, the far edge of either goes through the other."""
     a, b = triangles[pairs[:, 0]], triangles[pairs[:, 1]]
     i, j = np.nonzero(a[:, :, None] == b[:, None, :])[1:]
     a, b = points[_turned(a, i)], points[_turned(b, j)]

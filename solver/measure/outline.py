@@ -1,4 +1,4 @@
-"""How far the boundary of a sheet lies from the outline that was drawn."""
+"""Distance of the boundary of a sheet from the drawn outline."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .arrays import Array
 if TYPE_CHECKING:
     from ..domain.domain import Domain
 
-# Distances point by segment held in memory at once.
+# Distances from points to segments in memory at once.
 _BLOCK = 1 << 19
 
 

@@ -1,4 +1,4 @@
-"""Planes in which sides of a placed sheet are to lie: what can be built against a wall, a floor, a ceiling."""
+"""How well sides of a placed sheet lie in planes, so that they can be built against a wall, a floor or a ceiling."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class PlaneReport:
-    """The plane normal · x = offset of a side of a sheet, in world units, and by how much the side misses it.
+    """The plane normal · x = offset of a side of a sheet, in world units, and how far the side is from it.
 
     kind: "mirror", where the sheet meets the plane at right angles, or "plane", where it touches it.
     error: the largest distance of its vertices from the plane. relative: as a part of the diagonal of the sheet.
@@ -38,10 +38,10 @@ class PlaneReport:
 
 
 def measure_plane(
-    name: str, kind: str, points: Array, rows: NDArray[np.integer], weights: Array, normal: Array
+    name: str, kind: str, points: Array, side: NDArray[np.integer], weights: Array, normal: Array
 ) -> PlaneReport:
-    """How far `rows` of points (n, 3) are from their common plane with this unit normal (3,); weights add to one."""
-    heights = points[rows] @ normal
+    """How far a `side`, indices (m,) of points (n, 3), is from a plane with that unit normal; weights add to 1."""
+    heights = points[side] @ normal
     offset = float(weights @ heights)
     error = float(np.abs(heights - offset).max())
     size = float(np.linalg.norm(np.ptp(points, axis=0)))

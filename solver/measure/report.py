@@ -1,4 +1,4 @@
-"""The report: what a solve gave, in numbers, for a person and as JSON."""
+"""The report of a solve: its numbers, for people and as JSON."""
 
 from __future__ import annotations
 
@@ -25,16 +25,18 @@ if TYPE_CHECKING:
 # Largest deviation of placed points from a similarity image of the sheet, as a fraction of its size; single
 # precision far from the origin leaves about 1e-5.
 _SIMILAR = 1e-3
+# Curvature that varies by less is even "to 0.01 %".
+_EVEN = 1e-4
 
 
 @dataclass(frozen=True)
 class Report:
-    """A solve and the sheets it gave. Lengths are those of the measured points, `scale` the factor to them.
+    """A solve and its sheets in numbers. Lengths are those of the measured points, `scale` the factor to them.
 
     `energy` is the Dirichlet energy of the normals, `residual` as in docs/conventions.md, `closure_error` and `gap`
-    (the longest period) are lengths; `periods` one vector a hole or handle. `sheet` names the sheet that is
-    shown; `planes` are those in which sides of it are to lie, where the solve was asked for any. `index` and `nullity`
-    count the modes along which the energy of the map falls, and those along which it stays; None where nobody counted.
+    (the longest period) are lengths; `periods` one vector for each hole or handle. `sheet` names the sheet that is
+    shown; `planes` says how well sides of it lie in their planes, if any are prescribed. `index` and `nullity` count
+    the unstable and the null modes of the map; None if they were not counted.
     """
 
     status: str
@@ -58,17 +60,31 @@ class Report:
     index: int | None = None
     nullity: int | None = None
 
+    def __repr__(self) -> str:
+        measured = ", ".join(self.sheets)
+        return f"Report({self.sheet}: {self.sentence!r}; H = {self.mean_curvature:.4g}, sheets {measured})"
+
+    @property
+    def ok(self) -> bool:
+        """Whether the map converged and the surface closes around holes and handles."""
+        return self.status == Status.CONVERGED.value
+
+    @property
+    def message(self) -> str:
+        """The sentence."""
+        return self.sentence
+
     @property
     def shown(self) -> SheetReport:
         """The measures of the sheet that is shown."""
         return self.sheets[self.sheet]
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain dictionaries, lists, numbers and strings; what is not a finite number is None."""
+        """Plain dictionaries, lists, numbers and strings; a number that is not finite is None."""
         return to_plain(self)
 
     def to_json(self, indent: int | None = 2) -> str:
-        """Strict JSON: null where there is no finite number."""
+        """Strict JSON: null for a number that is not finite."""
         return json.dumps(self.to_dict(), indent=indent, allow_nan=False, ensure_ascii=False)
 
     def summary(self, unit: str = "") -> str:
@@ -81,7 +97,7 @@ class Report:
             size_line(self.shown, unit),
         ]
         if self.periods:
-            what = "the gap" if self.is_open else "which was taken out"
+            what = "the gap" if self.is_open else "which was projected out"
             lines.append(f"Longest period around a hole or handle {number(self.gap, unit)}, {what}.")
         lines += measure_lines(self.shown, unit)
         return "\n".join(lines + [plane.line(unit) for plane in self.planes])
@@ -104,17 +120,17 @@ def report(
     intersections: bool | Callable[[], bool] = True,
     up: ArrayLike = (0.0, 0.0, 1.0),
 ) -> Report:
-    """Measure a surface: the solve, and curvature, distortion, size, overhang, intersections of its sheets.
+    """Measure a surface: its solve, and curvature, distortion, size, overhang and intersections of its sheets.
 
     sheet: "f+" or "f-", the one that is shown.
-    outline: drawn positions (V, 2|3) of the domain's vertices, or a list of closed polylines, where the measured
-        points lie; the distance of the shown sheet's boundary from it is reported. Two coordinates: the distance
+    outline: drawn positions (V, 2|3) of the domain's vertices, or a list of closed polylines, in the frame of the
+        measured points; the distance of the shown sheet's boundary from it is reported. Two coordinates: the distance
         in plan.
-    positions: (n, 3) points of the shown sheet where they were placed, or a mapping from "f+", "f-" to such points;
-        only these sheets are measured. They must be similarity images of the surface's own (moved, turned,
-        mirrored, scaled), all by the same; normals and target curvature follow. Default: both sheets as they are.
-    intersections: False leaves out self-intersections, the slowest part. A function is asked now and then whether
-        they are still wanted; where not, `Interrupted` is raised.
+    positions: (n, 3) placed points of the shown sheet, or a mapping from "f+", "f-" to such points; only these sheets
+        are measured. They must be images of the surface's own points under one similarity (moved, turned, mirrored,
+        scaled); normals and target curvature follow. Default: both sheets as they are.
+    intersections: False leaves out self-intersections, the slowest part. A function is called now and then;
+        `Interrupted` is raised when it returns False.
     up: the vertical (3,), for overhang, span and rise.
 
     Raises `MeshError` where arrays do not match the surface, `CmcError` on another sheet name.
@@ -158,7 +174,7 @@ def _placed(surface: CmcSurface, sheet: str, positions: ArrayLike | Mapping[str,
             raise MeshError(f"The positions of {name} have shape {points.shape}, its points {expected}.")
         wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))
         if len(wrong):
-            raise MeshError(f"The positions of {name} at rows {listed(wrong)} are not finite.", vertices=wrong)
+            raise MeshError(f"The positions of {name} at vertices {listed(wrong)} are not finite.", vertices=wrong)
     return placed
 
 
@@ -184,7 +200,7 @@ def _with_solve(surface: CmcSurface, sheet: str, sheets: dict[str, SheetReport],
     return Report(
         status=surface.status.value,
         converged=harmonic.status is Status.CONVERGED,
-        sentence=_sentence(surface, scale),
+        sentence=_sentence(surface, sheets[sheet], scale),
         energy=float(harmonic.energy),
         degree=float(harmonic.degree),
         residual=float(harmonic.residual),
@@ -202,15 +218,21 @@ def _with_solve(surface: CmcSurface, sheet: str, sheets: dict[str, SheetReport],
     )
 
 
-def _sentence(surface: CmcSurface, scale: float) -> str:
-    """The surface's message, with the gap as long as it is where the surface was placed."""
-    if not surface.is_open or scale == 1.0:
-        return surface.message
-    return f"{surface.harmonic.status.sentence} {Status.GAP.sentence} The gap is {scale * surface.gap:.4g} long."
+def _sentence(surface: CmcSurface, shown: SheetReport, scale: float) -> str:
+    """How even the curvature of the shown sheet is, where the map converged; and how long the gap is, at that scale."""
+    H = shown.mean_curvature
+    gap = f"{Status.GAP.sentence} The gap is {scale * surface.gap:.4g} long."
+    if surface.harmonic.status is not Status.CONVERGED or H is None:
+        return f"{surface.outcome} {gap}" if surface.is_open else surface.outcome
+    return f"{gap if surface.is_open else 'Done.'} Curvature is even to {_percent(H.relative_l2)}."
+
+
+def _percent(part: float) -> str:
+    return f"{100 * part:.2g} %" if part >= _EVEN else f"{100 * _EVEN:g} %"
 
 
 def to_plain(value: Any) -> Any:
-    """Dataclasses, arrays, enums and numpy numbers as JSON knows them; nan and infinity become None."""
+    """Dataclasses, arrays, enums and numpy numbers as JSON values; nan and infinity become None."""
     if is_dataclass(value) and not isinstance(value, type):
         return {field.name: to_plain(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, Mapping):

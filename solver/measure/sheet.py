@@ -1,4 +1,4 @@
-"""What was obtained on one sheet, f+ or f-: curvature, distortion, size, and where it fails as a shell."""
+"""The measures of one sheet, f+ or f-: curvature, distortion, size, overhang, intersections, distance to an outline."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _LISTED_PAIRS = 100
 
 @dataclass(frozen=True)
 class CurvatureReport:
-    """Mean curvature H of the faces against the target, in 1/length; means are weighted by area.
+    """Mean curvature H of the faces and its target, in 1/length; means are weighted by area.
 
     l2 is sqrt(∫ (H - target)² dA / area), linf the largest |H - target|, `relative_l2` is l2 over the target.
     The `inside` figures leave out faces that have a vertex on the boundary. `gauss_mean` is the mean of K, in
@@ -62,7 +62,7 @@ class DistortionReport:
 class OverhangReport:
     """Faces that lean out past the vertical, their share of the area, 0 to 1, and the largest lean in degrees.
 
-    Next to a vertical rim faces lean by an angle that falls with the edge length, though the surface does not.
+    Next to a vertical rim faces lean by an angle that falls with the edge length, although the surface does not.
     """
 
     count: int
@@ -72,7 +72,7 @@ class OverhangReport:
 
 @dataclass(frozen=True)
 class IntersectionReport:
-    """Pairs of faces that go through each other: how many, how many faces, and the first hundred pairs."""
+    """Pairs of faces that intersect: their number, the number of faces, and the first hundred pairs."""
 
     count: int
     face_count: int
@@ -84,8 +84,8 @@ class OutlineReport:
     """Distance of the boundary vertices from the drawn outline, the closed curve, in lengths.
 
     mean and rms are weighted by boundary length. `reverse_max` is the largest distance of a drawn point from
-    the boundary: the two together bound the Hausdorff distance. The `plan` figures leave heights out of
-    account.
+    the boundary: the two together bound the Hausdorff distance. The `plan` figures ignore
+    heights.
     """
 
     max: float
@@ -98,7 +98,7 @@ class OutlineReport:
 
 @dataclass(frozen=True)
 class SheetReport:
-    """The measures of one sheet. Lengths are those of the points that were measured.
+    """The measures of one sheet. Lengths are those of the measured points.
 
     A degenerate sheet (a point: f- of a sphere) has no curvature, distortion or outline distance: they are
     None. `span` is the largest horizontal distance between two boundary points, `rise` the height from lowest
@@ -225,14 +225,14 @@ def _outline(
 ) -> OutlineReport:
     starts, ends = outline_segments(domain, outline)
     lengths = np.linalg.norm(points[sides[:, 1]] - points[sides[:, 0]], axis=1)
-    rows, place = np.unique(sides, return_inverse=True)
+    rim, place = np.unique(sides, return_inverse=True)
     weights = np.bincount(place.ravel(), np.repeat(0.5 * lengths, 2)).astype(np.float64)
-    distances = distance_to_segments(points[rows], starts, ends)
+    distances = distance_to_segments(points[rim], starts, ends)
     back = distance_to_segments(starts, *(points[sides[:, k], : starts.shape[1]] for k in (0, 1)))
     in_plan = distances
     if starts.shape[1] == 3:
         level = np.eye(3) - np.outer(up, up)
-        in_plan = distance_to_segments(points[rows] @ level, starts @ level, ends @ level)
+        in_plan = distance_to_segments(points[rim] @ level, starts @ level, ends @ level)
     return OutlineReport(
         max=_max(distances),
         mean=weighted_mean(distances, weights),

@@ -1,4 +1,4 @@
-"""A report in words: a few lines with numbers and units."""
+"""A report as a few lines with numbers and units."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def measure_lines(shown: SheetReport, unit: str) -> list[str]:
         return [f"{shown.name} is degenerate (a point or a line): nothing else to measure."]
     H, Q = shown.mean_curvature, shown.distortion
     lines = [
-        f"Mean curvature {number(H.mean, unit, -1)} for {H.target:.5g} asked, "
+        f"Mean curvature {number(H.mean, unit, -1)}, wanted {H.target:.5g}, "
         f"error {100 * H.relative_l2:.2g} % in the mean (L²), {number(H.linf, unit, -1)} at most.",
         f"Conformal distortion Q {Q.mean:.4f} in the mean, {Q.max:.3f} at most (1 is none).",
     ]

@@ -18,7 +18,7 @@ from ..gauss.frames import boundary_edges, edge_frames
 from ..measure.planes import PlaneReport, measure_plane
 from ..surface.cmc_surface import CmcSurface
 from ..surface.placement import Similarity
-from ..symmetry.sides import Side, side_rows
+from ..symmetry.sides import Side, side_cut_vertices
 from .plan import Group, Plan
 
 Array = NDArray[np.float64]
@@ -60,7 +60,7 @@ def measured_planes(
     for group in plan.groups:
         if group.kind in ("mirror", "plane"):
             for side in _sides(group, surface.domain):
-                rows, weights = side_rows(surface, np.asarray(side.edges))
+                rows, weights = side_cut_vertices(surface, np.asarray(side.edges))
                 normal = similarity.directions(np.asarray(side.normal))
                 found.append(measure_plane(side.name, group.kind, points, rows, weights, normal))
     return tuple(found)

@@ -1,4 +1,4 @@
-"""From boundary normals to the surface, and gradients the way back (paper, Sec. 5.2 and Appendix F).
+"""The surface as a function of its boundary normals, with its differential and its adjoint (paper, Sec. 5.2, App. F).
 
 The boundary normals N₀ determine the harmonic map N = Φ(N₀) and, by a Poisson equation, the conjugate g. With the
 Hessian H of the energy at N (`gauss.problem`), I the sites that are not fixed and B the fixed ones:
@@ -6,9 +6,9 @@ Hessian H of the energy at N (`gauss.problem`), I the sites that are not fixed a
     dN_I = -(P H P)⁻¹ P H_IB dN₀,    L dg = d load(N),   load = Σ_f ∫ <∇φ, N̄ × *∇N>.
 
 A function F(N, g) then has the gradient P (F_N + load'ᵀ y)_B - H_BI μ on the boundary, with L y = F_g and
-P H P μ = P (F_N + load'ᵀ y)_I: two linear solves for any number of boundary normals. Both use factors that are kept.
-Around the holes of a domain g is taken without its periods Σ_e η_e tau_e (see `surface.periods`), which are linear in
-the same products N_i × N_j.
+P H P μ = P (F_N + load'ᵀ y)_I: two linear solves for any number of boundary normals. Both use kept factors. Around the
+holes of a domain g is without its periods Σ_e η_e tau_e (see `periods`), which are linear in the same products N_i ×
+N_j.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class Reached:
 class State(Reached):
     """A harmonic map and its surface at scale 1: N and g (V, 3), g centred at the mean of its boundary.
 
-    periods: (k, 3) of the conjugate, which g has not.
+    periods: (k, 3) of the conjugate; g is without them.
     """
 
     g: Array
@@ -71,8 +71,8 @@ class State(Reached):
 class AdjointSolver:
     """The surfaces of one domain as a function of the normals at its fixed boundary vertices.
 
-    `solver` has normals at vertices. conditions: `fixed` (n,), sorted, are the vertices whose normals they prescribe,
-    `prescribed` (n, 3); mirrors stay as they are. method: by which maps are found, see `HarmonicSolver.solve`.
+    `solver` has normals at vertices. The conditions prescribe the normals `prescribed` (n, 3) at the vertices `fixed`
+    (n,), sorted; their mirrors stay. method: of the harmonic maps, see `HarmonicSolver.solve`.
     """
 
     def __init__(self, solver: HarmonicSolver, conditions: Conditions, method: str = "newton") -> None:
@@ -110,11 +110,11 @@ class AdjointSolver:
         return self._duals * self.domain.cotan_weights[:, None]
 
     def __call__(self, rim: Array, start: Array | None = None, tolerance: float = 1e-8) -> State:
-        """The surface of the boundary normals `rim` (n, 3), from `start` (V, 3), or a start of the solver's own."""
+        """The surface of the boundary normals `rim` (n, 3), from `start` (V, 3) or the solver's own start."""
         return self.at(self._solve(rim, start, tolerance))
 
     def reach(self, rim: Array, start: Array | None = None, tolerance: float = 1e-8) -> Reached:
-        """The same without its g, which takes a factor of its own."""
+        """The same without g, which needs another factor."""
         harmonic = self._solve(rim, start, tolerance)
         return Reached(harmonic, self.problem.at(harmonic.normals))
 
@@ -127,7 +127,7 @@ class AdjointSolver:
         return cross(N[i], N[j])
 
     def given(self, rim: Array) -> Conditions:
-        """The conditions with `rim` (n, 3) for the prescribed normals."""
+        """The conditions with the prescribed normals `rim` (n, 3)."""
         none = Conditions()
         return replace(
             self.conditions,
@@ -145,7 +145,7 @@ class AdjointSolver:
         return self.dirichlet.extend(held)
 
     def at(self, harmonic: HarmonicMap) -> State:
-        """The surface of a harmonic map that is known."""
+        """The surface of a harmonic map."""
         products = self.products(harmonic.normals)
         g = self._integral(self.load @ products)
         return State(harmonic, self.problem.at(harmonic.normals), g, self._forms.T @ products)
@@ -173,8 +173,10 @@ class AdjointSolver:
         by_periods: Array | None = None,
         accuracy: float = _ACCURACY,
     ) -> Array:
-        """The gradient (n, 3), tangent at the boundary normals, of F(N, g, periods) from its partial derivatives by N
-        and by g (V, 3), and by the periods (k, 3), to a relative `accuracy`."""
+        """The gradient (n, 3), tangent at the boundary normals, of a function F(N, g, periods).
+
+        Its partial derivatives by N and by g are (V, 3), by the periods (k, 3). accuracy: relative.
+        """
         q = self.load.T @ self.pulled_integral(by_conjugate)
         if by_periods is not None and by_periods.size:
             q = q + self._forms @ by_periods
@@ -183,15 +185,17 @@ class AdjointSolver:
     def pull_products(
         self, state: Reached, q: Array, by_normals: Array | float = 0.0, accuracy: float = _ACCURACY
     ) -> Array:
-        """The same of F(N, N_i × N_j), from its partial derivatives by N (V, 3) and by those products, q (E, 3)."""
+        """The same of F(N, N_i × N_j), with its partial derivatives by N (V, 3) and by those products, q (E, 3)."""
         total = by_normals + self._pulled_products(state.N, q)
         mu = self._solve_hessian(state, self.problem.project(state.N, total), accuracy)
         back = total - self.problem.operator(state.point)(mu)
         return project(state.N[self.fixed], back[self.fixed])
 
     def tau_by_weights(self, state: Reached, changed: Array, accuracy: float = _ACCURACY) -> Array:
-        """The change (E, 3) of tau with changes (E,) of the edge weights, the boundary normals staying:
-        dN = -(P H P)⁻¹ P dL N."""
+        """The change (E, 3) of tau with changes (E,) of the edge weights, for fixed boundary normals.
+
+        The normals change by dN = -(P H P)⁻¹ P dL N.
+        """
         N, domain = state.N, self.domain
         pushed = graph_laplacian(domain.edges, changed, domain.vertex_count) @ N
         moved = -self._solve_hessian(state, self.problem.project(N, pushed), accuracy)
@@ -212,7 +216,7 @@ class AdjointSolver:
         return sum_rows(i, cross(N[j], q), count) + sum_rows(j, cross(q, N[i]), count)
 
     def _solve_hessian(self, state: Reached, right: Array, accuracy: float = _ACCURACY) -> Array:
-        """(P H P)⁻¹ right (V, 3), by conjugate gradients; by MINRES where the map is a saddle."""
+        """(P H P)⁻¹ right (V, 3), by conjugate gradients; by MINRES if the map is a saddle."""
         apply = self.problem.hessian(state.point)
 
         def precondition(X: Array) -> Array:
@@ -237,7 +241,7 @@ class AdjointSolver:
         return x
 
     def _minres(self, state: Reached, apply: Linear, right: Array, accuracy: float) -> Array:
-        """The preconditioner has to be definite there: directions that are not admissible pass through it."""
+        """MINRES needs a definite preconditioner: it leaves directions that are not admissible unchanged."""
         N, problem = state.N, self.problem
 
         def precondition(X: Array) -> Array:
@@ -253,7 +257,7 @@ class AdjointSolver:
 
 
 def boundary_shares(domain: Domain) -> Array:
-    """(V,) half of the boundary edges at each vertex, as parts of all."""
+    """(V,) half the length of the boundary edges at each vertex, as a part of the whole."""
     lengths = np.repeat(domain.edge_lengths[domain.boundary_edges], 2)
     shares = np.bincount(domain.edges[domain.boundary_edges].ravel(), lengths, domain.vertex_count)
     return shares / shares.sum()

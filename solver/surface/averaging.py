@@ -1,18 +1,17 @@
-"""From sites to cells and back: g and N at the same places, so that f± = g ± N can be formed (paper, Sec. 3).
+"""Averages that bring g and N to the same points, so that f± = g ± N can be formed (paper, Sec. 3).
 
-With normals at vertices g is known on the faces, at their circumcentres, and comes to the vertices by
+With normals at vertices g is known on the faces, at their circumcentres, and averaged to the vertices by
 
-galerkin: the conforming solution of min Σ_f A_f |∇g - τ_f|² with τ_f = N̄ × *∇N on each face; first order in
-H.
+galerkin: the conforming solution of min Σ_f A_f |∇g - τ_f|² with τ_f = N̄ × *∇N on each face; first order in H.
 linear: a linear fit around each vertex to the values at circumcentres; first order in H.
 area: the area-weighted mean of the paper (Eq. 11), which does not converge on irregular meshes.
 
-With normals at faces it is N that comes to the vertices, by the linear fit (galerkin has no equation to solve
-there) or by the mean of Eq. 11. What is known at vertices comes to the faces with the barycentric weights of their
+With normals at faces it is N that is averaged to the vertices, by the linear fit (galerkin has no equation to solve
+there) or by the mean of Eq. 11. Values at vertices are averaged to the faces with the barycentric weights of their
 circumcentres, or by Eq. 12.
 
-On a domain with holes all of them are taken on the cover: values across a cut are shifted by its period. Along mirrors
-all are moved into the plane that the boundary points of the conjugate lie in, exactly (see `planes`).
+On a domain with holes all of them work on the cover: values across a cut are shifted by its period. Along mirrors the
+results are moved exactly into the plane of the conjugate's boundary points (see `plane_projection`).
 """
 
 from __future__ import annotations
@@ -40,16 +39,16 @@ from .vertex_fit import face_fit_weights, fit_weights
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
-# A mean of normals shorter than this says nothing about a direction.
+# A mean of normals shorter than this has no direction.
 _SHORTEST = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class Averaging:
-    """What an average may use: the conjugate, the normals and what held them, the cuts, and kept factors.
+    """The input of an average: the conjugate, the normals and their conditions, the cuts, and factors.
 
-    dirichlet(sites) is the factored Laplacian with values given at `sites`; for those at which normals were held it is
-    at hand, since they were solved for, or the start was made, with it.
+    dirichlet(sites): the factored Laplacian with values given at `sites`; for the sites of held normals it exists
+    already, from the solve or its start.
     """
 
     domain: Domain
@@ -61,12 +60,12 @@ class Averaging:
 
 
 def galerkin(a: Averaging) -> Array:
-    """g (V, 3) on the first rows of the cut surface, from `L g = Σ_f ∫ <∇φ_i, τ_f - ∇(offsets)>`.
+    """g (V, 3) at the first cut vertex of each vertex, from `L g = Σ_f ∫ <∇φ_i, τ_f - ∇(offsets)>`.
 
     On a simply connected domain the factor of the normals serves again: g is fitted linearly at the vertices where
-    they were held, and solved for at the others. With holes, one vertex is fitted and the whole Laplacian factored; so
-    it is where no boundary edge was held. A single vertex held among free ones is solved for like them: a value given
-    at a point would be a spike.
+    they were held, and solved for at the others. With holes, or if no boundary edge was held, one vertex is fitted and
+    the whole Laplacian factored. A single vertex held among free ones is solved for like them: a value given at one
+    point would be a spike.
     """
     load = _galerkin_load(a.domain, a.N)
     if a.conjugate.periods.any():
@@ -102,7 +101,7 @@ def area(a: Averaging) -> Array:
 
 
 def _area_weights(domain: Domain) -> sp.csr_array:
-    """(V, 3 F) of the corners around each vertex; rows sum to one."""
+    """(V, 3 F) weights of the corners around each vertex, which sum to one."""
     vertices = domain.faces.ravel()
     areas = np.repeat(domain.face_areas, 3)
     weights = areas / np.bincount(vertices, areas, domain.vertex_count)[vertices]
@@ -113,8 +112,8 @@ def _area_weights(domain: Domain) -> sp.csr_array:
 def fitted_normals(graph: SiteGraph, N: Array) -> Array:
     """Unit normals (V, 3) from those of the faces (S, 3), by a linear fit at circumcentres around each vertex.
 
-    Sites on the rim count at the midpoints of their edges; without them the fit extrapolates to the boundary, by half
-    a triangle.
+    Sites on the rim are at the midpoints of their edges; without them the fit extrapolates to the boundary, by half a
+    triangle.
     """
     domain, count = graph.domain, len(graph.domain.faces)
     if graph.name == "faces":
@@ -156,7 +155,7 @@ class Average:
     """An average as a user interface offers it.
 
     conjugate: g (V, 3), from normals at vertices. normals: N (V, 3), from normals at faces. to_faces: weights (F, 3)
-    of what is known at the corners of each face.
+    of the corners of each face.
     """
 
     label: str
@@ -189,7 +188,7 @@ def _galerkin_load(domain: Domain, N: Array) -> Array:
     Only the normals enter: τ is conformally invariant.
     """
     i, j = domain.edges.T
-    along = cross(N[i], N[j])  # as the left face walks the edge; its other face sees the opposite
+    along = cross(N[i], N[j])  # in the direction of the left face; the opposite for the right one
     load = np.zeros((domain.vertex_count, 3))
     left = domain.half_edges[:, 0]
     sums = np.zeros((len(domain.faces), 3))
@@ -229,12 +228,14 @@ def _offset_load(domain: Domain, homology: Homology, periods: Array) -> Array:
 
 
 def _fitted(a: Averaging, vertices: Int) -> Array:
-    """g (n, 3) at sorted vertices by the linear fit, on mirrors moved into their planes."""
+    """g (n, 3) at sorted vertices by the linear fit, moved into the planes of mirrors."""
     return _in_planes(a, vertices, _mean(a, *fit_weights(a.domain, vertices)))
 
 
 def _in_planes(a: Averaging, vertices: Int, g: Array) -> Array:
     """Values (n, 3) at sorted vertices, those on mirrors in the planes of the boundary points beside them."""
+    if not len(a.admissible.sides.edges):
+        return g
     planes = a.admissible.sides.planes.copy()
     chosen = np.zeros(a.domain.vertex_count, dtype=bool)
     chosen[vertices] = True
@@ -245,16 +246,16 @@ def _in_planes(a: Averaging, vertices: Int, g: Array) -> Array:
     rim = np.searchsorted(a.domain.boundary_edges, at.edges)
     is_head = a.domain.edges[at.edges, 1] == at.vertices[at.places]
     ends = a.conjugate.boundary_points[rim] - _shift(a)[_rim_corners(a.domain)[2 * rim + is_head]]
-    rows = np.searchsorted(vertices, at.vertices)
-    g[rows] = at.nearest(g[rows], dot(ends, at.normals)[:, 0])
+    mirrored = np.searchsorted(vertices, at.vertices)
+    g[mirrored] = at.nearest(g[mirrored], dot(ends, at.normals)[:, 0])
     return g
 
 
 def _mean(a: Averaging, corners: sp.csr_array, ends: sp.csr_array | None = None) -> Array:
     """Weighted mean (n, 3) of the conjugate at the corners (n, 3 F) and at the ends of boundary edges (n, 2 B).
 
-    Every face is brought to the sheet of the first row of the vertex at the corner; boundary points go with the
-    face behind them.
+    Every face is moved to the sheet of the first cut vertex at the corner; boundary points go with the face behind
+    them.
     """
     shift = _shift(a)
     mean: Array = corners @ (np.repeat(a.conjugate.g, 3, axis=0) - shift)
@@ -264,7 +265,7 @@ def _mean(a: Averaging, corners: sp.csr_array, ends: sp.csr_array | None = None)
 
 
 def _shift(a: Averaging) -> Array:
-    """(3 F, 3) from the sheet of the first row of the vertex at each corner to that of its face."""
+    """(3 F, 3) from the sheet of the first cut vertex at each corner to that of its face."""
     if not a.conjugate.periods.any():
         return np.zeros((a.domain.faces.size, 3))
     sheets = a.homology.sheets

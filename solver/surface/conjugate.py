@@ -25,17 +25,18 @@ from ..gauss.energies import EdgeEnergy
 from .plane_projection import VertexPlanes
 
 Array = NDArray[np.float64]
+Int = NDArray[np.integer]
 
 
 @dataclass(frozen=True, eq=False)
 class Conjugate:
     """The discrete conjugate at scale 1 (H = ½), its first cell at the origin.
 
-    tau: (E, 3). With normals at vertices g: (F, 3), one point a face, and boundary_points: (B, 3), one on each of
-    `domain.boundary_edges`, which complete the dual polygons of the boundary vertices (paper, Fig. 7). With normals at
-    faces g: (n, 3), one point a vertex, on a domain with holes a row of the domain cut open (`Homology.sheets`), and
-    no boundary points. closure_error: the largest gap |Σ tau| around a site inside. periods: (k, 3), the jumps across
-    the cuts of a domain with holes or handles.
+    tau: (E, 3). With normals at vertices g: (F, 3), one point for each face, and boundary_points: (B, 3), one on each
+    of `domain.boundary_edges`, which complete the dual polygons of the boundary vertices (paper, Fig. 7). With normals
+    at faces g: (n, 3), one point for each vertex, or for each cut vertex of a domain with holes (`Homology.sheets`),
+    and no boundary points. closure_error: the largest |Σ tau| around an interior site. periods: (k, 3), the jumps
+    across the cuts of a domain with holes or handles.
     """
 
     tau: Array
@@ -43,6 +44,9 @@ class Conjugate:
     boundary_points: Array
     closure_error: float
     periods: Array
+
+    def __repr__(self) -> str:
+        return f"Conjugate({len(self.g)} points, {len(self.periods)} periods, closure error {self.closure_error:.1e})"
 
 
 class Conjugation:
@@ -53,9 +57,9 @@ class Conjugation:
         self.domain = graph.domain
 
     def moved(self, graph: SiteGraph) -> Conjugation:
-        """The same on a domain that differs in its edge lengths only: trees and cuts do not."""
+        """The same on a domain that differs only in its edge lengths, with the same trees and cuts."""
         moved = Conjugation(graph)
-        known = ("homology", "_row_tree")
+        known = ("homology", "_vertex_tree")
         moved.__dict__.update({name: self.__dict__[name] for name in known if name in self.__dict__})
         return moved
 
@@ -64,8 +68,10 @@ class Conjugation:
         return Homology.of(self.domain)
 
     def conjugate(self, N: Array, energy: EdgeEnergy, planes: Array | None = None) -> Conjugate:
-        """Integrate tau of the unit normals N (S, 3). planes: (E, 3) normals of the mirrors along boundary edges, zero
-        on others."""
+        """Integrate tau of the unit normals N (S, 3).
+
+        planes: (E, 3) normals of the mirrors along boundary edges, zero on others.
+        """
         tau = conjugate_form(self.graph, N, energy)
         error = _closure_error(self.graph, tau)
         if self.graph.at_vertices:
@@ -81,10 +87,10 @@ class Conjugation:
 
     def _on_vertices(self, tau: Array, N: Array, error: float, planes: Array) -> Conjugate:
         domain, homology = self.domain, self.homology
-        rows = domain.faces if homology.is_trivial else homology.sheets.faces
-        g = self._row_tree.integrate(self._along_sides(tau))
+        cut_faces = domain.faces if homology.is_trivial else homology.sheets.faces
+        g = self._vertex_tree.integrate(self._along_sides(tau))
         if self.graph.name == "faces":
-            g, tau = unfold_ears(domain, rows, g, tau, N, planes)
+            g, tau = unfold_ears(domain, cut_faces, g, tau, N, planes)
         periods = np.zeros((0, 3))
         if not homology.is_trivial:
             sheets = homology.sheets
@@ -94,12 +100,12 @@ class Conjugation:
         return Conjugate(tau, g, np.zeros((0, 3)), error, periods)
 
     @cached_property
-    def _row_tree(self) -> Tree:
-        """A tree of the vertices along the sides of the faces; of their rows, where the domain is cut open."""
+    def _vertex_tree(self) -> Tree:
+        """A tree of the vertices along the sides of the faces; of the cut vertices, if the domain is cut open."""
         homology = self.homology
-        rows = self.domain.faces if homology.is_trivial else homology.sheets.faces
-        pairs = np.stack([rows[:, [2, 0, 1]], rows[:, [1, 2, 0]]], axis=2).reshape(-1, 2)
-        return Tree.of(pairs, int(rows.max()) + 1)
+        cut_faces = self.domain.faces if homology.is_trivial else homology.sheets.faces
+        pairs = np.stack([cut_faces[:, [2, 0, 1]], cut_faces[:, [1, 2, 0]]], axis=2).reshape(-1, 2)
+        return Tree.of(pairs, int(cut_faces.max()) + 1)
 
     def _along_sides(self, tau: Array) -> Array:
         """(3 F, 3) from the start of each half-edge to its end."""
@@ -111,7 +117,7 @@ class Conjugation:
     def closed(self, conjugate: Conjugate) -> Conjugate:
         """The conjugate without its periods: the exact part of tau (Hodge decomposition, paper, Remark 4).
 
-        g minimises Σ weight |dg - tau|² over the edges of its cells, one row a cell.
+        g minimises Σ weight |dg - tau|² over the edges between its cells; it has one point for each cell.
         """
         if self.homology.is_trivial:
             return conjugate
@@ -124,7 +130,7 @@ class Conjugation:
         return replace(conjugate, g=self._exact(-tau, "vertices"))
 
     def _exact(self, differences: Array, cells: str) -> Array:
-        """Values on cells, the sites of the other graph, from `value(i) - value(j)` along its links (K, 3)."""
+        """Values on `cells`, the sites of the dual graph, from `value(i) - value(j)` along its links (K, 3)."""
         graph = SiteGraph.of(self.domain, cells)
         weights = np.abs(graph.weights)
         anchor = np.zeros(1, dtype=np.int64)
@@ -145,8 +151,8 @@ def solve_dual_poisson(graph: SiteGraph, N: Array) -> Array:
     """The conjugate of normals at vertices by the dual Poisson equation, (F, 3) centred at its mean.
 
     Σ w*_e (g_left - g_right) = Σ N_i × N_j around every face, w* = 1/w the dual cotangent weights, with the
-    natural condition along the boundary (paper, Eq. 10 and Appendix C). For simply connected Delaunay domains; a
-    second way to g, which agrees with the integral of tau as far as N is harmonic.
+    natural condition along the boundary (paper, Eq. 10 and Appendix C). For simply connected Delaunay domains. It
+    agrees with the integral of tau as far as N is harmonic, and so checks it.
     """
     inside = graph.domain.interior_edges
     i, j = graph.links[inside].T
@@ -157,7 +163,7 @@ def solve_dual_poisson(graph: SiteGraph, N: Array) -> Array:
 
 
 def _closure_error(graph: SiteGraph, tau: Array) -> float:
-    """Largest |Σ_j tau_ij| around a site i that is not on the boundary."""
+    """Largest |Σ_j tau_ij| around an interior site i."""
     sums = graph.sums(tau)
     sums[graph.rim] = 0.0
     return float(np.sqrt(np.einsum("ij,ij->i", sums, sums).max()))
@@ -170,31 +176,26 @@ def cross(a: Array, b: Array) -> Array:
     return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=1)
 
 
-Array = NDArray[np.float64]
+def unfold_ears(domain: Domain, cut_faces: Int, g: Array, tau: Array, N: Array, planes: Array) -> tuple[Array, Array]:
+    """g (n, 3) and tau (E, 3) with the tips of ears where the affine map of the neighbouring face puts them.
 
-
-Int = NDArray[np.integer]
-
-
-def unfold_ears(domain: Domain, rows: Int, g: Array, tau: Array, N: Array, planes: Array) -> tuple[Array, Array]:
-    """g (n, 3) and tau (E, 3) with the tips where the affine map of the neighbouring face puts them.
-
-    The ear and its neighbour are laid out in the plane; the map of the neighbour's triangle on g is continued to the
+    The ear and its neighbour are laid out in the plane; the map of the neighbour's triangle to g is continued to the
     tip, which is then moved into the plane through its two neighbours that is orthogonal to N (F, 3), and into those of
-    the mirrors beside it: planes (E, 3), their normals or zero. rows: (F, 3), the row of g at each corner.
+    the mirrors beside it: planes (E, 3), their normals or zero. cut_faces: (F, 3) the index into g of each corner.
     """
     base = _bases(domain)
     if not len(base):
         return g, tau
     across = domain.twins[base].astype(np.int64)
-    tip, start = rows.ravel()[base], rows.ravel()[after(base)]
+    corners = cut_faces.ravel()
+    tip, start = corners[base], corners[after(base)]
     # the other face walks the common edge backwards
-    a, b, far = (g[rows.ravel()[corner]] for corner in (before(across), after(across), across))
+    a, b, far = (g[corners[corner]] for corner in (before(across), after(across), across))
     along, away = _coordinates(domain, base, across)
     point = along[:, None] * (b - a) + away[:, None] * (far - a)
-    # the tip as seen from `start`; the sides beside it end at the two ends of the base
+    # the tip relative to `start`; the sides beside it end at the two ends of the base
     to_start, to_other = (domain.face_edges.ravel()[side] for side in (before(base), after(base)))
-    other = rows.ravel()[before(base)]
+    other = corners[before(base)]
     normals = np.concatenate([N[base // 3], planes[to_start], planes[to_other]])
     zero = np.zeros(len(tip))
     offsets = np.concatenate([zero, zero, np.einsum("ij,ij->i", g[other] - g[start], planes[to_other])])
@@ -202,7 +203,7 @@ def unfold_ears(domain: Domain, rows: Int, g: Array, tau: Array, N: Array, plane
     g, tau = g.copy(), tau.copy()
     g[tip] = g[start] + at.nearest(point, offsets)
     for side in (after(base), before(base)):
-        tau[domain.face_edges.ravel()[side]] = g[rows.ravel()[before(side)]] - g[rows.ravel()[after(side)]]
+        tau[domain.face_edges.ravel()[side]] = g[corners[before(side)]] - g[corners[after(side)]]
     return g, tau
 
 

@@ -1,9 +1,9 @@
-"""Surfaces with the faces of the dual mesh, or with a face for each face, edge and vertex (paper, Fig. 5).
+"""Surfaces with the polygons of the dual mesh, or with one for each face, edge and vertex (paper, Fig. 5).
 
-Every corner c of the domain has a point g_c of the conjugate surface and a normal N_c. With normals on vertices g
-is constant on faces, with normals on faces N is. f± = g ± N is then a surface whose vertices are the corners:
-each face, each edge and each vertex of the domain becomes a polygon. On those along which N is constant, it is
-orthogonal to the polygon. The other complex, the dual, has a vertex for each face, where the corners are averaged.
+Every corner c of the domain has a point g_c of the conjugate surface and a normal N_c. With normals at vertices g is
+constant on faces, with normals at faces N is. f± = g ± N is then a surface whose vertices are the corners: each face,
+each edge and each vertex of the domain becomes a polygon. If N is constant along a polygon, it is orthogonal to it. The
+dual mesh has a vertex for each face instead, the average of its corners.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ Int = NDArray[np.integer]
 
 
 @dataclass(frozen=True, eq=False)
-class Corners:
+class CornerValues:
     """g and N at the corners of a domain, and how the sheets of a domain with holes continue each other.
 
-    conjugate, normals: (F, 3, 3), in every face as it lies on its own sheet.
-    weights: (F, 3) barycentric coordinates of the place in each face where its corners are averaged (A_* of the paper,
-    Eq. 12): those of the circumcentre, where the conjugate of normals on vertices is, or others that sum to one.
+    conjugate, normals: (F, 3, 3), in every face on its own sheet.
+    weights: (F, 3) barycentric coordinates of the point in each face where its corners are averaged (A_* of the paper,
+    Eq. 12): the circumcentre, where the conjugate of normals at vertices is, or others that sum to one.
     boundary_normals: (B, 3), unit N half-way along each of `domain.boundary_edges`.
-    boundary_points: (B, 3), a point of g on each of them, if normals are on vertices; else None.
+    boundary_points: (B, 3), a point of g on each of them, if normals are at vertices; else None.
     crossings: (E, k) of the domain's `Homology` and periods: (k, 3), or k = 0 where g closes.
     """
 
@@ -51,22 +51,22 @@ class Corners:
     @classmethod
     def of(
         cls, graph: SiteGraph, conjugate: Conjugate, N: Array, at_vertices: Array, weights: Array, is_open: bool
-    ) -> Corners:
-        """Those of normals N (S, 3) and their conjugate; without its periods unless the surface `is_open`.
+    ) -> CornerValues:
+        """From normals N (S, 3) and their conjugate; without its periods unless the surface `is_open`.
 
-        at_vertices: (V, 3) N where it is, or as averaged to the vertices: the boundary of the surface goes there.
+        at_vertices: (V, 3) N there, as it is or averaged; it gives the normals along the boundary.
         """
         domain = graph.domain
         crossings = np.zeros((len(domain.edges), 0), dtype=np.int64)
-        periods, rows = np.zeros((0, 3)), domain.faces
+        periods, cut_faces = np.zeros((0, 3)), domain.faces
         if is_open:
             homology = Homology.of(domain)  # depends on the domain alone: the cuts of the conjugate
-            crossings, periods, rows = homology.crossings, conjugate.periods, homology.sheets.faces
+            crossings, periods, cut_faces = homology.crossings, conjugate.periods, homology.sheets.faces
         rim = _unit(at_vertices[domain.edges[domain.boundary_edges]].sum(axis=1))
         if graph.at_vertices:
             g, normals, points = _on_corners(conjugate.g), N[domain.faces], conjugate.boundary_points
         else:
-            g, normals, points = conjugate.g[rows], _on_corners(N[: len(domain.faces)]), None
+            g, normals, points = conjugate.g[cut_faces], _on_corners(N[: len(domain.faces)]), None
         return cls(domain, g, normals, weights, rim, points, crossings, periods)
 
     @cached_property
@@ -75,8 +75,8 @@ class Corners:
 
 
 @dataclass(frozen=True, eq=False)
-class Complex:
-    """g and N (n, 3) where a complex has its vertices, so that any of f± = g ± N is a mesh of the same polygons.
+class DualMesh:
+    """g and N (n, 3) at the vertices of a dual or corner mesh, so that f± = g ± N are meshes of the same polygons.
 
     normals: A_*(N), of length one only where nothing is averaged. The other fields are those of `PolygonMesh`.
     """
@@ -90,7 +90,7 @@ class Complex:
     domain: Domain
 
     def mesh(self, points: Array) -> PolygonMesh:
-        """The complex with its vertices at `points` (n, 3)."""
+        """The mesh with its vertices at `points` (n, 3)."""
         return PolygonMesh(
             vertices=points,
             polygons=self.polygons,
@@ -103,7 +103,7 @@ class Complex:
 
 
 class _Places(NamedTuple):
-    """What a complex has its vertices at, on the sheet of the face that each belongs to."""
+    """Possible vertices of a mesh, each on the sheet of the face that it belongs to."""
 
     conjugate: Array
     normals: Array
@@ -112,13 +112,13 @@ class _Places(NamedTuple):
     barycentric: Array
 
 
-def dual_complex(corners: Corners) -> Complex:
+def dual_mesh(corners: CornerValues) -> DualMesh:
     """A vertex for each face and each boundary edge, a polygon for each vertex of the domain (paper, Fig. 5 right).
 
     A polygon runs counter-clockwise through the faces around its vertex; on the boundary it begins and ends with the
-    boundary edges and is closed by one edge between them (Fig. 7). With normals on vertices the polygon of vertex i
-    on g is planar and orthogonal to N_i. Vertices of the domain with fewer than three faces around them, inside,
-    have no polygon. A face that meets a vertex twice is twice in its polygon, unless the surface jumps in between.
+    boundary edges and is closed by one edge between them (Fig. 7). With normals at vertices the polygon of vertex i
+    on g is planar and orthogonal to N_i. Interior vertices of the domain with fewer than three faces around them have
+    no polygon. A face that meets a vertex twice is twice in its polygon, unless the surface jumps in between.
     """
     fans, faces = corners.fans, len(corners.domain.faces)
     at_rim = fans.places >= 3 * faces
@@ -128,18 +128,18 @@ def dual_complex(corners: Corners) -> Complex:
     return _assemble(corners, places, sizes, items, fans.shifts)
 
 
-def corner_complex(corners: Corners) -> Complex:
+def corner_mesh(corners: CornerValues) -> DualMesh:
     """A vertex for each corner of a face; a polygon for each face, each edge and each vertex, in this order (Fig. 5
     left).
 
-    With normals on vertices a boundary edge has two more vertices, with the normals of its ends, so that it has a
-    quad like the others and the polygons of the boundary are closed; on f± - as on g - the polygon of vertex i is
-    planar and orthogonal to N_i. With normals on faces the surface ends with the faces: boundary edges have no quad,
-    and boundary vertices a polygon only where three faces or more meet; the triangle of face f is orthogonal to N_f.
-    Inside too, vertices with fewer than three faces around them have no polygon.
+    With normals at vertices a boundary edge has two more vertices, with the normals of its ends, so that it has a quad
+    like the others and the polygons of the boundary are closed; on f± - as on g - the polygon of vertex i is planar and
+    orthogonal to N_i. With normals at faces the surface ends with the faces: boundary edges have no quad, and boundary
+    vertices a polygon only where three faces or more meet; the triangle of face f is orthogonal to N_f. Interior
+    vertices with fewer than three faces around them have no polygon either.
 
     Polygons of faces and of vertices turn with the Gauss map: where f+ is saddle-shaped they lie upside down between
-    their edges' quads, on f+ and f- alike.
+    the quads of their edges, on f+ and f- alike.
     """
     domain, fans = corners.domain, corners.fans
     places = _corner_places(corners)
@@ -156,10 +156,10 @@ def corner_complex(corners: Corners) -> Complex:
     return _assemble(corners, places, np.concatenate(sizes), np.concatenate(items), np.concatenate(shifts))
 
 
-def _quads(corners: Corners) -> tuple[Int, Int]:
+def _quads(corners: CornerValues) -> tuple[Int, Int]:
     """Corners (n, 4) around each edge, and their shifts (n, 4, k); each on the sheet of the left face of its edge.
 
-    The left face walks the edge forwards, the right one backwards, the quad against both.
+    The left face traverses the edge forwards, the right one backwards, the quad against both.
     """
     domain = corners.domain
     edges = domain.interior_edges
@@ -175,7 +175,7 @@ def _quads(corners: Corners) -> tuple[Int, Int]:
     return np.concatenate([quads, rim]), np.concatenate([shifts, np.zeros((*rim.shape, shifts.shape[2]), np.int64)])
 
 
-def _face_places(corners: Corners) -> _Places:
+def _face_places(corners: CornerValues) -> _Places:
     """(F,): the average of the three corners."""
     weights = corners.weights
     return _Places(
@@ -193,7 +193,7 @@ def _average(weights: Array, values: Array) -> Array:
     return first + weights[:, 1, None] * (values[:, 1] - first) + weights[:, 2, None] * (values[:, 2] - first)
 
 
-def _rim_places(corners: Corners) -> _Places:
+def _rim_places(corners: CornerValues) -> _Places:
     """(B,): the midpoint of each boundary edge."""
     domain = corners.domain
     behind, tail, head = _rim_corners(domain)
@@ -205,8 +205,8 @@ def _rim_places(corners: Corners) -> _Places:
     return _Places(points, corners.boundary_normals, domain.faces.ravel()[tail], behind, middle)
 
 
-def _corner_places(corners: Corners) -> _Places:
-    """(3 F,): the corners, half-way between their vertex and the place of their face: N is at one, g at the other."""
+def _corner_places(corners: CornerValues) -> _Places:
+    """(3 F,): the corners, half-way between their vertex and the point of their face; N is at one, g at the other."""
     every = np.arange(corners.domain.faces.size)
     return _Places(
         corners.conjugate.reshape(-1, 3),
@@ -217,7 +217,7 @@ def _corner_places(corners: Corners) -> _Places:
     )
 
 
-def _rim_end_places(corners: Corners, boundary_points: Array) -> _Places:
+def _rim_end_places(corners: CornerValues, boundary_points: Array) -> _Places:
     """(2 B,): the start and the end of each boundary edge: its point of g, and the normal there."""
     domain = corners.domain
     _, tail, head = _rim_corners(domain)
@@ -232,7 +232,7 @@ def _rim_end_places(corners: Corners, boundary_points: Array) -> _Places:
 
 
 def _rim_corners(domain: Domain) -> tuple[Int, Int, Int]:
-    """Of each boundary edge the face behind it and that face's corners at its start and at its end, (B,) each."""
+    """The face behind each boundary edge, and its corners at the start and at the end of the edge, (B,) each."""
     half_edge = domain.half_edges[domain.boundary_edges, 0].astype(np.int64)
     return half_edge // 3, after(half_edge), before(half_edge)
 
@@ -262,10 +262,10 @@ def _joined(a: _Places, b: _Places) -> _Places:
     )
 
 
-def _assemble(corners: Corners, places: _Places, sizes: Int, items: Int, shifts: Int) -> Complex:
-    """The complex of polygons with `sizes` (p,) places each, in `items` (m,) one after the other, shifted by `shifts`.
+def _assemble(corners: CornerValues, places: _Places, sizes: Int, items: Int, shifts: Int) -> DualMesh:
+    """The mesh of polygons with `sizes` (p,) places each, in `items` (m,) one after the other, shifted by `shifts`.
 
-    A vertex of the complex is a place on a sheet, (item, shift), that some polygon has.
+    A vertex of the mesh is a place on a sheet, (item, shift), that some polygon has.
     """
     count = len(places.source)
     numbers = items.copy()
@@ -275,14 +275,14 @@ def _assemble(corners: Corners, places: _Places, sizes: Int, items: Int, shifts:
     numbers, sizes = _proper(numbers, sizes)
     used = np.zeros(count + len(others), dtype=bool)
     used[numbers] = True
-    rows = (np.cumsum(used) - 1)[numbers].astype(np.int32)
+    vertices = (np.cumsum(used) - 1)[numbers].astype(np.int32)
     place = np.concatenate([np.arange(count), others[:, 0]])[used]
     jumps = np.concatenate([np.zeros((count, len(corners.periods)), dtype=np.int64), others[:, 1:]])[used]
     ends = np.cumsum(sizes)
-    return Complex(
+    return DualMesh(
         conjugate=places.conjugate[place] + jumps @ corners.periods,
         normals=places.normals[place],
-        polygons=[rows[a:b] for a, b in zip((ends - sizes).tolist(), ends.tolist(), strict=True)],
+        polygons=[vertices[a:b] for a, b in zip((ends - sizes).tolist(), ends.tolist(), strict=True)],
         source=places.source[place],
         triangles=places.triangles[place],
         barycentric=places.barycentric[place],
@@ -291,7 +291,7 @@ def _assemble(corners: Corners, places: _Places, sizes: Int, items: Int, shifts:
 
 
 def _proper(numbers: Int, sizes: Int) -> tuple[Int, Int]:
-    """Polygons without steps from a vertex to itself, and without those that have fewer than three vertices left."""
+    """The polygons without repeated vertices, and only those that keep three vertices or more."""
     ends = np.cumsum(sizes)
     filled = sizes > 0
     previous = np.arange(-1, len(numbers) - 1)

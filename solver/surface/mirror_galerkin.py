@@ -1,9 +1,9 @@
-"""The conjugate along mirrors, settled: there it may move in the planes, and the Galerkin equation says how far.
+"""The Galerkin equation of the conjugate along mirrors, where g may move within their planes.
 
-Along a mirror g is given by a fit, which is second order, but rough: two triangles at a corner can have a mean
-curvature that is half off at every mesh size. The conforming solution on the surface continued by reflection has no
-such rows; it is that of `P (L g - load) = 0`, P being the projection on the displacements that keep every row in its
-planes. Few steps of conjugate gradients lead there, since inside the equation holds already.
+Along a mirror g is first a linear fit, second order but rough: the mean curvature of two triangles at a corner can be
+off by half at every mesh size. The conforming solution on the surface continued by reflection solves
+`P (L g - load) = 0`, P being the projection on the displacements that keep every vertex in its planes. It takes few
+steps of conjugate gradients, since the equation holds inside already.
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ from .plane_projection import VertexPlanes
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
-# Where the residual is this part of the first one, which was of the order of the mesh's error, g is settled: after 15
-# to 25 steps, measured on honeycombs of 281 to 3899 vertices.
-_SETTLED = 1e-3
+# The residual at which to stop, as a part of the first one, which is of the order of the mesh's error: after 15 to 25
+# steps, measured on honeycombs of 281 to 3899 vertices.
+_ENOUGH = 1e-3
 _MOST_STEPS = 60
 
 
 class MirrorGalerkin:
-    """The rows of g that mirrors leave free, and how."""
+    """The Galerkin equation at the vertices that mirrors leave free in their planes."""
 
     def __init__(self, domain: Domain, admissible: Admissible, dirichlet: Dirichlet) -> None:
-        """dirichlet: with the normals' fixed sites given, the preconditioner; at other rows their own weight is."""
+        """dirichlet: with values given at the fixed sites, the preconditioner; elsewhere it is the diagonal."""
         self.L = domain.laplacian
         self.weights = self.L.diagonal()[:, None]
         self.dirichlet = dirichlet
@@ -42,11 +42,11 @@ class MirrorGalerkin:
         self.single = np.setdiff1d(admissible.fixed, self.given)
 
     def run(self, load: Array, g: Array) -> Array:
-        """g (V, 3), in its planes and equal to what is given, moved to where `P (L g - load)` vanishes."""
+        """g (V, 3) moved to where `P (L g - load)` vanishes, within its planes and fixed where it is given."""
         residual = self._project(load - self.L @ g)
         step = self._precondition(residual)
         direction, product = step, inner(residual, step)
-        enough = _SETTLED**2 * product
+        enough = _ENOUGH**2 * product
         for _ in range(_MOST_STEPS):
             if product <= enough:
                 break

@@ -1,9 +1,9 @@
-"""Periods: by how much the conjugate fails to close around the holes and handles of a domain (paper, Sec. 5.3.1).
+"""Periods: the vectors by which the conjugate fails to close around holes and handles (paper, Sec. 5.3.1).
 
-tau = N × *dN is closed where N is harmonic, so that its sum along a path of faces changes only with the ends of the
-path. The same sum is one over all edges, Σ_e η_e tau_e, against a form η that is the path's own, ±1 on the edges it
-goes over, plus the differences of any potential that vanishes on the boundary. The harmonic one is the smoothest of
-them: its sum hardly depends on what is left of Σ tau where N is not quite harmonic, nor on where the path runs.
+tau = N × *dN is closed where N is harmonic, so that its sum along a path of faces depends only on the ends of the path.
+That sum is also one over all edges, Σ_e η_e tau_e, with a form η that is ±1 on the edges crossed by the path, plus the
+differences of any potential that vanishes on the boundary. The harmonic η is the smoothest: its sum hardly depends on
+the remaining Σ tau where N is not quite harmonic, nor on the path.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ Factored = Callable[[Int], Dirichlet]
 
 
 def periods(surface: CmcSurface) -> Array:
-    """Period vectors (k, 3), scaled as the surface is, one for each loop that cannot be contracted.
+    """Period vectors (k, 3) at the scale of the surface, one for each loop that cannot be contracted.
 
-    The sum of tau around the loop; zero vectors mean that the surface closes.
+    Each is the sum of tau around its loop (paper, Sec. 5.3.1); zero vectors mean that the surface closes.
     """
     return surface.periods
 
@@ -53,10 +53,9 @@ def smoothed(domain: Domain, paths: Array | Int, dirichlet: Factored) -> Array:
 
 
 def path_across(homology: Homology, start: int, end: int) -> Int:
-    """(E,) how often a path goes over each edge, from its right side to its left, between two boundary edges.
+    """(E,) how often a path between two boundary edges crosses each edge, from its right side to its left.
 
-    Σ_e path_e tau_e is the boundary point of the conjugate on edge `end` less that on `start` (paper, Fig. 7): it
-    comes in over the first and goes out over the last.
+    Σ_e path_e tau_e is the boundary point of the conjugate on edge `end` minus that on `start` (paper, Fig. 7).
     """
     domain = homology.domain
     path = np.zeros(len(domain.edges), dtype=np.int64)
@@ -70,13 +69,13 @@ def path_across(homology: Homology, start: int, end: int) -> Int:
 def integrals(domain: Domain, N: Array, forms: Array) -> Array:
     """∫ tau ∧ η (k, 3) of piecewise linear normals N (V, 3) and forms η (E, k), as harmonic one-forms are.
 
-    tau = N̄ × *∇N with the mean normal N̄ of a face. A face adds Σ ½ cot θ_e η_e N̄ × (N_j - N_i) over its edges, where
-    the sum along a loop has the mean of the edge in place of N̄; the two differ by O(h²). With the signs of the sum
+    tau = N̄ × *∇N with the mean normal N̄ of a face. A face adds Σ ½ cot θ_e η_e N̄ × (N_j - N_i) over its edges; the
+    sum along a loop has the mean of the edge in place of N̄, and the two differ by O(h²). The signs are those of the sum
     along the loops.
     """
     edges = domain.face_edges
     i, j = domain.edges.T
-    change = (N[j] - N[i])[edges]  # (F, 3, 3): of an edge as its left face walks it; so is η
+    change = (N[j] - N[i])[edges]  # (F, 3, 3): in the direction of the left face, like η
     mean = N[domain.faces].mean(axis=1)
     weight = 0.5 * domain.corner_cotans
     products = np.cross(mean[:, None, :], change) * weight[:, :, None]

@@ -1,8 +1,8 @@
-"""Size and place a surface over the plan it was drawn from.
+"""Size and place a surface over its plan.
 
-The Gauss map knows neither size nor place, so both are chosen here: one positive scale and one translation, a
-mirror image in the plan's plane where the shell is flipped, and a turn about the plan's normal only where it
-is asked for, since a turn moves the planes that the boundary conditions prescribe.
+The Gauss map determines neither size nor place. Both are chosen here: one positive scale and one translation, a mirror
+image in the plan's plane if the shell is flipped, and a turn about the plan's normal only on request, since a turn
+moves the planes that the boundary conditions prescribe.
 """
 
 from __future__ import annotations
@@ -28,19 +28,19 @@ SIZES = {
 GROUNDS = {"lowest": "Lowest Point", "rim": "Rim"}
 
 _UP = np.array([0.0, 0.0, 1.0])
-# Cosine above which a plan counts as horizontal; single precision leaves about 1e-7 of slope in a level plan.
+# Cosine above which a plan is horizontal; single precision leaves a slope of about 1e-7 in a level plan.
 _LEVEL = 1.0 - 1e-11
 # A boundary less like the drawn one than this is matched in size only.
 ALIKE = 0.25
-# An extent below this fraction of 1/H is no extent: a point, or a flat rim that should have had a rise.
+# An extent below this fraction of 1/H is none: a point, or a flat rim without rise.
 _NO_EXTENT = 1e-9
-# All pairs of up to this many rim points are compared for their largest distance; of more, this many
-# directions.
+# All pairs of up to this many rim points are compared for the largest distance; with more points, this many
+# directions are.
 _SPAN_POINTS = 2000
 
 
 class PlacementError(CmcError):
-    """The surface cannot be sized or placed as asked."""
+    """The surface cannot be sized or placed by that rule."""
 
 
 @dataclass(frozen=True)
@@ -51,8 +51,8 @@ class Rule:
         match_plan.
     ground: "lowest" puts the lowest point of the surface on the plan's plane, "rim" the mean height of its
         boundary; both hold after a flip as well.
-    rotate: allow the turn about the plan's normal that brings the boundary nearest the drawn one.
-    flip: take the mirror image in the plan's plane, up for down.
+    rotate: allow the turn about the plan's normal that brings the boundary nearest to the drawn one.
+    flip: take the mirror image in the plan's plane, upside down.
     """
 
     size: str = "match_plan"
@@ -72,7 +72,7 @@ class Rule:
 
 @dataclass(frozen=True, eq=False)
 class Plane:
-    """The plan's plane: `origin` (3,) and unit `normal` (3,), which looks up unless the plane is vertical."""
+    """The plan's plane: `origin` (3,) and unit `normal` (3,), which points up unless the plane is vertical."""
 
     origin: Array
     normal: Array
@@ -116,9 +116,9 @@ class Similarity:
 def plan_plane(positions: ArrayLike, faces: ArrayLike, rim: ArrayLike, weights: ArrayLike) -> Plane:
     """The plane in which the outline encloses the largest area, through the outline's centre.
 
-    Its normal is the area vector ½ ∮ x × dx of the boundary, which equals the sum of the faces' area vectors;
-    where that vanishes (an open tube) the vertical. A flat plan lies in its plane; a level one gives exactly
-    e_z. positions (V, 3), faces (F, 3), rim (b,) boundary vertices and their weights (b,).
+    Its normal is the area vector ½ ∮ x × dx of the boundary, which equals the sum of the faces' area vectors, or the
+    vertical if that vanishes (an open tube). A flat plan lies in its plane; a level one gives exactly e_z. positions
+    (V, 3), faces (F, 3), rim (b,) boundary vertices and their weights (b,).
     """
     points = np.asarray(positions, dtype=np.float64)
     a, b, c = (points[np.asarray(faces)[:, k]] for k in range(3))
@@ -134,10 +134,10 @@ def plan_plane(positions: ArrayLike, faces: ArrayLike, rim: ArrayLike, weights: 
 
 
 def plan_frame(positions: ArrayLike, domain: Domain, ground: str) -> tuple[NDArray[np.int32], Array, Plane]:
-    """What a shell is placed by: vertices (b,) of the rim, their weights (b,), and the plan's plane.
+    """The rim's vertices (b,), their weights (b,), and the plan's plane, by which a shell is placed.
 
-    A closed plan has no rim: all its vertices stand for it, each with its part of the domain's area; its plane is
-    level, through its lowest point where the shell stands on its own ("lowest"), else through its centre.
+    A closed plan has no rim: all its vertices take that part, weighted by their areas in the domain; its plane is
+    horizontal, through its lowest point if the ground is "lowest", else through its centre.
     """
     points = np.asarray(positions, dtype=np.float64)
     if len(domain.boundary_edges):
@@ -168,9 +168,8 @@ def procrustes(
 
     With p̃, q̃ taken from the weighted means, R turns about the unit axis n by the angle θ = atan2(b, a)
     where a = Σ w (p̃·q̃ - (n·p̃)(n·q̃)), b = Σ w n·(p̃ × q̃); then s = Σ w (R p̃)·q̃ / Σ w |p̃|² and t = q̄ -
-    s R p̄ (weighted Procrustes, closed form). Without an axis R is the identity. s may come out zero or
-    negative, where the points run against their targets; it is nan where all points coincide. points, targets
-    (n, 3), weights (n,).
+    s R p̄ (weighted Procrustes, closed form). Without an axis R is the identity. s can be zero or negative, where the
+    points run against their targets; it is nan if all points coincide. points, targets (n, 3), weights (n,).
     """
     p, q = np.asarray(points, dtype=np.float64), np.asarray(targets, dtype=np.float64)
     w = np.asarray(weights, dtype=np.float64)
@@ -203,16 +202,15 @@ def place(
     name: str = "The surface",
     alike: float = ALIKE,
 ) -> Similarity:
-    """The similarity that sizes and places a sheet as `rule` asks.
+    """The similarity that sizes and places a sheet by a `rule`.
 
     points (n, 3): the sheet, of mean curvature H = `mean_curvature`; a scale s makes it H/s.
-    rim (b,): the rows of `points` on its boundary; drawn (b, 3): where each of them was drawn; weights (b,).
+    rim (b,): the indices of `points` on its boundary; drawn (b, 3): where each of them was drawn; weights (b,).
     Sizes: match_plan by `procrustes` of the rim; span, the largest distance of two rim points seen along the
-    plane's normal; rise, the extent of all points along it; radius and mean_curvature through H. The
-    translation is the best one (the weighted centres meet), except along the normal, where the ground rule
-    decides. A boundary that does not follow the drawn one (`likeness` below `alike`: the best scale would be
-    next to nothing, or negative) is matched in size only: as far from its centre in the mean square as the
-    outline. Raises `PlacementError` where the sheet has no such extent.
+    plane's normal; rise, the extent of all points along it; radius and mean_curvature through H. The weighted
+    centres of rim and drawing coincide, except along the normal, where the ground rule decides. A boundary that does
+    not follow the drawn one (`likeness` below `alike`: the best scale would be nearly zero, or negative) is matched in
+    size only, by the mean square distance from its centre. Raises `PlacementError` if the sheet has no such extent.
     """
     linear = plane.mirror if rule.flip else np.eye(3)
     turned = np.asarray(points, dtype=np.float64) @ linear.T
@@ -259,8 +257,7 @@ def _scale(rule: Rule, points: Array, edge: Array, plane: Plane, H: float, name:
 def span(points: ArrayLike, normal: ArrayLike) -> float:
     """The largest distance of two points (n, 3), seen along the unit `normal`.
 
-    Exact up to 2000 points; of more, the largest width in 2000 directions, which is low by less than a
-    millionth.
+    Exact up to 2000 points; with more, the largest width in 2000 directions, too small by less than a millionth.
     """
     p, n = np.asarray(points, dtype=np.float64), np.asarray(normal, dtype=np.float64)
     across = np.cross(n, np.eye(3)[np.argmin(np.abs(n))])

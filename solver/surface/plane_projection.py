@@ -1,7 +1,7 @@
-"""Points and normals brought exactly to the planes of mirrors, in which they lie up to discretisation.
+"""Points and normals projected into the planes of mirrors, in which they lie up to discretisation.
 
-What an average or a fit makes of one side of a mirror knows nothing of the other side, of which only the parts along
-the plane are the same. Moved into the plane, g is second order there as it is inside, and copies of the surface meet.
+An average or a fit on one side of a mirror ignores the other side, so only its part along the plane is right. Projected
+into the plane, g is second order there as it is inside, and copies of the surface meet.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ _RANK = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class VertexPlanes:
-    """The planes at some vertices (n,): pairs (m,) of the place of a vertex among them and a unit normal (m, 3).
+    """The planes at some vertices (n,): m pairs of a place among these vertices (m,) and a unit normal (m, 3).
 
-    edges: (m,) the boundary edges that the planes belong to, where they come from edges.
+    edges: (m,) the boundary edges of the planes, if they come from edges.
     """
 
     vertices: Int
@@ -37,19 +37,19 @@ class VertexPlanes:
 
     @classmethod
     def of(cls, domain: Domain, planes: Array) -> VertexPlanes:
-        """Of the ends of boundary edges with `planes` (E, 3), zero on other edges."""
+        """The planes at the ends of boundary edges, from their normals `planes` (E, 3), zero on other edges."""
         edges = np.flatnonzero(planes.any(axis=1))
         vertices, places = np.unique(domain.edges[edges].ravel().astype(np.int64), return_inverse=True)
         return cls(vertices, places, np.repeat(planes[edges], 2, axis=0), np.repeat(edges, 2))
 
     def nearest(self, points: Array, offsets: Array) -> Array:
-        """The points (n, 3), one a vertex, moved least so that <p, normal> is the offset (m,) of each plane."""
+        """The nearest points (n, 3) to `points`, one for each vertex, with <p, normal> = offset (m,) for each plane."""
         missing = offsets - dot(points[self.places], self.normals)[:, 0]
         pull = sum_rows(self.places, missing[:, None] * self.normals, len(points))
         return points + np.einsum("nij,nj->ni", self._inverse, pull)
 
     def along(self, normals: Array) -> Array:
-        """Unit normals (n, 3), one a vertex, without their parts across the planes; kept if they have no other."""
+        """Unit normals (n, 3), one for each vertex, projected into the planes; unchanged if nothing would be left."""
         flat = self.nearest(normals, np.zeros(len(self.places)))
         return normalize(np.where(dot(flat, flat) > _RANK, flat, normals))
 

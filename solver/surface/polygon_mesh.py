@@ -1,4 +1,4 @@
-"""A mesh of polygons on a surface, and what it takes to bring other data of the domain to it."""
+"""A mesh of polygons on a surface, with the weights that carry other data of the domain to it."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ Faces = NDArray[np.int32]
 
 @dataclass(frozen=True, eq=False)
 class PolygonMesh:
-    """vertices (n, 3); polygons, index arrays counter-clockwise; source (n,), the vertex of the domain of each row.
+    """Vertices (n, 3) and polygons, index arrays counter-clockwise; source (n,), the domain's vertex for each vertex.
 
     normals: (n, 3) unit N, the same on f+ and f-.
-    triangles (n,), barycentric (n, 3): the face of the domain that each row lies in, and where in it (possibly outside,
-    as the circumcentre of an obtuse triangle does); anchors (n, 3): the vertices of that face.
+    triangles (n,), barycentric (n, 3): the face of the domain in which each vertex lies, and where (possibly outside,
+    like the circumcentre of an obtuse triangle); anchors (n, 3): the vertices of that face.
     """
 
     vertices: Array
@@ -30,19 +30,23 @@ class PolygonMesh:
     barycentric: Array
     anchors: NDArray[np.int32]
 
+    def __repr__(self) -> str:
+        return f"PolygonMesh({len(self.vertices)} vertices, {len(self.polygons)} polygons)"
+
     @classmethod
     def of_triangles(
-        cls, vertices: Array, faces: Faces, source: Faces, normals: Array, domain: Domain, rows: Faces
+        cls, vertices: Array, faces: Faces, source: Faces, normals: Array, domain: Domain, cut_faces: Faces
     ) -> PolygonMesh:
-        """Triangles `faces` (., 3) on rows that are vertices `source` (n,) of the domain.
+        """Triangles `faces` (., 3) on cut vertices that come from the vertices `source` (n,) of the domain.
 
-        rows: (F, 3) the row of each corner of the domain; a row that is at no corner lies at any one of its vertex.
+        cut_faces: (F, 3) the cut vertex at each corner of the domain; one that is at no corner takes any corner of its
+        vertex.
         """
-        every = np.arange(rows.size)
+        every = np.arange(cut_faces.size)
         of_vertex = np.empty(domain.vertex_count, dtype=np.int64)
         of_vertex[domain.faces.ravel()] = every
         corners = of_vertex[source]
-        corners[rows.ravel()] = every
+        corners[cut_faces.ravel()] = every
         return cls(
             vertices=vertices,
             polygons=list(faces),
@@ -54,9 +58,9 @@ class PolygonMesh:
         )
 
     def interpolate(self, values: Array) -> Array:
-        """Values (n, k) at the rows, linear in each triangle, of `values` (V, k) at the vertices of the domain."""
+        """Values (n, k) at the mesh's vertices from `values` (V, k) at the domain's, linear in each triangle."""
         return np.einsum("nc,nck->nk", self.barycentric, np.asarray(values)[self.anchors])
 
     def interpolate_corners(self, values: Array) -> Array:
-        """Values (n, k) at the rows of `values` (F, 3, k) at the corners of the domain's faces, which may jump."""
+        """Values (n, k) at the mesh's vertices from `values` (F, 3, k) at the corners of the domain, which may jump."""
         return np.einsum("nc,nck->nk", self.barycentric, np.asarray(values)[self.triangles])

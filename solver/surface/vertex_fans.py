@@ -1,7 +1,7 @@
-"""Walks around the vertices of a domain, corner by corner.
+"""The fans around the vertices of a domain: corners in counter-clockwise order.
 
-Corner `3 f + k` is corner k of face f; half-edge `3 f + k` is opposite it. Only corners and half-edges are
-walked, never pairs of vertices: two edges may join the same vertices, and a face may meet a vertex twice.
+Corner `3 f + k` is corner k of face f; half-edge `3 f + k` is opposite it. The walk uses corners and half-edges, never
+pairs of vertices, since two edges may join the same vertices, and a face may meet a vertex twice.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ Int = NDArray[np.integer]
 
 @dataclass(frozen=True, eq=False)
 class Fans:
-    """What surrounds each vertex, counter-clockwise, one vertex after the other.
+    """The surroundings of each vertex, counter-clockwise, one vertex after the other.
 
     vertices: (m,) sorted. places: (m,) a corner, or an end of a boundary edge: the start of `boundary_edges[b]` is
     place `3 F + 2 b`, its end `3 F + 2 b + 1`. A vertex on the boundary begins with the start of the edge that leaves
@@ -35,7 +35,7 @@ class Fans:
 
     @classmethod
     def of(cls, domain: Domain, crossings: Int) -> Fans:
-        """`crossings` (E, k) are those of the domain's `Homology`; (E, 0) where nothing jumps."""
+        """crossings: (E, k) of the domain's `Homology`; (E, 0) if nothing jumps."""
         corners = np.arange(domain.faces.size)
         vertices = domain.faces.ravel()
         steps, shifts = _walk(domain, crossings)
@@ -51,7 +51,7 @@ class Fans:
 
 
 def _walk(domain: Domain, crossings: Int) -> tuple[Int, Int]:
-    """How many corners (3 F,) come before each around its vertex, and the jumps (3 F, k) crossed on the way."""
+    """The number of corners before each one in its fan (3 F,), and the jumps (3 F, k) crossed on the way."""
     corners = np.arange(domain.faces.size)
     leaving = before(corners)  # the half-edge from a corner to the next is opposite the previous one
     twin = domain.twins[leaving].astype(np.int64)
@@ -68,7 +68,7 @@ def _walk(domain: Domain, crossings: Int) -> tuple[Int, Int]:
 def _on_widest_sheet(vertices: Int, shifts: Int, vertex_count: int) -> Int:
     """Shifts (3 F, k) counted from the sheet on which each vertex has most of its corners.
 
-    From a sheet with a single corner, the cells around it would hang together at a point only.
+    On a sheet with a single corner, the cells around the vertex would meet in a point only.
     """
     moved = shifts.any(axis=1)
     if not moved.any():

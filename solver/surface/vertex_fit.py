@@ -1,10 +1,9 @@
 """Values at vertices from values at faces, by a linear fit around each vertex.
 
-The conjugate is known at circumcentres and at the midpoints of boundary edges. Unfold the faces around a
-vertex into the plane, their angles scaled so that those of an interior vertex sum to 2π; fit a linear
-function to the known values by least squares, and take its value at the vertex. Exact for linear functions on
-a flat domain, hence second order for smooth ones; the area average of the paper (Eq. 11) is not, since a mean
-of circumcentres is not the vertex.
+The conjugate is known at circumcentres and at the midpoints of boundary edges. Unfold the faces around a vertex into
+the plane, their angles scaled so that those of an interior vertex sum to 2π; fit a linear function to the known values
+by least squares, and take its value at the vertex. This is exact for linear functions on a flat domain, hence second
+order for smooth ones; the area average of the paper (Eq. 11) is not, since a mean of circumcentres is not the vertex.
 """
 
 from __future__ import annotations
@@ -23,21 +22,20 @@ from ..linalg import sum_rows
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
-# Singular values of the fit below this part of the largest are dropped: points on a line give no slope across
-# it.
+# Singular values of the fit below this part of the largest are dropped: points on a line give no slope across it.
 _RANK = 1e-6
 
 
 def fit_weights(domain: Domain, vertices: Int) -> tuple[sp.csr_array, sp.csr_array]:
     """Matrices (n, 3 F) and (n, 2 B): values at `vertices` (n,) from those at corners and at ends of boundary edges.
 
-    A corner stands for the circumcentre of its face, as its vertex sees it; an end of one of `domain.boundary_edges`
-    (start before end) for the midpoint of the edge.
+    A corner stands for the circumcentre of its face in the chart of its vertex; an end of one of
+    `domain.boundary_edges` (start before end) for the midpoint of the edge.
     """
-    row, corners = _corners_at(domain, vertices)
+    place, corners = _corners_at(domain, vertices)
     midpoints, midpoint_vertices = _midpoints(domain)
-    kept = np.flatnonzero(row[midpoint_vertices] >= 0)
-    rows = np.concatenate([row[domain.faces.ravel()[corners]], row[midpoint_vertices[kept]]])
+    kept = np.flatnonzero(place[midpoint_vertices] >= 0)
+    rows = np.concatenate([place[domain.faces.ravel()[corners]], place[midpoint_vertices[kept]]])
     samples = np.concatenate([_chart(domain, corners)(*_circumcentres(domain, corners)), midpoints[kept]])
     weights = _value_at_origin(rows, samples, len(vertices))
     n = len(corners)
@@ -50,7 +48,7 @@ def fit_weights(domain: Domain, vertices: Int) -> tuple[sp.csr_array, sp.csr_arr
 def face_fit_weights(domain: Domain) -> sp.csr_array:
     """Matrix (V, F): values at all vertices from those at faces alone.
 
-    A boundary vertex counts the faces beyond those around it, too, since there may be only one or two of them.
+    At a boundary vertex the fit includes the faces beyond those around it, which may be only one or two.
     """
     vertices = domain.faces.ravel()
     corners = np.arange(domain.faces.size)
@@ -68,15 +66,15 @@ def face_fit_weights(domain: Domain) -> sp.csr_array:
 
 def _corners_at(domain: Domain, vertices: Int) -> tuple[Int, Int]:
     """The place of each vertex (V,) among `vertices`, -1 for the others, and the corners (n,) at them."""
-    row = np.full(domain.vertex_count, -1)
-    row[vertices] = np.arange(len(vertices))
-    return row, np.flatnonzero(row[domain.faces.ravel()] >= 0)
+    place = np.full(domain.vertex_count, -1)
+    place[vertices] = np.arange(len(vertices))
+    return place, np.flatnonzero(place[domain.faces.ravel()] >= 0)
 
 
 def _value_at_origin(rows: Int, samples: Array, count: int) -> Array:
     """Weight of each sample in the value at the origin of the linear function fitted to the samples of its row.
 
-    Samples count by the inverse square of their distance: the circumcentre of a needle lies far away.
+    Samples are weighted by the inverse square of their distance: the circumcentre of a needle lies far away.
     """
     distance = np.linalg.norm(samples, axis=1)
     near = sum_rows(rows, np.ones(len(rows)), count) / sum_rows(rows, 1.0 / distance, count)
@@ -95,7 +93,7 @@ def _circumcentres(domain: Domain, corners: Int) -> tuple[Array, Array]:
 
 
 def _circumcentres_beyond(domain: Domain, corners: Int) -> tuple[Array, Array]:
-    """The same of the face across the opposite edge: ½ cot θ' of its length away from its midpoint."""
+    """The same for the face across the opposite edge: ½ cot θ' of its length away from its midpoint."""
     angle = domain.corner_angles.ravel()[corners]
     along = domain.side_lengths.ravel()[before(corners)]
     back = domain.side_lengths.ravel()[after(corners)]
@@ -105,7 +103,7 @@ def _circumcentres_beyond(domain: Domain, corners: Int) -> tuple[Array, Array]:
 
 
 def _chart(domain: Domain, corners: Int) -> Callable[[Array, Array], Array]:
-    """Brings points from the plane of the face of each corner to the chart of its vertex, (n, 2)."""
+    """Maps points from the plane of the face of each corner to the chart of its vertex, (n, 2)."""
     start, stretch = _fan_angles(domain, corners)
 
     def unfold(x: Array, y: Array) -> Array:
@@ -136,8 +134,8 @@ def _vertex_angles(domain: Domain) -> Array:
 def _fan_angles(domain: Domain, corners: Int) -> tuple[Array, Array]:
     """Direction (n,) in which the face of each corner begins, and the stretch (n,) of its angles.
 
-    `corners` are all those of some vertices. They are walked counter-clockwise around each vertex, from the
-    boundary edge that leaves it, or from any corner inside.
+    corners: all those of some vertices, traversed counter-clockwise around each vertex, from the boundary edge that
+    leaves it, or from any corner of an interior vertex.
     """
     vertices = domain.faces.ravel()[corners]
     # the half-edge that leaves corner k lies opposite corner k + 2; behind it is the corner before, clockwise

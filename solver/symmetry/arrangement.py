@@ -1,8 +1,8 @@
-"""The planes of several sides, made to go together, and what is to be known where two of them meet.
+"""The planes of several sides, made consistent, and the corners where two sides meet.
 
-Copies around a corner close up only where the planes stand in the relations of a reflection group, and those are
-imposed here rather than hoped for: sides of one plane get one offset, the centre of a free side is moved into the
-planes of its neighbours, angles at corners must be whole parts of 180°.
+Copies close up around a corner only if the planes satisfy the relations of a reflection group. These are imposed: sides
+of one plane get one offset, the centre of a free side moves into the planes of its neighbours, and the angle at a
+corner must be a whole part of 180°.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from .sides import RULES, Side, SidePlane, SymmetryError, side_plane, surface_si
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
-# Planes nearer to each other than this part of the surface's size, and parallel, are taken for one.
+# Parallel planes nearer to each other than this part of the surface's size count as one.
 COPLANAR = 0.005
-# A side farther than this part of the size from its plane has none.
+# A side farther than this part of the size from a plane does not lie in one.
 _PLANAR = 0.1
 # Directions that differ by less than this sine count as the same: half a degree.
 _PARALLEL = 0.01
@@ -34,12 +34,12 @@ _LARGEST_ORDER = 12
 
 @dataclass(frozen=True)
 class Corner:
-    """Where two sides meet.
+    """A vertex where two sides meet.
 
     plane_angle: between their planes, in (0, π/2], 0 for one and the same plane. domain_angle: of the domain there.
-    order: k, where the planes generate 2 k copies around the corner. turns: how often those copies go around it,
-    k × domain_angle / π: 1 where the angle of the domain is that of the surface; another whole number is a branch
-    point, and anything else an angle that slows convergence down.
+    order: k, if the planes generate 2 k copies around the corner. turns: how often those copies go around it,
+    k × domain_angle / π: 1 if the angle of the domain is that of the surface; another whole number is a branch point,
+    and any other value an angle that slows convergence down.
     """
 
     sides: tuple[str, str]
@@ -55,7 +55,7 @@ class Corner:
 
 @dataclass(frozen=True)
 class Offset:
-    """Two sides in one plane, and how far apart they came out (a length in the units of the surface)."""
+    """Two sides in one plane, and the distance at which they were measured (a length in the units of the surface)."""
 
     sides: tuple[str, str]
     distance: float
@@ -63,9 +63,9 @@ class Offset:
 
 @dataclass(frozen=True, eq=False)
 class Arrangement:
-    """planes: of the sides, in their order, after the relations were imposed. measured: as they came out.
+    """planes: of the sides, in their order, after the relations were imposed. measured: before that.
 
-    offsets: of sides taken to lie in one plane. corners: where two sides meet.
+    offsets: of sides that lie in one plane. corners: where two sides meet.
     """
 
     planes: list[SidePlane]
@@ -75,7 +75,7 @@ class Arrangement:
 
     @property
     def narrowest(self) -> float:
-        """The least distance of two parallel planes that are not one; infinite where there are no such two."""
+        """The least distance of two parallel planes that are not one; infinite without such a pair."""
         apart = [_distance(a, b) for j, b in enumerate(self.planes) for a in self.planes[:j]]
         together = {offset.sides for offset in self.offsets}
         names = [(a.name, b.name) for j, b in enumerate(self.planes) for a in self.planes[:j]]
@@ -85,7 +85,7 @@ class Arrangement:
 def arrange(surface: CmcSurface, sides: Sequence[Side], coplanar: Sequence[Sequence[str]] = ()) -> Arrangement:
     """The planes of `sides`, related as they must be for copies to close up.
 
-    coplanar: groups of names of sides that are meant to lie in one plane however far apart they came out.
+    coplanar: groups of names of sides that lie in one plane, at whatever distance they were measured.
     Raises `SymmetryError` naming the sides that contradict each other.
     """
     _check_names(sides, coplanar)
@@ -105,9 +105,9 @@ def arrange(surface: CmcSurface, sides: Sequence[Side], coplanar: Sequence[Seque
 
 
 def _check_one_piece(surface: CmcSurface, plane: SidePlane) -> None:
-    """Refuse a side on which a cut ends across which the surface jumps out of the side's plane."""
-    _, first, of_row = np.unique(surface.source[plane.rows], return_index=True, return_inverse=True)
-    jumps = surface.g[plane.rows] - surface.g[plane.rows[first]][of_row.ravel()]
+    """Refuse a side where a cut ends, if the surface jumps out of the side's plane across the cut."""
+    _, first, vertex = np.unique(surface.source[plane.cut_vertices], return_index=True, return_inverse=True)
+    jumps = surface.g[plane.cut_vertices] - surface.g[plane.cut_vertices[first]][vertex.ravel()]
     out = np.linalg.norm(jumps, axis=1) if plane.normal is None else np.abs(jumps @ plane.normal)
     if out.max() > COPLANAR * surface_size(surface):
         raise SymmetryError(
@@ -118,7 +118,7 @@ def _check_one_piece(surface: CmcSurface, plane: SidePlane) -> None:
 
 def _check_names(sides: Sequence[Side], coplanar: Sequence[Sequence[str]]) -> None:
     if any(isinstance(group, str) for group in coplanar):
-        raise SymmetryError("Sides of one plane are given as lists of names, one list a plane.")
+        raise SymmetryError("Give sides of one plane as lists of names, one list for each plane.")
     names = [side.name for side in sides]
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
@@ -146,14 +146,14 @@ def _owners(domain: Domain, sides: Sequence[Side]) -> Int:
 
 def _meetings(surface: CmcSurface, owner: Int) -> list[tuple[int, int, int]]:
     """(side, side, vertex) at every vertex where one side ends and another one begins along the boundary."""
-    found = []
+    meetings = []
     domain = surface.domain
     for vertices, edges in zip(domain.boundary_loops, domain.boundary_loop_edges, strict=True):
         here = owner[np.asarray(edges)]
         before = np.roll(here, 1)
         for at in np.flatnonzero((here != before) & (here >= 0) & (before >= 0)):
-            found.append((int(before[at]), int(here[at]), int(vertices[at])))
-    return found
+            meetings.append((int(before[at]), int(here[at]), int(vertices[at])))
+    return meetings
 
 
 def _corner(domain: Domain, a: SidePlane, b: SidePlane, vertex: int) -> Corner:
@@ -190,7 +190,7 @@ def _corner(domain: Domain, a: SidePlane, b: SidePlane, vertex: int) -> Corner:
 def _one_plane(
     planes: Sequence[SidePlane], together: Sequence[Sequence[str]], tolerance: float
 ) -> tuple[list[SidePlane], list[Offset]]:
-    """Planes that are (meant to be) the same get their mean offset; and how far apart they were."""
+    """Planes that are (meant to be) the same get their mean offset; also how far apart they were."""
     related = list(planes)
     group = list(range(len(planes)))
     offsets = []
@@ -218,7 +218,7 @@ def _one_plane(
 
 
 def _distance(a: SidePlane, b: SidePlane) -> float:
-    """Of two parallel planes, or of two centres; infinite where neither is the case."""
+    """Distance of two parallel planes, or of two centres; infinite for anything else."""
     if a.normal is None or b.normal is None:
         both = a.normal is None and b.normal is None
         return float(np.linalg.norm(a.point - b.point)) if both else np.inf
@@ -232,7 +232,7 @@ def _sign(plane: SidePlane, normal: Array) -> float:
 
 
 def _centred(planes: list[SidePlane], corners: Sequence[Corner]) -> list[SidePlane]:
-    """Planes, the centre of each free side moved into the planes of the sides it meets."""
+    """The planes, with the centre of each free side moved into the planes of the sides it meets."""
     by_name = {plane.name: plane for plane in planes}
     result = []
     for plane in planes:

@@ -1,7 +1,7 @@
-"""A surface completed by its symmetries: which copies there are, who is whose neighbour, and the mesh of them all.
+"""Completion by symmetry: which copies of a surface there are across its sides, and which of them are neighbours.
 
-Copy C shows the surface under an isometry of space; across its side j lies the copy C · (isometry of j), whatever
-generated the two (paper, Sec. 5.3.2 and Appendix G; see `sides` for the rule). Copies are found breadth-first.
+Copy C shows the surface under an isometry of space; across its side j lies the copy C · (isometry of j), however the
+two were generated (paper, Sec. 5.3.2 and Appendix G; see `sides` for the rule). Copies are generated breadth-first.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from ..surface.cmc_surface import CmcSurface
 from ..surface.placement import Similarity
 from .arrangement import arrange
 from .completion import Completion
-from .isometries import Found, Isometry, cell, generate, translation
+from .isometries import CopySet, Isometry, cell, generate, translation
 from .own_symmetry import translation_seams
 from .seams import Seam, cut_seams, side_seams
 from .sides import Side, SymmetryError, surface_size
@@ -24,17 +24,17 @@ from .unit_cell import compact
 
 Array = NDArray[np.float64]
 
-# No more copies than this are ever made.
+# The most copies that are made.
 MOST_COPIES = 20_000
-# Directions of a group that is looked through for a unit cell: the largest point group of a lattice has 48, each with
-# two sheets.
+# The most directions of a group that is searched for a unit cell: the largest point group of a lattice has 48, each
+# with two sheets.
 _MOST_DIRECTIONS = 512
 # A tolerance is at most this part of the distance between two parallel planes, half the translation that they make.
 _NARROW = 0.2
 
 
 class TooManyError(SymmetryError):
-    """More copies than there may be."""
+    """More copies than allowed."""
 
 
 def complete(
@@ -53,22 +53,21 @@ def complete(
 ) -> Completion:
     """A surface and its copies across `sides`, across the copies' sides, and so on (paper, Theorem G.1).
 
-    Which copies, by default: all of them where the group is finite, else one unit cell of its translations.
-    copies: that many, the nearest by adjacency.
-    box: (2, 3) those whose centre is in the box, in the surface's units; or, with `frame`, where that places it.
-    around: the orbit under the finite group of the first named sides, of that under the group of the next ones, …: for
+    By default these are all copies if the group is finite, else one unit cell of its translations.
+    copies: the number of copies, the nearest by adjacency.
+    box: (2, 3) corners of a box; copies whose centre is in it, in the surface's units, or where `frame` places them.
+    around: the orbit under the finite group of the first named sides, of that under the group of the next ones, …; for
         example everything around one corner, [("left", "bottom")].
-    translations: (k, 3) vectors by which all this is repeated, `repeat` times each; by default the group's own.
-    sheet: "f+" or "f-", that of the first copy; across sides that are tangent or free the other one goes on.
-    coplanar: names of sides that are meant to lie in one plane. Parallel planes within half a percent of the
-        surface's size are taken for one in any case; how far apart they came out is in `offsets`. Others give a
-        translation.
-    tolerance: translations of copies that differ by less, as a part of the surface's size, are the same copy; it is
-        lowered where two parallel planes are close to each other.
-    A surface that is cut open goes on across its cuts as well. One that is itself so symmetric that mirrors at obtuse
-    angles lead to the same as translations goes on by these, once in every place.
+    translations: (k, 3) vectors by which the copies repeat, `repeat` times each; by default the group's own.
+    sheet: "f+" or "f-", that of the first copy; across tangent and free sides the surface continues as the other one.
+    coplanar: names of sides that lie in one plane. Parallel planes within half a percent of the surface's size count as
+        one in any case; their measured distance is in `offsets`. Others give a translation.
+    tolerance: copies whose translations differ by less, as a part of the surface's size, are the same; it is lowered
+        where two parallel planes are close to each other.
+    A surface that is cut open also continues across its cuts. Where the surface has a symmetry of its own, so that its
+    mirrors meet at obtuse angles, it continues by translations instead (see `own_symmetry`).
 
-    Raises `SymmetryError` on sides that contradict each other, name the wrong kind, or generate what has no end.
+    Raises `SymmetryError` on sides that contradict each other or have the wrong kind, and on groups without end.
     """
     if sheet not in ("f+", "f-"):
         raise SymmetryError(f'Sheet "{sheet}" has no copies; choose f+ or f-.')
@@ -77,11 +76,11 @@ def complete(
     if not (np.isfinite(tolerance) and tolerance > 0.0):
         raise SymmetryError(f"The tolerance must be a positive part of the surface's size, not {tolerance}.")
     if isinstance(sides, Side):
-        raise SymmetryError("The sides to go on across are a list; put the one side into one.")
+        raise SymmetryError("The sides are a list; put the one side into a list.")
     arrangement = arrange(surface, sides, coplanar)
     seams = side_seams(arrangement.planes) + cut_seams(surface)
     if not seams and translations is None:
-        raise SymmetryError("The surface has no sides to go on across; name some, or give translations.")
+        raise SymmetryError("The surface has no sides to continue across; name some, or give translations.")
     within = min(tolerance * surface_size(surface), _NARROW * arrangement.narrowest)
     seams = translation_seams(surface, arrangement.planes, within) or seams
     limit = _limit(copies)
@@ -136,7 +135,7 @@ def _in_box(
     tolerance: float,
     limit: int,
 ) -> list[Isometry]:
-    """Copies whose centre is in the box; the way to them may lead through copies one piece beyond."""
+    """Copies whose centre is in the box; paths to them may lead through copies one piece beyond."""
     box = as_numbers(corners, "The corners of a box", SymmetryError)
     if box.shape != (2, 3) or not (box[0] < box[1]).all():
         raise SymmetryError("A box is given by its lowest and its highest corner, (2, 3), the one below the other.")
@@ -157,13 +156,13 @@ def _in_box(
 
 
 def _middles(surface: CmcSurface, sheet: str) -> dict[int, Array]:
-    """Of the sheet that copies with sheet 1 show, and of the other one."""
+    """Centres of the sheet that copies with sheet 1 show, and of the other one."""
     other = "f-" if sheet == "f+" else "f+"
     return {1: surface.sheet(sheet).mean(axis=0), -1: surface.sheet(other).mean(axis=0)}
 
 
 def _seam_sizes(surface: CmcSurface, seams: Sequence[Seam]) -> list[tuple[Isometry, float]]:
-    """The step across each seam, and how large the seam is."""
+    """The step across each seam, and the size of the seam."""
     return [(seam.step, float(np.linalg.norm(np.ptp(surface.f_plus[seam.here], axis=0)))) for seam in seams]
 
 
@@ -172,7 +171,7 @@ def _around(seams: Sequence[Seam], groups: Sequence[Sequence[str]], tolerance: f
     steps = {seam.name: seam.step for seam in seams}
     made = [translation(np.zeros(3))]
     if any(isinstance(names, str) for names in groups):
-        raise SymmetryError("Sides to go around are given as lists of names, one list a group.")
+        raise SymmetryError("Give the sides to go around as lists of names, one list for each group.")
     for names in groups:
         unknown = [name for name in names if name not in steps]
         if unknown:
@@ -181,7 +180,7 @@ def _around(seams: Sequence[Seam], groups: Sequence[Sequence[str]], tolerance: f
         if not finite:
             raise SymmetryError(
                 f"The copies around {', '.join(map(repr, names))} have no end, since these sides are parallel or at an "
-                "odd angle; leave one out, or say how many copies to make."
+                "odd angle; leave one out, or give the number of copies."
             )
         made = _distinct(made, [lambda copy, g=g: g.then(copy) for g in group], tolerance, limit)
     return made
@@ -204,20 +203,20 @@ def _repeated(
 def _distinct(
     made: Sequence[Isometry], images: Sequence[Callable[[Isometry], Isometry]], tolerance: float, limit: int
 ) -> list[Isometry]:
-    found = Found(tolerance)
+    known = CopySet(tolerance)
     for image in images:
         for copy in made:
             moved = image(copy)
-            if found.index(moved) < 0:
-                if len(found.copies) == limit:
-                    raise SymmetryError(f"There would be more than {limit} copies; ask for fewer.")
-                found.add(moved)
-    return found.copies
+            if known.index(moved) < 0:
+                if len(known.copies) == limit:
+                    raise SymmetryError(f"There would be more than {limit} copies; give a smaller number.")
+                known.add(moved)
+    return known.copies
 
 
 def _neighbours(made: Sequence[Isometry], steps: Sequence[Isometry], tolerance: float) -> NDArray[np.int64]:
-    found = Found(tolerance)
+    known = CopySet(tolerance)
     for copy in made:
-        found.add(copy)
-    across = [[found.index(copy.then(step)) for step in steps] for copy in made]
+        known.add(copy)
+    across = [[known.index(copy.then(step)) for step in steps] for copy in made]
     return np.array(across, dtype=np.int64).reshape(len(made), len(steps))

@@ -1,4 +1,4 @@
-"""Copies of a surface and how they hang together: counts, transforms, gaps, and the one welded mesh."""
+"""The result of a completion: copies of a surface, their transforms and gaps, and the welded mesh."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..domain.gluing import Glued, check_glued, glue
+from ..errors import Status
+from ..measure.summary import count as plural_count
 from ..surface.cmc_surface import CmcSurface
 from ..surface.placement import Similarity
 from .arrangement import Arrangement, Corner, Offset
@@ -20,16 +22,19 @@ from .weld import CompletedMesh, Gap, snapped_to_planes, welded
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
+# Neighbours that are nearer than this part of the surface's size meet.
+_MEETS = 0.01
+
 
 @dataclass(frozen=True, eq=False)
 class Completion:
-    """Copies of a surface, and how they hang together; nothing is built before `mesh` is asked for.
+    """Copies of a surface, and which of them are neighbours; the mesh is built when `mesh` is first read.
 
     copies: the first one is the surface itself, unless a box leaves it out. sheet: the one it shows, "f+" or "f-".
     neighbours: (K, m) the copy across each of the m `seams`, -1 at the outer rim.
-    lattice: (k, 3) translations under which the completed surface repeats; none where only copies were counted.
-    arrangement: planes, offsets and corners of the sides. is_whole: whether no copy is missing: the group is finite
-    and all of it is here.
+    lattice: (k, 3) translations under which the completed surface repeats; empty where only copies were counted.
+    arrangement: planes, offsets and corners of the sides. is_whole: whether no copy is missing, so that the group is
+    finite and all of it is here.
     """
 
     surface: CmcSurface
@@ -39,6 +44,33 @@ class Completion:
     neighbours: NDArray[np.int64]
     lattice: Array
     arrangement: Arrangement
+
+    def __repr__(self) -> str:
+        repeats = f", repeats by {plural_count(len(self.lattice), 'translation')}" if len(self.lattice) else ""
+        whole = ", whole" if self.is_whole else ""
+        copies = plural_count(len(self.copies), "copy", "copies")
+        return f"Completion({copies} of {self.sheet}, {self.face_count} faces{repeats}{whole})"
+
+    @property
+    def ok(self) -> bool:
+        """Whether the map of the piece converged and neighbours met, within a hundredth of the surface's size."""
+        return self.surface.harmonic.status is Status.CONVERGED and self._widest <= _MEETS
+
+    @property
+    def message(self) -> str:
+        """Copies, faces, and how near neighbours came before they were welded, in a sentence or two."""
+        words = (
+            f"{plural_count(len(self.copies), 'copy', 'copies')} with {self.face_count} faces; before welding, "
+            f"neighbours were up to {100 * self._widest:.2g} % of the size apart."
+        )
+        if self._widest > _MEETS:
+            words += " Refine the mesh, or solve with the conditions of the sides."
+        harmonic = self.surface.harmonic.status
+        return words if harmonic is Status.CONVERGED else f"{self.surface.outcome} {words}"
+
+    @property
+    def _widest(self) -> float:
+        return max((gap.relative for gap in self.gaps), default=0.0)
 
     @property
     def planes(self) -> list[SidePlane]:
@@ -58,12 +90,12 @@ class Completion:
 
     @property
     def vertex_count(self) -> int:
-        """Of the welded mesh."""
+        """Number of vertices of the welded mesh."""
         return self._glued.vertex_count
 
     @property
     def members(self) -> NDArray[np.int64]:
-        """(K, n) the vertex of the welded mesh that each row of each copy becomes."""
+        """(K, n) the vertex of the welded mesh that each cut vertex of each copy becomes."""
         return self._glued.members
 
     @property
@@ -76,7 +108,7 @@ class Completion:
         return ["f+" if self._sign * copy.sheet > 0 else "f-" for copy in self.copies]
 
     def transforms(self, similarity: Similarity | None = None) -> Array:
-        """(K, 4, 4), each to be applied to the sheet its copy shows; for a surface placed by `similarity`, if given."""
+        """(K, 4, 4), for the sheet that each copy shows; with a `similarity`, for the surface placed by it."""
         return np.array([(copy.placed(similarity) if similarity else copy).matrix for copy in self.copies])
 
     @cached_property
@@ -117,7 +149,7 @@ class Completion:
 
     @cached_property
     def gaps(self) -> list[Gap]:
-        """What the surface itself, as it was solved, leaves between neighbours, each two of them once."""
+        """Gaps between neighbours before welding, as the surface was solved, each pair once."""
         size = surface_size(self.surface)
         gaps = []
         for j, seam in enumerate(self.seams):
@@ -129,6 +161,6 @@ class Completion:
                     gaps.append(Gap(seam.name, (int(k), other), apart, apart / size))
         return gaps
 
-    def _image(self, k: int, rows: Int) -> Array:
+    def _image(self, k: int, cut_vertices: Int) -> Array:
         copy, name = self._shown[k]
-        return copy.points(self.surface.sheet(name)[rows])
+        return copy.points(self.surface.sheet(name)[cut_vertices])

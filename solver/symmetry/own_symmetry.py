@@ -1,8 +1,8 @@
-"""Surfaces that are symmetric themselves: across a mirror lies the same as one translation away.
+"""Surfaces with a symmetry of their own, whose reflection in a side is also a translation.
 
-Copies by reflection count such a surface several times over: two mirrors that meet at an obtuse angle generate
-reflections that lead back to where a copy is already, turned by a symmetry of the surface. A ring of tubes between six
-mirrors is of this kind. It goes on by translations, each of which joins a side to another one.
+Reflections would count such a surface several times: two mirrors that meet at an obtuse angle generate reflections that
+lead back to a copy that is there already, turned by a symmetry of the surface. A ring of tubes between six mirrors is
+of this kind. It continues by translations, each of which joins one side to another.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ from .sides import SidePlane
 
 Array = NDArray[np.float64]
 
-# Cosine of two outward normals above which their planes meet at an obtuse angle; that of parallel ones.
+# Cosine of two outward normals above which their planes meet at an obtuse angle, and above which they are parallel.
 _OBTUSE, _PARALLEL = 0.05, 0.999
 
 
 def translation_seams(surface: CmcSurface, planes: Sequence[SidePlane], tolerance: float) -> list[Seam] | None:
-    """Seams by translation in place of those across the mirrors `planes`, where these meet at obtuse angles and the
-    surface is by a translation what it is by each reflection; else None.
+    """Seams by translation in place of those across the mirrors `planes`; None if reflection is the right way.
 
-    Points that are nearer than the tolerance (a length) are the same.
+    They apply where the mirrors meet at obtuse angles and each reflection of the surface is also a translation of it,
+    points nearer than the tolerance (a length) being the same.
     """
     points = surface.f_plus
     middle = points.mean(axis=0)
@@ -42,11 +42,11 @@ def translation_seams(surface: CmcSurface, planes: Sequence[SidePlane], toleranc
         step = image.mean(axis=0) - middle
         if np.max(tree.query(image - step)[0]) > tolerance:
             return None
-        apart, there = (np.asarray(found) for found in tree.query(points[plane.rows] - step))
-        on_side = [np.isin(there, other.rows).all() for other in planes]
+        apart, there = (np.asarray(nearest) for nearest in tree.query(points[plane.cut_vertices] - step))
+        on_side = [np.isin(there, other.cut_vertices).all() for other in planes]
         if apart.max() > tolerance or len(np.unique(there)) < len(there) or not any(on_side):
             return None
-        seams.append(Seam(plane.name, translation(step), plane.rows, there))
+        seams.append(Seam(plane.name, translation(step), plane.cut_vertices, there))
     return seams
 
 

@@ -1,4 +1,4 @@
-"""Where a copy of a surface meets the next one: along its sides, and along the cuts of a surface that is cut open."""
+"""Seams between a copy of a surface and the next one: along sides, and along the cuts of an open surface."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _SAME_JUMP = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Seam:
-    """Row `here[i]` of a copy C is row `there[i]` of the copy C · `step`: the same row, but for cuts."""
+    """Cut vertex `here[i]` of a copy C is cut vertex `there[i]` of the copy C · `step`; the same, except at cuts."""
 
     name: str
     step: Isometry
@@ -31,14 +31,14 @@ class Seam:
 
 
 def side_seams(planes: Sequence[SidePlane]) -> list[Seam]:
-    return [Seam(plane.name, across(plane), plane.rows, plane.rows) for plane in planes]
+    return [Seam(plane.name, across(plane), plane.cut_vertices, plane.cut_vertices) for plane in planes]
 
 
 def cut_seams(surface: CmcSurface) -> list[Seam]:
-    """The seams of a surface that is cut open: across a cut it goes on as its own copy, translated by the jump.
+    """The seams of a surface that is cut open: across a cut it continues as its own copy, translated by the jump.
 
-    Named "cut 0", "cut 1", … and, seen from the other side, "cut 0 back". A cut without a jump is no seam to be seen,
-    but its two banks are one.
+    Named "cut 0", "cut 1", … and, seen from the other side, "cut 0 back". The two banks of a cut without a jump are
+    welded.
     """
     if not surface.is_open:
         return []
@@ -58,14 +58,14 @@ def cut_seams(surface: CmcSurface) -> list[Seam]:
 
 
 def _banks(surface: CmcSurface) -> tuple[Int, Int]:
-    """Rows (n,), (n,) that are the same vertex seen from the left and from the right face of an edge that is cut."""
+    """Cut vertices (n,), (n,): the same vertex seen from the left and from the right face of an edge that is cut."""
     domain = surface.domain
     inside = domain.interior_edges
     left, right = domain.half_edges[inside].T
-    rows = surface.faces.ravel()
+    corners = surface.faces.ravel()
     # what starts the left half-edge ends the right one; by corners, as a face may have a vertex twice
-    starts = rows[after(left)], rows[before(right)]
-    ends = rows[before(left)], rows[after(right)]
+    starts = corners[after(left)], corners[before(right)]
+    ends = corners[before(left)], corners[after(right)]
     here, there = (np.concatenate(pair) for pair in zip(starts, ends, strict=True))
     cut = here != there
     return here[cut], there[cut]

@@ -1,11 +1,11 @@
-"""Sides of a surface that lie in planes, and the isometry of space by which the surface goes on across each.
+"""Sides of a surface that lie in planes, and the isometry of space by which the surface continues across each.
 
 For `N∘σ = Q N` with σ the reflection of the domain across a side, `dg = N × *dN` gives `g∘σ = -det(Q) Q g + v`, so
-that f± = g ± N go on by a reflection R = -det(Q) Q (paper, Theorem G.1 and its appendix):
+that f± = g ± N continue by a reflection R = -det(Q) Q (paper, Theorem G.1 and its appendix):
 
 mirror, N·ν = 0: reflection in the plane g·ν = d; f+ stays f+.
-tangent, N = a: reflection in the plane g·a = d, which is that of g, not of f±; f+ goes on as f-.
-free, ∂N/∂ν = 0: g is one point c, R = -1 is the inversion in it, and f+ goes on as f-; both touch the sphere about c.
+tangent, N = a: reflection in the plane g·a = d, which is that of g, not of f±; f+ continues as f-.
+free, ∂N/∂ν = 0: g is one point c, R = -1 is the inversion in it, and f+ continues as f-; both touch the sphere about c.
 """
 
 from __future__ import annotations
@@ -24,24 +24,24 @@ from ..surface.cmc_surface import CmcSurface
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
-# Root mean square by which normals may miss what a side is said to do: the sine of six degrees.
+# Root mean square by which normals may miss the condition of a side: the sine of six degrees.
 _MISSED = 0.1
-# Second singular value of the normals along a mirror, as a part of the first, below which they show no plane.
+# Second singular value of the normals along a mirror, as a part of the first, below which they define no plane.
 _STRAIGHT = 0.05
-# A surface smaller than this part of 1/(2H) is a point, and what is left of its shape is rounding.
+# A surface smaller than this part of 1/(2H) is a point; its shape is rounding.
 _POINT = 1e-6
 
 
 class SymmetryError(CmcError):
-    """Sides that are not what they are said to be, or do not go together."""
+    """Sides that do not have the kind they are given, or contradict each other."""
 
 
 @dataclass(frozen=True, eq=False)
 class Side:
-    """A part of the boundary across which the surface goes on.
+    """A part of the boundary across which the surface continues.
 
     edges: indices into `domain.edges`, or (K, 2) vertex pairs. kind: a name in `RULES`.
-    normal: (3,) of the plane; by default read off the normals of the surface. A free side has none.
+    normal: (3,) of the plane; by default taken from the normals of the surface. A free side has none.
     """
 
     name: str
@@ -49,13 +49,17 @@ class Side:
     kind: str = "mirror"
     normal: ArrayLike | None = None
 
+    def __repr__(self) -> str:
+        normal = "" if self.normal is None else ", normal ({:.4g}, {:.4g}, {:.4g})".format(*np.ravel(self.normal)[:3])
+        return f"Side({self.name!r}, {self.kind}, {len(np.asarray(self.edges))} edges{normal})"
+
 
 @dataclass(frozen=True, eq=False)
 class Rule:
-    """How a surface goes on across a kind of side.
+    """How a surface continues across a kind of side.
 
-    plane_normal: from the normals N (n, 3) along the side and their weights (n,). missed: (n,) how far N is from what
-    the side is said to do, as a sine. switches: whether f+ goes on as f-.
+    plane_normal: from the normals N (n, 3) along the side and their weights (n,). missed: (n,) how far N is from the
+    condition of the side, as a sine. switches: whether f+ continues as f-.
     """
 
     label: str
@@ -66,7 +70,7 @@ class Rule:
 
 
 def _common_normal(N: Array, weights: Array) -> Array | None:
-    """The direction to which all of N are orthogonal; None where they are (almost) the same and do not say."""
+    """The direction orthogonal to all of N; None if they are (almost) the same and define none."""
     _, s, axes = np.linalg.svd(np.sqrt(weights)[:, None] * N, full_matrices=False)
     return axes[2] if len(s) == 3 and s[1] > _STRAIGHT * s[0] else None
 
@@ -87,14 +91,14 @@ RULES: dict[str, Rule] = {
     ),
     "tangent": Rule(
         "Tangent plane",
-        "The surface touches a plane; its parallel surface goes on, reflected",
+        "The surface touches a plane; its parallel surface continues, reflected",
         True,
         _mean_normal,
         lambda N, normal: np.linalg.norm(N - normal, axis=1),
     ),
     "free": Rule(
         "Free",
-        "The surface touches a sphere; its parallel surface goes on, inverted in the centre",
+        "The surface touches a sphere; its parallel surface continues, inverted in the centre",
         True,
         lambda N, weights: None,
     ),
@@ -108,8 +112,8 @@ class SidePlane:
     normal: (3,) unit ν or a, None for a free side. offset: d, the mean of g·normal; for a free side nan.
     point: (3,) a point of the plane, or the point c that g is along a free side.
     error: the largest distance of g from the plane, or from c. relative: as a part of the size of the surface.
-    missed: the root mean square of N·ν or |N - a| between the ends, where other conditions hold; 0 for a free side.
-    rows: (n,) of the surface along the side, weights (n,) their shares of its length in the domain, which add to one.
+    missed: the root mean square of N·ν or |N - a| without the ends, where other conditions hold; 0 for a free side.
+    cut_vertices: (n,) of the surface along the side; weights: (n,) their shares of its length in the domain, sum one.
 
     Along a mirror f± lie in the same plane; along a tangent side in the planes offset ± scale; f± of a free side on
     the sphere of radius scale about the point.
@@ -123,12 +127,15 @@ class SidePlane:
     error: float
     relative: float
     missed: float
-    rows: Int
+    cut_vertices: Int
     weights: Array
 
     @property
     def switches(self) -> bool:
         return RULES[self.kind].switches
+
+    def __repr__(self) -> str:
+        return f"SidePlane({self})"
 
     def __str__(self) -> str:
         x, y, z = self.point if self.normal is None else self.normal
@@ -141,34 +148,34 @@ class SidePlane:
 
 
 def side_plane(surface: CmcSurface, side: Side) -> SidePlane:
-    """The plane a side of a solved surface lies in, and by how much it misses it.
+    """The plane in which a side of a solved surface lies, and how far the side is from it.
 
-    Raises `ConditionError` on edges that are not on the boundary, `SymmetryError` where the normals along the side are
-    not what its kind says (the normal given is wrong, or the condition was not imposed), or do not show the normal,
-    and on surfaces that have collapsed to a point.
+    Raises `ConditionError` on edges that are not on the boundary, `SymmetryError` where the normals along the side
+    contradict its kind (the given normal is wrong, or the condition was not imposed) or define no plane, and on
+    surfaces that have collapsed to a point.
     """
     check_choice(side.kind, RULES, "kind of side")
     rule = RULES[side.kind]
     edges = boundary_edges(surface.domain, side.edges)
     if edges.size == 0:
         raise SymmetryError(f"Side {side.name!r} has no edges.")
-    rows, weights = side_rows(surface, edges)
-    N, g = surface.normals[rows], surface.g[rows]
+    vertices, weights = side_cut_vertices(surface, edges)
+    N, g = surface.normals[vertices], surface.g[vertices]
     normal = _normal(side, rule, N, weights)
-    missed = _missed(side, rule, N, np.where(_is_end(surface, edges, rows), 0.0, weights), normal)
+    missed = _missed(side, rule, N, np.where(_is_end(surface, edges, vertices), 0.0, weights), normal)
     centre = weights @ g
     size = surface_size(surface)
     if size <= _POINT * surface.scale:
         raise SymmetryError(
-            "The surface is a point, since its normals are the same everywhere; prescribe some that differ, or start "
-            "from an initial map."
+            "The surface is a point, since its normals are the same everywhere; prescribe normals that differ, or "
+            "start from an initial map."
         )
     if normal is None:
         error = float(np.linalg.norm(g - centre, axis=1).max())
-        return SidePlane(side.name, side.kind, None, np.nan, centre, error, error / size, missed, rows, weights)
+        return SidePlane(side.name, side.kind, None, np.nan, centre, error, error / size, missed, vertices, weights)
     offset = float(centre @ normal)
     error = float(np.abs(g @ normal - offset).max())
-    return SidePlane(side.name, side.kind, normal, offset, centre, error, error / size, missed, rows, weights)
+    return SidePlane(side.name, side.kind, normal, offset, centre, error, error / size, missed, vertices, weights)
 
 
 def surface_size(surface: CmcSurface) -> float:
@@ -176,25 +183,25 @@ def surface_size(surface: CmcSurface) -> float:
     return max(float(np.linalg.norm(np.ptp(points, axis=0))) for points in (surface.f_plus, surface.f_minus))
 
 
-def side_rows(surface: CmcSurface, edges: Int) -> tuple[Int, Array]:
-    """Rows (n,) of the surface along boundary edges (K,), sorted, and their shares (n,) of the length."""
-    ends = edge_rows(surface, edges)
+def side_cut_vertices(surface: CmcSurface, edges: Int) -> tuple[Int, Array]:
+    """Cut vertices (n,) of the surface along boundary edges (K,), sorted, and their shares (n,) of the length."""
+    ends = edge_cut_vertices(surface, edges)
     lengths = surface.domain.edge_lengths[edges]
     shares = np.bincount(ends.ravel(), np.repeat(0.5 * lengths, 2))
-    rows = np.unique(ends)
-    return rows, shares[rows] / lengths.sum()
+    vertices = np.unique(ends)
+    return vertices, shares[vertices] / lengths.sum()
 
 
-def edge_rows(surface: CmcSurface, edges: Int) -> Int:
-    """Rows (K, 2) of the ends of edges as the face on their left has them, in its direction."""
+def edge_cut_vertices(surface: CmcSurface, edges: Int) -> Int:
+    """Cut vertices (K, 2) at the ends of edges, those of the face on the left, in its direction."""
     face, corner = np.divmod(surface.domain.half_edges[edges, 0], 3)
     return np.stack([surface.faces[face, (corner + 1) % 3], surface.faces[face, (corner + 2) % 3]], axis=1)
 
 
-def _is_end(surface: CmcSurface, edges: Int, rows: Int) -> NDArray[np.bool_]:
-    """Which of the rows of a side (sorted) only one of its edges has."""
-    ends = edge_rows(surface, edges)
-    return np.bincount(ends.ravel())[rows] < 2
+def _is_end(surface: CmcSurface, edges: Int, cut_vertices: Int) -> NDArray[np.bool_]:
+    """Which of the cut vertices of a side (sorted) are on only one of its edges."""
+    ends = edge_cut_vertices(surface, edges)
+    return np.bincount(ends.ravel())[cut_vertices] < 2
 
 
 def _normal(side: Side, rule: Rule, N: Array, weights: Array) -> Array | None:
@@ -204,7 +211,7 @@ def _normal(side: Side, rule: Rule, N: Array, weights: Array) -> Array | None:
         normal = rule.plane_normal(N, weights)
         if normal is None:
             raise SymmetryError(
-                f"The normals along side {side.name!r} do not show the plane of a {side.kind} side; give its normal."
+                f"The normals along side {side.name!r} do not define the plane of a {side.kind} side; give its normal."
             )
         return normal
     normal = as_numbers(side.normal, f"The normal of side {side.name!r}", SymmetryError)
@@ -221,7 +228,7 @@ def _missed(side: Side, rule: Rule, N: Array, weights: Array, normal: Array | No
     if missed > _MISSED:
         what = {"mirror": "orthogonal to its plane", "tangent": "tangent to its plane"}[side.kind]
         raise SymmetryError(
-            f"The surface is not {what} along side {side.name!r}: the normals are {missed:.2g} away in the mean "
-            "square; impose that condition when solving, or give the side its own normal or kind."
+            f"The surface is not {what} along side {side.name!r}: the normals miss it by {missed:.2g} (root mean "
+            "square); impose that condition when solving, or give the side its own normal or kind."
         )
     return missed

@@ -1,8 +1,8 @@
-"""Unit cells that hang together: of all the ways to choose one copy of each class, the one with the least rim.
+"""Compact unit cells: one copy of each class, chosen so that as many seams as possible are joined.
 
-Breadth-first copies are a unit cell of a group with translations, too, but one with ragged ends: tubes are cut
-lengthwise where a whole half of them could stand. Copies may be moved by translations of the group one by one. Those
-nearest to a point are a cell (Wigner and Seitz); points where planes of the piece meet are tried.
+Breadth-first copies are a unit cell of a group with translations, too, but a ragged one: it may cut tubes lengthwise
+where whole halves would do. Each copy may be moved by translations of the group. The copies nearest to a point form a
+cell (Wigner and Seitz); the points tried are those where planes of the piece meet.
 """
 
 from __future__ import annotations
@@ -14,18 +14,18 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from .isometries import Found, Isometry
+from .isometries import CopySet, Isometry
 from .sides import SidePlane
 
 Array = NDArray[np.float64]
 
-# Translations of a class that are compared go up to so many times each vector of the basis.
+# Copies are moved by up to this many times each vector of the basis.
 _REACH = 2
-# Points are moved by this part of the shortest translation in a direction of no symmetry, so that nothing is a tie.
+# Points are moved by this part of the shortest translation, in a direction without symmetry, to avoid ties.
 _ASIDE = np.array([3.1e-3, 1.7e-3, 0.9e-3])
-# Cells with more copies are left as they are.
+# Larger cells are left as they are.
 _MOST = 128
-# A cell is better than the one before if its seams are by this part larger.
+# A cell is better if its joined seams are larger by this part.
 _BETTER = 1e-6
 
 
@@ -39,8 +39,8 @@ def compact(
 ) -> list[Isometry]:
     """The same classes of copies, moved by integer combinations of `lattice` (k, 3) so that most of their seams meet.
 
-    seams: steps across them, and how much each counts. middles: of the sheets 1 and -1, what is to be near to a point.
-    planes: of the sides. The first copy stays where it is.
+    seams: steps across them, and the weight of each. middles: the centres of the sheets 1 and -1. planes: of the sides.
+    The first copy stays where it is.
     """
     if not len(lattice) or len(copies) > _MOST:
         return list(copies)
@@ -61,11 +61,11 @@ def compact(
 
 
 def joined(copies: Sequence[Isometry], seams: Sequence[tuple[Isometry, float]], tolerance: float) -> float:
-    """How much the seams count across which there is a copy."""
-    found = Found(tolerance)
+    """The total weight of the seams across which there is a copy."""
+    known = CopySet(tolerance)
     for copy in copies:
-        found.add(copy)
-    return sum(size for copy in copies for step, size in seams if found.index(copy.then(step)) >= 0)
+        known.add(copy)
+    return sum(size for copy in copies for step, size in seams if known.index(copy.then(step)) >= 0)
 
 
 def meeting_points(planes: Sequence[SidePlane], near: Array) -> list[Array]:

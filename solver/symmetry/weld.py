@@ -1,21 +1,27 @@
 """Copies of a surface welded along their seams into one mesh.
 
-Rows become one because their copies are neighbours, and get the mean of their places; nothing is merged because it is
-near. The mean of reflected copies also lies in the plane.
+Cut vertices are merged because their copies are neighbours, never because they are near. The merged vertex is their
+mean, which for reflected copies lies in the plane.
 """
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..domain.gluing import Glued
+from ..surface import convert
 from ..surface.cmc_surface import CmcSurface
 from ..surface.polygon_mesh import PolygonMesh
 from .sides import SidePlane
+
+if TYPE_CHECKING:
+    import trimesh
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -23,9 +29,10 @@ Int = NDArray[np.integer]
 
 @dataclass(frozen=True)
 class Gap:
-    """How far apart the two copies of a seam were before they were welded.
+    """The distance between the two copies of a seam before they were welded.
 
-    copies: the two. largest: distance of rows that became one vertex. relative: as a part of the surface's size.
+    copies: the two. largest: distance of cut vertices that became one vertex. relative: as a part of the surface's
+    size.
     """
 
     seam: str
@@ -38,11 +45,11 @@ class Gap:
 class CompletedMesh:
     """A welded mesh of copies, triangles counter-clockwise seen from the side of the normals.
 
-    vertices, normals: (n, 3), of f+ the normal is N and of f- it is -N, turned as the copy is. faces: (F, 3).
-    source: (n,) the vertex of the domain that each row comes from.
-    copies: (F,) the copy that each face belongs to, in the order of the completion; the faces of a copy follow each
-    other in the domain's order. corners: (F, 3) the corner `3 f + k` of the domain at each corner, so that
-    `values.reshape(3 F, -1)[corners]` carries what is known at corners, such as texture coordinates.
+    vertices, normals: (n, 3); the normal is N on f+ and -N on f-, turned as the copy is. faces: (F, 3).
+    source: (n,) the vertex of the domain that each vertex comes from.
+    copies: (F,) the copy that each face belongs to, in the order of the completion; the faces of a copy are
+    consecutive, in the domain's order. corners: (F, 3) the corner `3 f + k` of the domain at each corner, so that
+    `values.reshape(3 F, -1)[corners]` carries values at corners, such as texture coordinates.
     gaps: of all seams, each pair of neighbours once.
     """
 
@@ -54,6 +61,18 @@ class CompletedMesh:
     corners: NDArray[np.int32]
     gaps: list[Gap]
 
+    def __repr__(self) -> str:
+        copies = int(self.copies.max(initial=-1)) + 1
+        return f"CompletedMesh({len(self.vertices)} vertices, {len(self.faces)} faces, {copies} copies)"
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the mesh as OBJ, PLY, STL or GLB, by the suffix of `path`; see `convert.save_mesh`."""
+        convert.save_mesh(path, self.vertices, self.faces, self.normals)
+
+    def to_trimesh(self) -> trimesh.Trimesh:
+        """The mesh as a `trimesh.Trimesh` with its normals."""
+        return convert.to_trimesh(self.vertices, self.faces, self.normals)
+
     @property
     def largest_gap(self) -> float:
         """Relative to the size of the surface; 0 without seams."""
@@ -61,7 +80,7 @@ class CompletedMesh:
 
     @property
     def rim(self) -> Int:
-        """(b, 2) directed edges that one face has: the boundary of the completed mesh, faces on the left."""
+        """(b, 2) directed edges of one face only: the boundary of the completed mesh, faces on the left."""
         starts, ends = self.faces.ravel(), np.roll(self.faces, -1, axis=1).ravel()
         count = len(self.vertices)
         forth, back = starts.astype(np.int64) * count + ends, ends.astype(np.int64) * count + starts
@@ -73,20 +92,20 @@ class CompletedMesh:
 
     @property
     def is_oriented(self) -> bool:
-        """Whether no two faces walk an edge in the same direction; then every edge has at most two faces."""
+        """Whether no two faces traverse an edge in the same direction, so that every edge has at most two faces."""
         starts, ends = self.faces.ravel(), np.roll(self.faces, -1, axis=1).ravel()
         keys = starts.astype(np.int64) * len(self.vertices) + ends
         return len(np.unique(keys)) == len(keys)
 
     @property
     def flipped_faces(self) -> Int:
-        """Faces that look away from the mean of the normals at their corners."""
+        """Faces that face away from the mean of the normals at their corners."""
         a, b, c = (self.vertices[self.faces[:, k]] for k in range(3))
         seen = np.einsum("fi,fi->f", np.cross(b - a, c - a), self.normals[self.faces].sum(axis=1))
         return np.flatnonzero(seen <= 0.0)
 
     def as_polygon_mesh(self, surface: CmcSurface) -> PolygonMesh:
-        """With what it takes to carry attributes of the domain's vertices; those at corners go by `corners`."""
+        """A `PolygonMesh` that carries attributes of the domain's vertices; those at corners go by `corners`."""
         domain = surface.domain
         first = np.empty((len(domain.faces), 3), dtype=np.int32)
         first.reshape(-1)[self.corners[: len(domain.faces)].ravel()] = self.faces[: len(domain.faces)].ravel()
@@ -94,7 +113,7 @@ class CompletedMesh:
 
 
 def welded(glued: Glued, points: Array, normals: Array, source: Int, gaps: list[Gap]) -> CompletedMesh:
-    """The mesh of `glued` copies: `points`, `normals` (K, n, 3) of their rows, `source` (n,) the vertex of each row."""
+    """The mesh of `glued` copies with `points` and `normals` (K, n, 3), of the domain's vertices `source` (n,)."""
     N = glued.mean(normals)
     origin = np.empty(glued.vertex_count, dtype=np.int32)
     origin[glued.members.ravel()[::-1]] = np.tile(source, len(points))[::-1]
@@ -109,23 +128,20 @@ def welded(glued: Glued, points: Array, normals: Array, source: Int, gaps: list[
     )
 
 
-Array = NDArray[np.float64]
-
-
 def snapped_to_planes(surface: CmcSurface, sheet: str, planes: Sequence[SidePlane]) -> Array:
-    """Points (n, 3) of "f+" or "f-" whose rows along sides lie in the planes of these, or on the sphere of a free side.
+    """Points (n, 3) of "f+" or "f-", those along sides moved exactly into their planes, or onto a free side's sphere.
 
-    f± of a mirror lie in the plane of g, those of a tangent side in that plane moved by ± scale along the normal.
+    At a mirror f± lie in the plane of g, at a tangent side in that plane moved by ± scale along the normal.
     """
     sign = {"f+": 1.0, "f-": -1.0}[sheet]
     points = surface.sheet(sheet).copy()
     on = np.zeros((len(points), len(planes)), dtype=bool)
     for k, plane in enumerate(planes):
-        on[plane.rows, k] = True
-    rows = np.flatnonzero(on.any(axis=1))
-    patterns, which = np.unique(on[rows], axis=0, return_inverse=True)
+        on[plane.cut_vertices, k] = True
+    on_sides = np.flatnonzero(on.any(axis=1))
+    patterns, which = np.unique(on[on_sides], axis=0, return_inverse=True)
     for k, pattern in enumerate(patterns):
-        here = rows[which.ravel() == k]
+        here = on_sides[which.ravel() == k]
         walls = [plane for plane, is_here in zip(planes, pattern, strict=True) if is_here]
         for wall in walls:
             if wall.normal is None:

@@ -1,4 +1,4 @@
-"""Wente's cylinders (paper, Sec. 5.3.3, Figures 13 and 15): exact heights, closing, the family, what is told."""
+"""Wente's cylinders (paper, Sec. 5.3.3, Figures 13 and 15): exact heights, closing, the family, messages."""
 
 from __future__ import annotations
 

@@ -45,18 +45,18 @@ def test_lines_run_along_parallels_and_meridians(name, jitter, least):
         parallel, meridian = surface.curvatures(m.parameters[:, 1])
         around = np.stack([-np.sin(t), np.cos(t), 0.0 * t], axis=1)
         line = np.where((parallel > meridian)[:, None], found.direction1, found.direction2)
-        told = found.strength > 0.0
-        assert told.mean() > 0.95
+        defined = found.strength > 0.0
+        assert defined.mean() > 0.95
         errors.append(
             [
-                rms(np.linalg.norm(np.cross(line, around), axis=1)[told]),
+                rms(np.linalg.norm(np.cross(line, around), axis=1)[defined]),
                 rms(found.k1 - np.maximum(parallel, meridian)),
                 rms(found.gauss - parallel * meridian),
                 rms(vertex_gauss_curvature(m.points, m.faces, m.normals) - parallel * meridian),
             ]
         )
     assert (rates(errors).min(axis=0) > least).all(), rates(errors)
-    assert told.all() and errors[-1][0] < 4e-3
+    assert defined.all() and errors[-1][0] < 4e-3
 
 
 def test_of_second_order_inside_a_regular_mesh():

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from solver import shapes
 from solver.domain.domain import Domain
 from solver.errors import MeshError
 from solver.measure import conformal_distortion, distortion_energy, distortion_of_layout
@@ -64,6 +65,14 @@ def test_a_cut_surface_brings_its_own_faces():
     rows = np.arange(3 * len(faces)).reshape(-1, 3)
     Q = conformal_distortion(domain, points[faces].reshape(-1, 2) * (1.0, 3.0), rows)
     assert_allclose(Q, 3.0, rtol=1e-12)
+
+
+def test_a_shape_serves_as_domain():
+    shape = shapes.disc(60)
+    stretched = shape.positions * (2.0, 1.0)
+    assert_allclose(conformal_distortion(shape, stretched), 2.0, rtol=1e-12)
+    with pytest.raises(MeshError, match="A Domain or a Shape is needed here, not list"):
+        conformal_distortion([shape], stretched)
 
 
 def test_energy_is_quadratic():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.testing import assert_allclose
 
 from solver import CmcSurface, Domain, conditions, solve_cmc
 from solver.catalogue import shapes
-from solver.errors import CmcError, MeshError
+from solver.errors import CmcError, MeshError, Status
 from solver.measure import report
 from solver.measure.report import to_plain
 from tests.solver.measure_surfaces import Delaunay
@@ -49,7 +50,8 @@ def test_hemisphere_of_radius_two(hemisphere):
     dome = result.shown
     assert result.status == "converged"
     assert result.converged
-    assert result.sentence == hemisphere.message
+    assert re.fullmatch(r"Done\. Curvature is even to \d\.?\d* %\.", result.sentence)
+    assert result.ok and result.message == result.sentence
     assert result.energy == pytest.approx(2 * np.pi, rel=2e-3)
     assert abs(result.degree) == pytest.approx(0.5, abs=1e-2)
     assert result.residual < 1e-6
@@ -140,7 +142,7 @@ def test_one_placed_sheet_alone(twisted):
 def test_placed_points_that_are_none(twisted):
     with pytest.raises(MeshError, match=r"positions of f\+ are not its points moved"):
         report(twisted, positions=twisted.f_plus * (1.0, 1.0, 0.5))
-    with pytest.raises(MeshError, match=r"positions of f\+ at rows 7, 9 are not finite"):
+    with pytest.raises(MeshError, match=r"positions of f\+ at vertices 7, 9 are not finite"):
         broken = twisted.f_plus.copy()
         broken[[7, 9], 1] = np.nan, np.inf
         report(twisted, positions=broken)
@@ -192,7 +194,8 @@ def test_a_surface_with_a_gap(open_ring):
     assert len(open_ring.f_plus) > result.vertices
     moved = report(open_ring, positions={"f+": -2.0 * open_ring.f_plus, "f-": -2.0 * open_ring.f_minus})
     assert_allclose(moved.periods, -2.0 * np.array(result.periods), rtol=1e-9)
-    assert result.sentence == open_ring.message
+    assert not result.ok and result.sentence.startswith(f"{Status.GAP.sentence} The gap is {result.gap:.4g} long.")
+    assert re.search(r"Curvature is even to \d+ %\.$", result.sentence)
     assert f"The gap is {2 * result.gap:.4g} long" in moved.sentence
     # The seam is not a part of the boundary.
     assert result.shown.boundary_length == pytest.approx(boundary_length(open_ring), rel=1e-12)
@@ -246,7 +249,7 @@ def test_summary_is_short_and_has_units(twisted):
     )
     assert 5 <= len(lines) <= 9
     assert any("span" in line and " m, " in line and " m²" in line for line in lines)
-    assert any("1/m for 0.0625 asked" in line for line in lines)
+    assert any("1/m, wanted 0.0625" in line for line in lines)
     assert any("0 m at most" in line for line in lines)
     assert "does not go through itself" in lines[-1]
     assert "  " not in report(twisted).summary()

@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 from solver import ConditionError, Domain, conditions, shapes, solve_cmc
 from solver.domain.topology import Homology
 from solver.surface.cmc_surface import COMBINATORICS
-from solver.surface.dual_mesh import Corners, corner_complex, dual_complex
+from solver.surface.dual_mesh import CornerValues, corner_mesh, dual_mesh
 from tests.solver.exact import disc, hemisphere, moved, rates
 
 HOLES = (
@@ -51,7 +51,7 @@ DOMAINS = {
     "sphere": lambda: shapes.sphere(100).domain,
 }
 SITES = ("vertices", "faces")
-BUILDERS = {"dual": dual_complex, "corner": corner_complex}
+BUILDERS = {"dual": dual_mesh, "corner": corner_mesh}
 
 
 @pytest.fixture(params=DOMAINS)
@@ -93,7 +93,7 @@ def random_corners(domain, sites, is_open=False, seed=0):
         normals = np.broadcast_to(unit(random.normal(size=(faces, 3)))[:, None], (faces, 3, 3))
     weights = random.dirichlet([1.0, 1.0, 1.0], faces)
     rim = unit(random.normal(size=(len(domain.boundary_edges), 3)))
-    return Corners(domain, values, normals, weights, rim, points, crossings, periods), form
+    return CornerValues(domain, values, normals, weights, rim, points, crossings, periods), form
 
 
 def directed_edges(polygons):
@@ -138,7 +138,7 @@ def area_vectors(points, polygons):
 def test_counts_of_the_dual(domain, sites):
     """A polygon a vertex, as many corners as faces and boundary edges around it; the Euler characteristic stays."""
     corners, _ = random_corners(domain, sites)
-    dual = dual_complex(corners)
+    dual = dual_mesh(corners)
     faces, rim = len(domain.faces), len(domain.boundary_edges)
     assert len(dual.polygons) == domain.vertex_count and len(dual.source) == faces + rim
     around = np.bincount(domain.faces.ravel()) + np.bincount(
@@ -153,7 +153,7 @@ def test_counts_of_the_dual(domain, sites):
 @pytest.mark.parametrize("sites", SITES)
 def test_counts_of_the_corner_complex(domain, sites):
     corners, _ = random_corners(domain, sites)
-    mesh = corner_complex(corners)
+    mesh = corner_mesh(corners)
     faces, rim = len(domain.faces), len(domain.boundary_edges)
     sizes = Counter(len(p) for p in mesh.polygons[: faces + len(domain.interior_edges)])
     euler, boundary = assert_manifold(mesh.polygons, len(mesh.source))
@@ -172,7 +172,7 @@ def test_counts_of_the_corner_complex(domain, sites):
 def test_dual_polygons_begin_and_end_with_the_boundary(sites):
     """Figure 7: boundary edge out, faces counter-clockwise, boundary edge in; only the edge that closes it is free."""
     domain = DOMAINS["annulus"]()
-    polygons = dual_complex(random_corners(domain, sites)[0]).polygons
+    polygons = dual_mesh(random_corners(domain, sites)[0]).polygons
     rim, faces = domain.boundary_edges, len(domain.faces)
     for v in domain.boundary_vertices:
         polygon = polygons[v]
@@ -228,7 +228,7 @@ def test_polygons_are_oriented_like_the_triangles(sites, builder):
     g, N = (on_faces, on_vertices) if sites == "vertices" else (on_vertices, on_faces)
     nothing, points_of_rim = np.zeros((0, 3)), np.zeros((0, 3)) if sites == "vertices" else None
     weights, crossings = np.full((faces, 3), 1 / 3), np.zeros((len(domain.edges), 0))
-    corners = Corners(domain, g, N, weights, nothing, points_of_rim, crossings, nothing)
+    corners = CornerValues(domain, g, N, weights, nothing, points_of_rim, crossings, nothing)
     mesh = BUILDERS[builder](corners)
     enclosed = volume(mesh.conjugate + mesh.normals, mesh.polygons)
     assert_allclose(enclosed, volume(2 * points, list(domain.faces)), rtol=0.05, atol=0)
@@ -265,8 +265,8 @@ def test_the_dual_of_a_flat_torus_are_its_voronoi_cells(name):
     up, weights = np.broadcast_to([0.0, 0.0, 1.0], shape), np.full(shape[:2], 1 / 3)
     periods = homology.periods(form, g)
     values, rim = np.broadcast_to(g[:, None], shape), np.zeros((0, 3))
-    corners = Corners(domain, values, up, weights, rim, None, homology.crossings, periods)
-    dual = dual_complex(corners)
+    corners = CornerValues(domain, values, up, weights, rim, None, homology.crossings, periods)
+    dual = dual_mesh(corners)
     cells = np.zeros(domain.vertex_count)
     for end in domain.edges.T:
         np.add.at(cells, end, 0.25 * domain.cotan_weights * domain.edge_lengths**2)
@@ -282,15 +282,15 @@ def flat_corners(faces, face_edges):
 def test_vertices_with_fewer_than_three_faces_have_no_polygon():
     """Two triangles glued along all sides, and a triangle rolled into a cone: polygons of two or one are left out."""
     pillow = flat_corners([[0, 1, 2], [0, 2, 1]], [[0, 1, 2], [0, 2, 1]])
-    assert dual_complex(pillow).polygons == []
-    mesh = corner_complex(pillow)
+    assert dual_mesh(pillow).polygons == []
+    mesh = corner_mesh(pillow)
     assert Counter(map(len, mesh.polygons)) == {3: 2, 4: 3}
     assert assert_manifold(mesh.polygons, 6) == (2, 0)
 
     cone = flat_corners([[0, 1, 1]], [[0, 1, 1]])
-    mesh = corner_complex(cone)
+    mesh = corner_mesh(cone)
     assert Counter(map(len, mesh.polygons)) == {3: 2, 4: 2}  # face, edge to the tip; rim, vertex on the rim
-    assert len(mesh.source) == 5 and dual_complex(cone).polygons == []
+    assert len(mesh.source) == 5 and dual_mesh(cone).polygons == []
 
 
 def twisted(sites, n=600, turns=1):

@@ -45,10 +45,10 @@ def test_walls_are_touched_and_feet_are_orthogonal_to_the_floor(openings, foot, 
         planes = [complete(surface, [side]).planes[0] for side in piece.sides]
         assert max(plane.relative for plane in planes) < 1e-10  # planar to rounding, on every mesh
         for plane in planes:
-            N = surface.normals[plane.rows]
+            N = surface.normals[plane.cut_vertices]
             if plane.kind == "tangent":
                 assert_allclose(N, np.tile(plane.normal, (len(N), 1)), atol=1e-12)
-                wall = surface.f_plus[plane.rows] @ plane.normal
+                wall = surface.f_plus[plane.cut_vertices] @ plane.normal
                 assert_allclose(wall, plane.offset + 1.0, atol=1e-9)  # f+ is 1/(2H) outside g
                 assert wall.max() > (surface.f_plus @ plane.normal).max() - 1e-9  # the shell is on one side of it
             else:
@@ -99,4 +99,4 @@ def test_feet_of_different_radii_stand_at_different_heights_and_that_is_told():
     level = complete(piece.surface, feet, coplanar=[names])
     assert_allclose(max(offset.distance for offset in level.offsets), np.ptp(heights), rtol=1e-9)
     assert level.mesh.is_oriented and len(level.copies) == 2
-    assert_allclose(np.ptp(level.mesh.vertices[level.members[0]][level.planes[0].rows][:, 2]), 0.0, atol=1e-9)
+    assert_allclose(np.ptp(level.mesh.vertices[level.members[0]][level.planes[0].cut_vertices][:, 2]), 0.0, atol=1e-9)

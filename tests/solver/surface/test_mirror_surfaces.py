@@ -196,7 +196,7 @@ def test_a_vault_between_walls_and_floor():
 
 
 def test_mirrors_around_a_hole_keep_their_planes():
-    """A cylinder one end of which is a mirror all the way around; at the other the normals lean."""
+    """A cylinder with a mirror all the way around one end; at the other the normals lean."""
     shape = shapes.cylinder(2 * np.pi, 0.8, 24)
     top = np.unique(shape.domain.edges[shape.sides["top"]])
     t = shape.positions[top, 0]

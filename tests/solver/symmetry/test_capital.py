@@ -65,7 +65,7 @@ def test_columns_under_a_ceiling():
     ("tangent", 0.4, 0.4), ("tangent", 0.2, 0.7), ("tangent", 0.6, 0.6), ("free", 0.4, 0.2), ("free", 0.4, 0.4),
 ])  # fmt: skip
 def test_four_mirrors_and_a_side_that_touches_the_ceiling_or_a_ball(kind, radius, oculus):
-    """An eighth of a bay; and the quarter, that has the diagonal plane without being told."""
+    """An eighth of a bay; and the quarter, which has the diagonal plane by itself."""
     module = modules.capital(radius, oculus=oculus, eighth=True, max_edge=0.025)
     piece = pieces.between_mirrors(module, {"oculus": kind})
     assert sorted(side.kind for side in piece.sides) == sorted(["mirror"] * 4 + [kind])
@@ -74,7 +74,7 @@ def test_four_mirrors_and_a_side_that_touches_the_ceiling_or_a_ball(kind, radius
     whole = complete(piece.surface, piece.sides)
     assert whole.sheets.count("f+") == whole.sheets.count("f-") == 16 and len(whole.lattice) == 3
     rim = next(plane for plane in whole.planes if plane.name == "oculus")
-    points = piece.surface.f_plus[rim.rows]
+    points = piece.surface.f_plus[rim.cut_vertices]
     if kind == "tangent":
         assert_allclose(points[:, 2], rim.offset + 1.0, atol=1e-9)
         assert points[:, 2].max() > piece.surface.f_plus[:, 2].max() - 2e-3  # the ceiling
@@ -89,7 +89,7 @@ def test_four_mirrors_and_a_side_that_touches_the_ceiling_or_a_ball(kind, radius
 
 def test_a_ring_that_touches_the_floor_encloses_a_whole_bay():
     """No vertical force at such a foot, so nothing is left for the pressure: as much of the surface, seen from above,
-    looks down as up. In a grid these rings cross; f- goes on below the floor."""
+    looks down as up. In a grid these rings cross; f- continues below the floor."""
     for radius in (0.05, 0.1, 0.2):
         piece = pieces.between_mirrors(modules.capital(radius, max_edge=0.03), {"column": "tangent"})
         bays = hall(piece, repeat=1)
@@ -98,10 +98,10 @@ def test_a_ring_that_touches_the_floor_encloses_a_whole_bay():
     both = complete(piece.surface, piece.sides)
     assert sorted(both.sheets) == ["f+"] * 4 + ["f-"] * 4
     down = next(plane for plane in both.planes if plane.name == "column")
-    assert_allclose(piece.surface.f_plus[down.rows] @ down.normal, down.offset + 1.0, atol=1e-9)
+    assert_allclose(piece.surface.f_plus[down.cut_vertices] @ down.normal, down.offset + 1.0, atol=1e-9)
 
 
 def test_with_a_free_foot_nothing_holds_the_column():
-    """Constant normals fulfil every condition, have no energy, and are what is found: told as a status."""
+    """Constant normals fulfil every condition, have no energy, and are the solution: a status says so."""
     piece = pieces.between_mirrors(modules.capital(0.4, max_edge=0.05), {"column": "free"})
     assert piece.surface.status.value == "collapsed" and piece.surface.harmonic.energy < 1e-12

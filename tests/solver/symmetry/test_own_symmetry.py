@@ -1,4 +1,4 @@
-"""A surface that is symmetric itself goes on by translations where its mirrors meet at obtuse angles."""
+"""A surface with a symmetry of its own continues by translations where its mirrors meet at obtuse angles."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ MESHES = (20, 40, 80)
 
 
 def rates(errors) -> np.ndarray:
-    """Orders of convergence between meshes of which each is twice as fine as the one before."""
+    """Orders of convergence between meshes, each twice as fine as the one before."""
     return np.log2(np.asarray(errors)[:-1] / np.asarray(errors)[1:])
 
 
@@ -137,7 +137,7 @@ def test_a_free_side_is_one_point_of_g_and_lies_on_a_sphere():
         plane = side_plane(piece.surface, piece.sides[1])
         assert plane.normal is None and np.isnan(plane.offset)
         for points in (piece.surface.f_plus, piece.surface.f_minus):
-            distance = np.linalg.norm(points[plane.rows] - plane.point, axis=1)
+            distance = np.linalg.norm(points[plane.cut_vertices] - plane.point, axis=1)
             assert np.abs(distance - piece.surface.scale).max() < 1.01 * plane.error
         errors.append(plane.error)
     assert errors[-1] < 2e-3 and (rates(errors) > 1.5).all()
@@ -149,7 +149,8 @@ def test_the_planes_of_both_sheets_are_those_of_g_and_twice_the_scale_apart():
     assert_allclose(bottom.normal, (1, 0, 0), atol=1e-12)
     assert_allclose(top.normal, (-1, 0, 0), atol=1e-12)
     for plane in (bottom, top):
-        heights = [points[plane.rows] @ plane.normal for points in (piece.surface.f_plus, piece.surface.f_minus)]
+        sheets = piece.surface.f_plus, piece.surface.f_minus
+        heights = [points[plane.cut_vertices] @ plane.normal for points in sheets]
         assert_allclose(heights[0] - plane.offset, piece.surface.scale, atol=1.01 * plane.error)
         assert_allclose(plane.offset - heights[1], piece.surface.scale, atol=1.01 * plane.error)
     assert_allclose(bottom.offset + top.offset, -pieces.nodoid_length(0.5), rtol=0.02)
@@ -239,7 +240,7 @@ def test_a_placed_surface_has_placed_copies():
 
 
 def test_parts_of_one_plane_are_one_plane():
-    """A side in two parts: the parts get one plane, and how far apart they came out is told."""
+    """A side in two parts: the parts get one plane, and their measured distance is reported."""
     piece = pieces.sphere_eighth(16)
     left = piece.sides[0]
     parts = [Side("low", left.edges[:8], normal=(1, 0, 0)), Side("high", left.edges[8:], normal=(-1, 0, 0))]

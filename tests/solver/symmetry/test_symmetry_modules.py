@@ -18,7 +18,7 @@ HEXAGON = ("bisector", "end", "floor")
 
 
 def rates(errors) -> np.ndarray:
-    """Orders of convergence between meshes of which each is twice as fine as the one before."""
+    """Orders of convergence between meshes, each twice as fine as the one before."""
     return np.log2(np.asarray(errors)[:-1] / np.asarray(errors)[1:])
 
 
@@ -32,13 +32,13 @@ def heights(whole, points, name):
 
 def neck(whole) -> np.ndarray:
     """Distances of the end of a node's tube from its axis."""
-    points = whole.piece("f+")[plane(whole, "end").rows]
+    points = whole.piece("f+")[plane(whole, "end").cut_vertices]
     return np.hypot(heights(whole, points, "axis"), heights(whole, points, "floor"))
 
 
 def missing_edges(whole) -> int:
     """Edges of sides across which there is no copy: what the rim is to consist of."""
-    edges = [len(side.rows) - 1 for side in whole.planes]  # every side is an open arc
+    edges = [len(side.cut_vertices) - 1 for side in whole.planes]  # every side is an open arc
     return int(((whole.neighbours < 0) * edges).sum())
 
 

@@ -134,7 +134,7 @@ def test_a_side_is_what_it_is_said_to_be(eighth, tube):
     with pytest.raises(SymmetryError, match="not orthogonal to its plane along side 'left'"):
         side_plane(eighth.surface, Side("left", left.edges, "mirror", (0, 0, 1)))
     nodoid = pieces.nodoid(0.5, 16)
-    with pytest.raises(SymmetryError, match=r"'end' do not show the plane of a mirror side; give its normal"):
+    with pytest.raises(SymmetryError, match=r"'end' do not define the plane of a mirror side; give its normal"):
         side_plane(nodoid.surface, Side("end", nodoid.sides[0].edges, "mirror"))
     with pytest.raises(SymmetryError, match="not tangent to its plane along side 'left'"):
         side_plane(eighth.surface, Side("left", left.edges, "tangent", (0, 1, 0)))
@@ -212,7 +212,7 @@ def test_choices_that_lead_nowhere_are_refused(tube):
     }.values():
         with pytest.raises(SymmetryError, match=message):
             complete(surface, sides, **wrong)
-    with pytest.raises(SymmetryError, match="no sides to go on across"):
+    with pytest.raises(SymmetryError, match="no sides to continue across"):
         complete(surface)
     with pytest.raises(SymmetryError, match="no translation"):
         complete(surface, sides[:1], repeat=3)
@@ -232,8 +232,8 @@ def test_a_side_that_a_cut_divides_is_refused():
     x = plan.positions[domain.edges[ring]].mean(axis=1)[:, 0] - 1.0
     surface = solve_cmc(domain, held + conditions.binormal(domain, plan.positions, ring, tilt=0.2 + 1.2 * x))
     assert surface.is_open
-    parts = [len(set(surface.source[side_plane(surface, side).rows])) for side in sides]
-    divided = [s for s, n in zip(sides, parts, strict=True) if n < len(side_plane(surface, s).rows)]
+    parts = [len(set(surface.source[side_plane(surface, side).cut_vertices])) for side in sides]
+    divided = [s for s, n in zip(sides, parts, strict=True) if n < len(side_plane(surface, s).cut_vertices)]
     assert len(divided) == 1
     with pytest.raises(SymmetryError, match=f"'{divided[0].name}' lies in two planes.*close the period"):
         complete(surface, sides, copies=4)
