@@ -47,7 +47,7 @@ def run(job_file: str, *, verbose: bool = False, quiet: bool = False) -> int:
         print(shell.summary())
         for name, file in job.files.items():
             print(f"{name} → {file}")
-    return OK if shell.converged else FAILED
+    return OK if shell.ok else FAILED
 
 
 def _complain(path: str, error: object, code: int) -> int:

@@ -183,7 +183,7 @@ class DesignOutcome:
     @property
     def converged(self) -> bool:
         """Whether the wishes are met."""
-        return bool(self.fit.met)
+        return bool(self.fit.is_met)
 
     @property
     def message(self) -> str:

@@ -129,7 +129,7 @@ def in_slices(
         found = call(initial=found, max_evaluations=size, progress=told)
         past += found.history
         ended = found.status is not FitStatus.EVALUATION_LIMIT or len(past) >= LIMIT
-        if found.status is FitStatus.CANCELLED or size == LIMIT or (ended and found.met):
+        if found.status is FitStatus.CANCELLED or size == LIMIT or (ended and found.is_met):
             return replace(found, history=past)
         show(found)
         size = LIMIT if ended else min(2 * size, LIMIT - len(past))

@@ -124,7 +124,7 @@ class Outcome:
 
     @property
     def converged(self) -> bool:
-        return self.shell.converged
+        return self.shell.ok
 
     @property
     def message(self) -> str:

@@ -72,7 +72,7 @@ class Fit:
     response: Response | None = None
 
     @property
-    def met(self) -> bool:
+    def is_met(self) -> bool:
         """Whether every wish is fulfilled, to the tolerance of what it is."""
         return not self.unmet
 

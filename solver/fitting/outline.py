@@ -79,7 +79,7 @@ def fit_outline(
     earlier fit of this plan to go on from.
 
     Around holes the surface shall close, too; as the plan has a conformal type of its own, its rims then come near to
-    the curves but may not lie on them. A wish that no surface fulfils ends with the nearest one: `Fit.met` is false
+    the curves but may not lie on them. A wish that no surface fulfils ends with the nearest one: `Fit.is_met` is false
     and the message says what to change. Raises `ConditionError` on wishes that contradict each other or make no sense.
     """
     points = in_space(domain, positions)

@@ -25,7 +25,6 @@ from ..gauss.energies import ENERGIES, energy_on
 from ..gauss.methods import METHODS
 from ..io.mesh_files import FORMATS, read_mesh
 from ..io.obj import MeshData
-from ..io.polygons import triangulate_polygons
 from ..shells.close import ClosingOptions, close_plan, closing_report
 from ..shells.complete import Completed, complete_plan
 from ..shells.fit import Goal, fit_plan
@@ -123,9 +122,9 @@ def make_job(data: Mapping[str, object], file: Path) -> Job:
     """A job from the tables of a job file, which stands (or might stand) at `file`; raises as `load_job`."""
     root = Table(dict(data), str(file))
     mesh, sides, up = _read_plan(root, file.parent)
-    triangles, owner = triangulate_polygons(mesh.positions, mesh.polygons)
-    plan = Plan(mesh.positions, triangles, mesh.polygons, triangle_polygons=owner)
-    read_start_key(root, plan, file.parent)
+    plan = Plan.from_mesh(mesh)
+    if "start" in root:
+        read_start_key(root, plan, file.parent)
     domain = plan_domain(plan)
     wish = read_fit(root, domain, file.parent, up)
     plan.groups = [_group(table, domain, mesh, sides) for table in root.tables("conditions")]

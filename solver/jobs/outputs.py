@@ -96,7 +96,7 @@ def report_data(shell: Shell) -> dict[str, Any]:
     found = shell.fit
     return data | {
         "fit": {
-            "met": found.met,
+            "met": found.is_met,
             "status": found.status.value,
             "message": found.message,
             "distances": to_plain(found.distances),

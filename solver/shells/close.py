@@ -15,10 +15,10 @@ from ..errors import JobError, Progress
 from ..measure.report import to_plain
 from ..surface.placement import plan_plane, rim_weights
 from ..surface.solve import CmcSolver
+from .form import place_and_measure, solve_plan
 from .gaps import hole_loops
 from .plan import Plan, Settings, plan_conditions, plan_domain
-from .shell import Shell, form_surface
-from .solve import solve_plan
+from .shell import Shell
 
 Array = NDArray[np.float64]
 
@@ -122,10 +122,9 @@ def close_plan(
     solver: one for the plan's domain. initial (V, 3): normals to start from, of an earlier solve. progress(step, gap)
     is called at every step of Newton's method; False cancels. The groups of the plan stay what they are.
     Raises `CmcError` on plans without holes and on what cannot be solved for; a shell that does not close is told by
-    `Shell.converged` and `Shell.message`.
+    `Shell.ok` and `Shell.message`.
     """
     _check_sites(settings)
-    plan = replace(plan, positions=np.asarray(plan.positions, dtype=np.float64))
     solver = solver or CmcSolver(plan_domain(plan))
     domain = solver.domain
     conditions = plan_conditions(plan, settings, domain)
@@ -145,7 +144,7 @@ def close_plan(
     )
     if moving is not None and closing.moduli.any():
         plan, solver = replace(plan, positions=moving.positions(closing.moduli)), CmcSolver(closing.domain)
-    shell = form_surface(plan, settings, closing.surface, solver, intersections=intersections)
+    shell = place_and_measure(plan, settings, closing.surface, solver, intersections=intersections)
     closed = ClosedShell(shell, plan, closing, moving)
     return replace(closed, shell=_reported(shell, closed))
 
@@ -199,7 +198,7 @@ def _reported(shell: Shell, closed: ClosedShell) -> Shell:
     if not closed.closing.closed:
         others = [note for note in shell.warnings if note != shell.report.sentence]
         return replace(shell, message=closed.message, warnings=[closed.message, *others])
-    return replace(shell, message=closed.message) if shell.converged else shell
+    return replace(shell, message=closed.message) if shell.ok else shell
 
 
 def _share(part: float) -> str:

@@ -17,9 +17,10 @@ from ..fitting.outline import fit_outline
 from ..surface.cmc_surface import SHEETS
 from ..surface.placement import Plane, Similarity
 from ..surface.solve import CmcSolver
+from .form import measure_shell
 from .plan import Plan, Settings, plan_domain
 from .rim_curves import curves_of_loops
-from .shell import Shell, finish
+from .shell import Shell
 
 Array = NDArray[np.float64]
 Anchors = tuple[NDArray[np.integer], Array, Array]
@@ -71,9 +72,9 @@ def fit_plan(
 
     solver: one for the plan's domain. progress(evaluation, value) is called every step; False cancels, and the best
     shell until then is the result. Raises `CmcError` on a wish that makes no sense; one that cannot be fulfilled is
-    told by `Shell.converged` and `Shell.message`.
+    told by `Shell.ok` and `Shell.message`.
     """
-    positions = np.asarray(plan.positions, dtype=np.float64)
+    positions = plan.positions
     solver = solver or CmcSolver(plan_domain(plan))
     lines = None if wish.curves is None else curves_of_loops(solver.domain, positions, wish.curves)
     found = _fit(solver, positions, lines, wish, progress)
@@ -81,7 +82,7 @@ def fit_plan(
     points = found.points()
     rim = np.isin(found.surface.source, solver.domain.boundary_vertices)
     outline = lines if lines is not None and wish.on_curve else positions
-    return finish(
+    return measure_shell(
         plan,
         Settings(sheet=found.sheet),
         found.surface,

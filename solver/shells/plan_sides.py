@@ -15,10 +15,7 @@ from scipy.sparse.csgraph import connected_components
 from ..domain.domain import Domain
 from ..errors import ConditionError, JobError
 from ..gauss.frames import boundary_edges, edge_frames
-from ..measure.planes import PlaneReport, measure_plane
-from ..surface.cmc_surface import CmcSurface
-from ..surface.placement import Similarity
-from ..symmetry.sides import Side, side_rows
+from ..symmetry.sides import Side
 from .plan import Group, Plan
 
 Array = NDArray[np.float64]
@@ -48,22 +45,8 @@ def plan_sides(plan: Plan, domain: Domain, names: Sequence[str] | None = None) -
     sides: list[Side] = []
     for group in plan.groups:
         if goes_on(group) if names is None else group.name in names:
-            sides += _sides(group, domain)
+            sides += group_sides(group, domain)
     return sides
-
-
-def measured_planes(
-    plan: Plan, surface: CmcSurface, similarity: Similarity, points: Array
-) -> tuple[PlaneReport, ...]:
-    """The planes in which the mirrors and planes of a plan's groups lie on a placed sheet, points (n, 3)."""
-    found = []
-    for group in plan.groups:
-        if group.kind in ("mirror", "plane"):
-            for side in _sides(group, surface.domain):
-                rows, weights = side_rows(surface, np.asarray(side.edges))
-                normal = similarity.directions(np.asarray(side.normal))
-                found.append(measure_plane(side.name, group.kind, points, rows, weights, normal))
-    return tuple(found)
 
 
 def check_sides(groups: Sequence[Group], names: Sequence[str] | None = None) -> None:
@@ -84,7 +67,8 @@ def _check_kind(name: str, kind: str) -> None:
         raise JobError(f'The shell cannot go on across "{name}": it must be a mirror, a plane or free.')
 
 
-def _sides(group: Group, domain: Domain) -> list[Side]:
+def group_sides(group: Group, domain: Domain) -> list[Side]:
+    """The sides of a group: its connected parts, called "name 1", "name 2", … where there are several."""
     _check_kind(group.name, group.kind)
     pairs = np.asarray(group.edges, dtype=np.int64).reshape(-1, 2)
     parts = _parts(domain, np.unique(boundary_edges(domain, pairs)))

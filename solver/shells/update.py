@@ -11,9 +11,8 @@ from ..errors import Progress, Status
 from ..surface.cmc_surface import CmcSurface
 from ..surface.placement import Similarity
 from ..surface.solve import CmcSolver
+from .form import check_shown, place_over, placed_sheets, solve_plan
 from .plan import Plan, Settings, plan_conditions
-from .shell import check_shown, place_over, placed_sheets
-from .solve import solve_plan
 
 Array = NDArray[np.float64]
 
@@ -55,12 +54,9 @@ def update(
         plan_conditions(plan, rough, solver.domain),
         initial=last,
         method="critical" if rough.method in _UPHILL else "newton",
-        averaging=rough.averaging,
-        tolerance=rough.tolerance,
         max_iterations=steps,
-        period_tolerance=rough.period_tolerance,
-        side=rough.side,
         progress=progress,
+        **rough.solve_options,
     )
     if surface.harmonic.status in _LOST:
         surface = solve_plan(plan, rough, solver, progress=progress)
