@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..domain.domain import Domain
+from ..domain.shape import Shape
 from ..errors import MeshError
 from ..meshing.mesher import mesh_plan
-from .shapes import Shape
 
 Array = NDArray[np.float64]
 

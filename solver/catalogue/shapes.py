@@ -7,29 +7,17 @@ round shapes, x = 0 on unrolled ones.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..domain.domain import Domain
+from ..domain.shape import Shape
 from ..errors import MeshError
 from ..meshing.mesher import mesh_plan
 from ..meshing.outline import check_loops, signed_area
 from ..meshing.triangulate import triangulate
 
 _ROW = np.sqrt(0.75)  # height of an equilateral triangle
-
-
-@dataclass(frozen=True, eq=False)
-class Shape:
-    """A domain, the places of its vertices `positions` (V, 2|3), and its `sides`: name → indices into `domain.edges`.
-
-    Every boundary edge is on at least one side; a side lists its edges in the order of the boundary loop.
-    """
-
-    domain: Domain
-    positions: np.ndarray
-    sides: dict[str, np.ndarray]
 
 
 def disc(n: int) -> Shape:

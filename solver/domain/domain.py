@@ -49,6 +49,12 @@ class Domain:
     face_edges: Int
     edge_lengths: Array
 
+    def __repr__(self) -> str:
+        loops = len(self.boundary_loops)
+        counted = f"{loops} boundary loop{'' if loops == 1 else 's'}" if loops else "closed"
+        genus = f", genus {self.genus}" if self.genus else ""
+        return f"Domain({self.vertex_count} vertices, {len(self.faces)} triangles, {counted}{genus})"
+
     @classmethod
     def from_positions(cls, vertices: ArrayLike, faces: ArrayLike) -> Domain:
         """Domain of a mesh in the plane or in space: vertices (V, 2) or (V, 3), faces (F, 3).
