@@ -59,7 +59,7 @@ def _complain(path: str, error: object, code: int) -> int:
 
 def _shower(job: Job) -> Callable[[int, float], None]:
     """What prints the steps of a job: residuals of a solve, values of a fit."""
-    what = "distance" if job.wish is not None else "residual" if job.closure is None else "gap"
+    what = "distance" if job.fit is not None else "residual" if job.close is None else "gap"
     return lambda step, value: print(f"step {step}: {what} {value:.2e}", file=sys.stderr)
 
 

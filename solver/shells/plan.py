@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..catalogue.shapes import Shape
 from ..domain.domain import Domain
+from ..domain.shape import Shape
 from ..domain.sites import SITES
 from ..errors import CmcError, ConditionError, JobError, MeshError, listed
 from ..gauss import conditions as boundary

@@ -152,7 +152,7 @@ def test_wrong_wishes_are_refused():
         ({"on_curve": False}, "nothing to fit"),
         ({"sheet": "g"}, "sheet"),
         ({"tilt": (1.0, 0.5)}, "below the most"),
-        ({"curve": [np.eye(3), np.eye(3)]}, "2 curves cannot be theirs"),
+        ({"curve": [np.eye(3), np.eye(3)]}, "so 2 curves do not fit it"),
         ({"anchors": ([999], [[0, 0, 0]], [1.0])}, "999"),
     ):
         with pytest.raises(ConditionError, match=message):
