@@ -13,9 +13,9 @@ from scipy.spatial import KDTree
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
-# Faces looked at for each point at first; as long as a face further away could be nearer, three times as many.
+# Candidate faces of each point at first; three times as many while a face further away could be nearer.
 _FACES = 16
-# Points against faces that are compared at once.
+# Pairs of points and faces compared at once.
 _CHUNK = 1_000_000
 _TINY = 1e-300
 
@@ -30,7 +30,7 @@ class Closest(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Triangles:
-    """A surface to be near to: points (V, 3), faces (F, 3)."""
+    """A triangle mesh to measure distances from: points (V, 3), faces (F, 3)."""
 
     points: Array
     faces: Int
@@ -45,7 +45,7 @@ class Triangles:
 
     @cached_property
     def _radius(self) -> float:
-        """The farthest that a point of a face is from its centre."""
+        """The largest distance of a corner from the centre of its face."""
         return float(np.linalg.norm(self._corners - self._corners.mean(axis=1, keepdims=True), axis=2).max())
 
     def closest(self, queries: Array) -> Closest:
@@ -61,7 +61,7 @@ class Triangles:
         return found
 
     def _look(self, queries: Array, rows: Int, looked: int, found: Closest) -> NDArray[np.bool_]:
-        """Compare the faces whose centres are nearest; whether (n,) no other face can be nearer."""
+        """Compare the faces with the nearest centres; True (n,) where no other face can be nearer."""
         reach, faces = self._tree.query(queries, k=looked)
         reach = np.asarray(reach).reshape(len(rows), -1)
         faces = np.asarray(faces, dtype=np.int64).reshape(len(rows), -1)
@@ -101,7 +101,7 @@ class _Square(NamedTuple):
         return v * (self.uu * v + 2.0 * (self.uw * w - self.first)) + w * (self.ww * w - 2.0 * self.second)
 
     def least(self) -> tuple[Array, Array]:
-        """Where it is least among v, w >= 0, v + w <= 1: inside, or on one of the sides."""
+        """The minimum over v, w >= 0, v + w <= 1: inside, or on one of the sides."""
         uu, uw, ww, first, second = self
         whole = np.maximum(uu * ww - uw * uw, _TINY)
         v, w = (ww * first - uw * second) / whole, (uu * second - uw * first) / whole

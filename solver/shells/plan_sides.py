@@ -1,6 +1,6 @@
-"""Sides of a plan: the groups along which the shell lies in planes, where those planes are, and how to draw them.
+"""Sides of a plan: the groups across which the shell continues, and the planes that the edges of a group suggest.
 
-A group may have edges in several places; each connected part of it is a side of its own.
+Each connected part of a group is a side of its own.
 """
 
 from __future__ import annotations
@@ -24,22 +24,21 @@ Int = NDArray[np.integer]
 SIDE_KINDS = {"mirror": "mirror", "plane": "tangent", "free": "free"}
 """Kind of a group -> what kind of side of the surface it is."""
 
-# Second singular value of points along a group, as a part of the first, below which they lie on a straight line.
+# Second singular value of points along a group, as a part of the first, below which they are on a straight line.
 _STRAIGHT = 1e-3
-# What is farther from a plane than this part of its extent lies in none.
+# Points farther from a plane than this part of their extent are not in it.
 _FLAT = 0.02
 
 
 def goes_on(group: Group) -> bool:
-    """Whether the shell is continued across a group: what the group says, else mirrors and planes are."""
+    """Whether the shell continues across a group: by its `goes_on`, else across mirrors and planes."""
     return group.goes_on if group.goes_on is not None else group.kind in ("mirror", "plane")
 
 
 def plan_sides(plan: Plan, domain: Domain, names: Sequence[str] | None = None) -> list[Side]:
-    """The sides across which the shell over a plan goes on, those of the groups `names` or of all that `goes_on` has.
+    """The sides across which the shell over a plan continues: of the groups `names`, or of all groups that go on.
 
-    The parts of a group are called "name 1", "name 2", … Raises `JobError` on a name of no group, and on a group whose
-    kind has no rule to go on by, and where no group is left.
+    Raises `JobError` on a name of no group, on a group whose kind has no rule of continuation, and without any group.
     """
     check_sides(plan.groups, names)
     sides: list[Side] = []

@@ -122,7 +122,7 @@ def test_gaps_are_those_around_each_hole(tmp_path):
 def test_one_hole_of_two_moves(tmp_path):
     path = job_file(tmp_path, '[close]\nby = "both"\nholes = [1]\nweight = 0.5\n', TWO)
     job = load_job(path)
-    assert job.closure is not None and job.closure.holes == (1,) and job.closure.weight == 0.5
+    assert job.close is not None and job.close.holes == (1,) and job.close.weight == 0.5
     assert main([str(path)]) == OK
     assert set(told(tmp_path)["closing"]["moved"]) == {"x", "y", "twist"}
     both = job_file(tmp_path, '[close]\nby = "both"\n', TWO)
@@ -136,8 +136,8 @@ def test_the_plan_with_the_moved_hole_gives_the_closed_shell(tmp_path):
 
     symmetric = COURT.replace("[3, 3], [6, 3], [6, 6], [3, 6]", "[3, 3.5], [6, 3.5], [6, 6.5], [3, 6.5]")
     job = load_job(job_file(tmp_path, '[close]\nby = "hole"\nmove = ["x", "y", "twist"]\n', symmetric))
-    assert job.closure is not None
-    closed = close_plan(job.plan, job.settings, job.closure)
+    assert job.close is not None
+    closed = close_plan(job.plan, job.settings, job.close)
     assert closed.closing.closed and abs(closed.moved["twist"]) < 0.2
     loop = plan_domain(job.plan).boundary_loops[hole_loops(plan_domain(job.plan))[0]]
     shift = (closed.plan.positions - job.plan.positions)[loop].mean(axis=0)
@@ -152,7 +152,7 @@ def test_the_plan_with_the_moved_hole_gives_the_closed_shell(tmp_path):
     ("weight = 1", r'"weight" goes with by = "both", not with "normals"'),
     ('by = "normals"\nmove = ["x"]', r'"move" goes with by = "hole" or "both", not with "normals"'),
     ('by = "hole"\nmove = ["up"]', r'there is no motion "up" of a hole; known are x, y'),
-    ('by = "hole"\nmove = []', r"Say how the holes may move"),
+    ('by = "hole"\nmove = []', r"The holes need a motion"),
     ('by = "both"\nweight = 0', r"weight must be a positive number, not 0"),
     ("max_steps = 0", r"limit of steps must be 1 or more"),
 ])  # fmt: skip
@@ -167,7 +167,7 @@ def test_what_cannot_be_closed(tmp_path):
         (disc, "[close]\n", "neither holes nor handles"),
         (disc, '[close]\nby = "hole"\n', "The plan has 0 holes that could move"),
         (COURT, '[close]\nby = "hole"\nholes = [3]\n', "The plan has 1 hole; there is no hole 3"),
-        (COURT, '[close]\n[solver]\nsites = "faces"\n', "Closing works with normals on vertices"),
+        (COURT, '[close]\n[solver]\nsites = "faces"\n', "Closing needs normals on vertices"),
         (disc, "[fit]\nrise = 0.2\n[close]\n", "closed by the fit"),
     ):
         with pytest.raises(Exception, match=said):

@@ -196,7 +196,7 @@ def test_a_corner_between_two_mirrors_takes_its_other_normal(tmp_path, more, sig
 
 def test_more_copies_than_are_ever_made_are_refused_at_once(tmp_path):
     job = load_job(job_file(tmp_path, 'mesh = "a.obj"\nrepeat = 1000000000'))
-    with pytest.raises(JobError, match="There would be 8000000000 copies, and 20000 are the most"):
+    with pytest.raises(JobError, match="That makes 8000000000 copies, and 20000 are the most"):
         run_job(job)
 
 
