@@ -7,7 +7,7 @@ given by a few moduli (`closing_map`); Newton's method meets them (`newton_steps
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from enum import Enum
 
 import numpy as np
@@ -20,6 +20,7 @@ from ..gauss.boundary_data import Conditions
 from ..gauss.methods import METHODS
 from ..linalg import check_number
 from ..surface.cmc_surface import CmcSurface
+from ..surface.options import with_options
 from ..surface.solve import CmcSolver
 from ..symmetry.sides import Side
 from .closing_conditions import ClosingConditions
@@ -70,15 +71,18 @@ class ClosingStatus(Enum):
 class PeriodOptions:
     """The options of `close_periods`, see there. Raises `ConditionError` on values without meaning."""
 
+    _: KW_ONLY
     by: str = "normals"
     moduli: Moduli | None = None
     weight: float = 1.0
     coplanar: Sequence[Sequence[Side]] = ()
     positions: ArrayLike | None = None
+    initial: ArrayLike | None = None
     method: str = "newton"
     mean_curvature: float = 0.5
     tolerance: float = 1e-9
     max_steps: int = 12
+    progress: Progress | None = None
 
     def __post_init__(self) -> None:
         check_choice(self.by, WAYS, "way to close")
@@ -142,22 +146,8 @@ class ClosingResult:
         return f"ClosingResult({self.status.value}: {gaps}{moduli})"
 
 
-def close_periods(
-    domain: DomainLike,
-    conditions: Conditions,
-    *,
-    by: str = "normals",
-    moduli: Moduli | None = None,
-    weight: float = 1.0,
-    coplanar: Sequence[Sequence[Side]] = (),
-    positions: ArrayLike | None = None,
-    initial: ArrayLike | None = None,
-    method: str = "newton",
-    mean_curvature: float = 0.5,
-    tolerance: float = 1e-9,
-    max_steps: int = 12,
-    progress: Progress | None = None,
-) -> ClosingResult:
+@with_options(PeriodOptions)
+def close_periods(domain: DomainLike, conditions: Conditions, options: PeriodOptions) -> ClosingResult:
     """Change the prescribed normals, the moduli of the domain, or both until the periods of the surface vanish.
 
     by: "normals", the least change of the normals in the H¹ norm along the boundary; "moduli", Newton's method in
@@ -171,26 +161,14 @@ def close_periods(
     Not closing is a status, with the nearest surface. Raises `ConditionError` where nothing is open, on unknown names,
     and where nothing may change.
     """
-    options = PeriodOptions(
-        by=by,
-        moduli=moduli,
-        weight=weight,
-        coplanar=coplanar,
-        positions=positions,
-        method=method,
-        mean_curvature=mean_curvature,
-        tolerance=tolerance,
-        max_steps=max_steps,
-    )
     domain = as_domain(domain)
-    if not conditions.vertices.size and by != "moduli":
+    if not conditions.vertices.size and options.by != "moduli":
         raise ConditionError("No normals are prescribed that could change; close by moduli.")
-    closing = ClosingConditions.of(domain, conditions, coplanar)
-    closing_map = ClosingMap(conditions, closing, moduli or Moduli.none(domain), method)
-    axes = None if positions is None else boundary_tangents(domain, positions, closing_map.fixed)
-    steps = ClosingSteps(closing_map, by, weight, axes)
-    start = None if initial is None else np.asarray(initial, dtype=np.float64)
-    return _result(closing_map, _search(steps, start, options, progress), mean_curvature)
+    closing = ClosingConditions.of(domain, conditions, options.coplanar)
+    closing_map = ClosingMap(conditions, closing, options.moduli or Moduli.none(domain), options.method)
+    axes = None if options.positions is None else boundary_tangents(domain, options.positions, closing_map.fixed)
+    steps = ClosingSteps(closing_map, options.by, options.weight, axes)
+    return _result(closing_map, _search(steps, options), options.mean_curvature)
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,10 +180,9 @@ class _Path:
     rank: int | None
 
 
-def _search(
-    steps: ClosingSteps, initial: Array | None, options: PeriodOptions, progress: Progress | None
-) -> _Path:
-    first = place = steps.start(initial)
+def _search(steps: ClosingSteps, options: PeriodOptions) -> _Path:
+    initial, progress = options.initial, options.progress
+    first = place = steps.start(None if initial is None else np.asarray(initial, dtype=np.float64))
     gaps: list[float] = []
     step = None
     while True:

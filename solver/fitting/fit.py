@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from scipy.optimize import minimize
 from ..domain.shape import DomainLike, as_domain
 from ..errors import CmcError, ConditionError, Progress, Status, check_choice
 from ..gauss.boundary_data import Conditions
+from ..surface import convert, notebook
 from ..surface.adjoint import AdjointSolver
 from ..surface.cmc_surface import CmcSurface
 from ..surface.solve import CmcSolver
@@ -21,6 +23,9 @@ from .gauss_newton import GaussNewtonModel
 from .objective import Objective
 from .response import Response
 from .target import Target
+
+if TYPE_CHECKING:
+    import trimesh
 
 Array = NDArray[np.float64]
 
@@ -88,6 +93,30 @@ class Fit:
     def points(self, sheet: str | None = None) -> Array:
         """A sheet (n, 3) in its place; by default the fitted one."""
         return self.sign * self.surface.sheet(sheet or self.sheet) + self.shift
+
+    def normals(self, sheet: str | None = None) -> Array:
+        """Unit normals (n, 3) of a sheet in its place, on the side from which its faces are counter-clockwise."""
+        N = self.surface.normals
+        return -N if (sheet or self.sheet) == "f-" else N
+
+    def save(self, path: str | os.PathLike[str], sheet: str | None = None) -> None:
+        """Write a sheet's triangles as OBJ, PLY, STL or GLB, by the suffix; raises `JobError` where that fails."""
+        convert.save_mesh(path, self.points(sheet), self.surface.faces, self.normals(sheet))
+
+    def to_trimesh(self, sheet: str | None = None) -> trimesh.Trimesh:
+        """A sheet in its place as a `trimesh.Trimesh` with its normals."""
+        return convert.to_trimesh(self.points(sheet), self.surface.faces, self.normals(sheet))
+
+    def _repr_html_(self) -> str:
+        """Distances and status, and a picture of the fitted sheet where matplotlib is installed."""
+        numbers = {
+            "sheet": self.sheet,
+            "mean curvature H": f"{self.surface.mean_curvature:.4g}",
+            **{label: f"{distance:.3g}" for label, distance in self.distances.items()},
+            "status": f"{self.status.value} after {len(self.history)} evaluations",
+            "goals": "met" if self.is_met else " ".join(self.unmet),
+        }
+        return notebook.table("Fit", numbers, notebook.picture(self.points(), self.surface.faces))
 
     def __repr__(self) -> str:
         far = ", ".join(f"{label} {distance:.3g}" for label, distance in self.distances.items())

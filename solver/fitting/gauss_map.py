@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
@@ -16,6 +16,7 @@ from ..gauss.conditions import gauss_map
 from ..gauss.frames import area_vectors, in_space, unit_rows
 from ..gauss.sphere import inner
 from ..linalg import check_number, sum_rows
+from ..surface.options import with_options
 from ..surface.placement import procrustes
 from ..surface.solve import CmcSolver
 from .closest_point import Triangles
@@ -48,9 +49,13 @@ class GaussMapOptions:
     """The options of `fit_gauss_map`, see there. Raises `ConditionError` on weights that are not numbers from 0 on."""
 
     regularisation: float = 1e-3
+    _: KW_ONLY
     likeness: float = 0.1
     near: float = 0.0
     max_evaluations: int = 200
+    initial: Fit | None = None
+    solver: CmcSolver | None = None
+    progress: Progress | None = None
 
     def __post_init__(self) -> None:
         check_number(self.regularisation, "regularisation")
@@ -59,19 +64,9 @@ class GaussMapOptions:
         check_number(self.max_evaluations, "largest number of evaluations", 1)
 
 
-def fit_gauss_map(
-    domain: DomainLike,
-    positions: ArrayLike,
-    regularisation: float = 1e-3,
-    *,
-    likeness: float = 0.1,
-    near: float = 0.0,
-    max_evaluations: int = 200,
-    initial: Fit | None = None,
-    solver: CmcSolver | None = None,
-    progress: Progress | None = None,
-) -> Fit:
-    """Minimise ½ ∫ |N - N_φ|² + λ ½ ∮ |dN₀|² over the boundary normals N₀, λ = `regularisation` >= 0.
+@with_options(GaussMapOptions)
+def fit_gauss_map(domain: DomainLike, positions: ArrayLike, options: GaussMapOptions) -> Fit:
+    """Minimise ½ ∫ |N - N_φ|² + λ ½ ∮ |dN₀|² over the boundary normals N₀, λ = regularisation >= 0.
 
     Both terms are without unit: the domain has area one, the boundary length one. positions: (V, 3) of the surface φ
     on the vertices of the domain. They also size and place the result: least squares over the area, scale and shift
@@ -88,19 +83,19 @@ def fit_gauss_map(
     Distances: "Gauss map" and "likeness" are root mean squares, "near surface" is the largest distance from φ. Raises
     `ConditionError` on weights that are not numbers from 0 on, on flat surfaces and on closed ones.
     """
-    options = GaussMapOptions(regularisation, likeness=likeness, near=near, max_evaluations=max_evaluations)
     domain = as_domain(domain)
     if not len(domain.boundary_edges):
         raise ConditionError("A closed surface has no rim whose normals could be fitted; delete a part of it.")
     given = _Given.of(domain, in_space(domain, positions), options)
-    search = _Search(given, solver or CmcSolver(domain), progress)
-    if initial is not None and near and RimOnCurve.label in initial.distances:
-        return search.places(initial, max_evaluations)
-    share = _FIRST if near else 1.0
-    planes = search.planes(initial, max(1, round(share * max_evaluations)))
-    if not near or planes.status is FitStatus.CANCELLED:
+    search = _Search(given, options.solver or CmcSolver(domain), options.progress)
+    initial, evaluations = options.initial, options.max_evaluations
+    if initial is not None and options.near and RimOnCurve.label in initial.distances:
+        return search.places(initial, evaluations)
+    share = _FIRST if options.near else 1.0
+    planes = search.planes(initial, max(1, round(share * evaluations)))
+    if not options.near or planes.status is FitStatus.CANCELLED:
         return planes
-    places = search.places(planes, max(1, max_evaluations - len(planes.history)))
+    places = search.places(planes, max(1, evaluations - len(planes.history)))
     return replace(places, history=planes.history + places.history)
 
 

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
-from ..errors import ConditionError, check_choice
+from ..errors import ConditionError, Progress, check_choice
 from ..linalg import as_numbers, check_number
 from ..surface.cmc_surface import SHEETS
+from ..surface.solve import CmcSolver
 from .curves import Curve
 from .fit import Fit
 from .target import Target
@@ -61,6 +62,7 @@ class OutlineOptions:
     """The options of `fit_outline`, see there. Raises `ConditionError` on values without meaning."""
 
     curve: ArrayLike | Sequence[ArrayLike] | None = None
+    _: KW_ONLY
     rise: float | None = None
     height: float | None = None
     volume: float | None = None
@@ -72,6 +74,9 @@ class OutlineOptions:
     smooth: float = 1e-7
     sheet: str = "f+"
     max_evaluations: int = 300
+    initial: Fit | None = None
+    solver: CmcSolver | None = None
+    progress: Progress | None = None
 
     def __post_init__(self) -> None:
         check_number(self.smooth, "weight of smooth boundary normals")

@@ -14,9 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
 from ..domain.shape import DomainLike, as_domain
-from ..errors import Progress
 from ..gauss.conditions import binormal
 from ..gauss.frames import in_space
+from ..surface.options import with_options
 from ..surface.solve import CmcSolver
 from .fit import Fit, FitStatus, Start, fit
 from .goals import Goals, OutlineOptions
@@ -48,26 +48,8 @@ _PHASES = (_Phase(0.4, 3.0, 100.0, 1e-2), _Phase(0.6, 1.0, 1e4, 5e-4))
 _CONTINUED = (_Phase(0.7, 1.0, 10.0, 5e-3), _Phase(0.3, 1.0, 1e4, 1e-3))
 
 
-def fit_outline(
-    domain: DomainLike,
-    positions: ArrayLike,
-    curve: ArrayLike | Sequence[ArrayLike] | None = None,
-    *,
-    rise: float | None = None,
-    height: float | None = None,
-    volume: float | None = None,
-    mean_curvature: float | None = None,
-    free_heights: bool = False,
-    anchors: tuple[ArrayLike, ArrayLike, ArrayLike] | None = None,
-    on_curve: bool = True,
-    tilt: tuple[float, float] | None = None,
-    smooth: float = 1e-7,
-    sheet: str = "f+",
-    max_evaluations: int = 300,
-    initial: Fit | None = None,
-    solver: CmcSolver | None = None,
-    progress: Progress | None = None,
-) -> Fit:
+@with_options(OutlineOptions)
+def fit_outline(domain: DomainLike, positions: ArrayLike, options: OutlineOptions) -> Fit:
     """The CMC surface over a plan whose rim lies on a closed curve (paper, Sec. 7: boundary control), heights upwards.
 
     positions: (V, 2|3) of the plan. curve: (m, 3) closed polyline, by default the plan's own boundary; on a plan with
@@ -82,30 +64,16 @@ def fit_outline(
     curves but may not lie on them. Goals that no surface meets end with the nearest one: `Fit.is_met` is false and the
     message names the way out. Raises `ConditionError` on goals that contradict each other or have no meaning.
     """
-    options = OutlineOptions(
-        curve=curve,
-        rise=rise,
-        height=height,
-        volume=volume,
-        mean_curvature=mean_curvature,
-        free_heights=free_heights,
-        anchors=anchors,
-        on_curve=on_curve,
-        tilt=tilt,
-        smooth=smooth,
-        sheet=sheet,
-        max_evaluations=max_evaluations,
-    )
     domain = as_domain(domain)
     points = in_space(domain, positions)
     goals = Goals.of(domain, points, options)
-    search = _Search(solver or CmcSolver(domain), points, options, progress)
-    evaluations = min(max_evaluations, _STRAIGHT)
-    if initial is None:
+    search = _Search(options.solver or CmcSolver(domain), points, options)
+    evaluations = min(options.max_evaluations, _STRAIGHT)
+    if options.initial is None:
         result = search.straight(goals, evaluations)
     else:
-        result = search.leg(goals, _CONTINUED, _continued(initial, goals.base), evaluations)
-    left = max_evaluations - len(result.history)
+        result = search.leg(goals, _CONTINUED, _continued(options.initial, goals.base), evaluations)
+    left = options.max_evaluations - len(result.history)
     if goals.is_off(result) and result.status is not FitStatus.CANCELLED and left >= _STRAIGHT:
         result = search.around(goals, result, left)
     result = replace(result, shift=result.shift + [0.0, 0.0, goals.base])
@@ -119,7 +87,6 @@ class _Search:
     solver: CmcSolver
     points: Array
     options: OutlineOptions
-    progress: Progress | None
 
     def straight(self, goals: Goals, evaluations: int) -> Fit:
         """From the film."""
@@ -148,7 +115,7 @@ class _Search:
                 max_evaluations=max(1, round(phase.share * evaluations / total)),
                 gain=phase.gain,
                 solver=self.solver,
-                progress=self.progress,
+                progress=self.options.progress,
             )
             history += result.history
             if result.status is FitStatus.CANCELLED:

@@ -34,6 +34,10 @@ class Response:
         self.extension = extension
         self._green: dict[bytes, Array] = {}
 
+    def __reduce__(self) -> tuple[type[Response], tuple[AdjointSolver]]:
+        """Copies and pickles leave the matrices out; they are computed again on use."""
+        return Response, (self.extension,)
+
     def belongs(self, solver: HarmonicSolver, fixed: Int) -> bool:
         """Whether it belongs to this solver with these vertices fixed."""
         return self.extension.solver is solver and np.array_equal(self.extension.fixed, fixed)

@@ -50,7 +50,8 @@ def fit_plan(
             lines = curves_of_loops(solver.domain, plan.positions, [np.asarray(curve) for curve in curves])
             options = replace(options, curve=lines)
             outline = lines if options.on_curve else outline
-    fit = fit_to(solver.domain, plan.positions, solver=solver, progress=progress, **vars(options))
+    options = replace(options, solver=solver, progress=progress)
+    fit = fit_to(solver.domain, plan.positions, **vars(options))
     similarity = Similarity(1.0, fit.sign * np.eye(3), fit.shift)
     rim = np.isin(fit.surface.source, solver.domain.boundary_vertices)
     return measure_shell(

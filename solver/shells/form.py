@@ -99,9 +99,7 @@ def solve_plan(
         initial = at_sites(solver.harmonic.graph, normals)
 
     def solve(start: ArrayLike | None, degree: float | None) -> CmcSurface:
-        return solver.solve(
-            conditions, start, method=settings.method, degree=degree, progress=progress, **settings.solve_options
-        )
+        return solver.solve(conditions, start, **settings.solve_options(degree=degree, progress=progress))
 
     first = solve(initial, settings.degree)
     if first.status in (Status.CANCELLED, Status.COLLAPSED):

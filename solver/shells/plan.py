@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -27,6 +27,7 @@ from ..io.obj import MeshData
 from ..io.polygons import triangulate_polygons
 from ..linalg import as_numbers
 from ..surface.cmc_surface import COMBINATORICS, SHEETS
+from ..surface.options import SolveOptions
 from ..surface.placement import Rule
 from .plan_metric import metric_domain, start_map
 
@@ -41,8 +42,6 @@ SHELLS = {
 
 COUNTED = ("saddle", "critical")
 """Methods after which unstable modes are counted."""
-
-_SOLVE_OPTIONS = ("averaging", "tolerance", "period_tolerance", "side")
 
 
 Condition = str | tuple[str, Mapping[str, object]]
@@ -200,10 +199,10 @@ class Settings:
         energy = energy_on(self.energy, self.sites)
         return self.sites, next(name for name, one in ENERGIES.items() if one is energy), self.delaunay
 
-    @property
-    def solve_options(self) -> dict[str, Any]:
-        """The settings that a solver takes as they are, in every method: keywords of `CmcSolver.solve`."""
-        return {name: getattr(self, name) for name in _SOLVE_OPTIONS}
+    def solve_options(self, **changes: object) -> dict[str, Any]:
+        """Keywords of `CmcSolver.solve`: the settings that are `SolveOptions`, with changes."""
+        names = {option.name for option in fields(SolveOptions)} & {setting.name for setting in fields(self)}
+        return {name: getattr(self, name) for name in names} | changes
 
     def rule(self) -> Rule:
         """The placement part; raises `PlacementError` on an unknown size or ground."""

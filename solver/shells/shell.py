@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import Status
+from ..errors import CmcError, Status
 from ..fitting.fit import Fit
 from ..measure.report import Report
+from ..surface import convert, notebook
 from ..surface.cmc_surface import CmcSurface
 from ..surface.placement import Similarity
 from ..surface.solve import CmcSolver
+
+if TYPE_CHECKING:
+    import trimesh
 
 Array = NDArray[np.float64]
 Int = NDArray[np.int32]
@@ -51,6 +57,21 @@ class Shell:
         """Whether the map is harmonic to the tolerance, the surface has no gap, and a fit meets its goals."""
         return self.surface.status is Status.CONVERGED and (self.fit is None or self.fit.is_met)
 
+    def points(self, sheet: str | None = None) -> Array:
+        """A placed sheet (n, 3), by default the shown one; raises `CmcError` on a sheet that the shell does not have."""
+        name = sheet or self.report.sheet
+        if name not in self.placed:
+            raise CmcError(f'The shell has no sheet "{name}"; it has {", ".join(self.placed)}.')
+        return self.placed[name]
+
+    def save(self, path: str | os.PathLike[str], sheet: str | None = None) -> None:
+        """Write a sheet's triangles as OBJ, PLY, STL or GLB, by the suffix; raises `JobError` where that fails."""
+        convert.save_mesh(path, self.points(sheet), self.faces, self.normals[sheet or self.report.sheet])
+
+    def to_trimesh(self, sheet: str | None = None) -> trimesh.Trimesh:
+        """A sheet as a `trimesh.Trimesh` with its normals."""
+        return convert.to_trimesh(self.points(sheet), self.faces, self.normals[sheet or self.report.sheet])
+
     def summary(self, unit: str = "") -> str:
         """The report's summary, and how near a fitted shell came."""
         lines = [self.report.summary(unit)]
@@ -63,6 +84,20 @@ class Shell:
         size = f"span {self.report.shown.span:.4g}, rise {self.report.shown.rise:.4g}"
         mesh = f"{len(self.source)} vertices, {len(self.faces)} faces"
         return f"Shell({self.report.sheet}: {mesh}, {size}, H = {self.report.mean_curvature:.4g}, {self._status})"
+
+    def _repr_html_(self) -> str:
+        """Numbers, and a picture of the sheet that is shown where matplotlib is installed."""
+        shown = self.report.shown
+        numbers = {
+            "sheet": self.report.sheet,
+            "vertices, faces": f"{len(self.source)}, {len(self.faces)}",
+            "span, rise": f"{shown.span:.4g}, {shown.rise:.4g}",
+            "area": f"{shown.area:.4g}",
+            "mean curvature H": f"{self.report.mean_curvature:.4g}",
+            "status": self._status,
+            **{f"warning {number}": note for number, note in enumerate(self.warnings, start=1)},
+        }
+        return notebook.table("Shell", numbers, notebook.picture(self.points(), self.faces))
 
     @property
     def _status(self) -> str:

@@ -62,13 +62,11 @@ def update(
     the branch ends, a new solve starts. Raises `CmcError` as `form` does.
     """
     rough = replace(settings, tolerance=max(settings.tolerance, ROUGHLY))
+    method = "critical" if rough.method in _UPHILL else "newton"
     surface = solver.solve(
         plan_conditions(plan, rough, solver.domain),
-        initial=last,
-        method="critical" if rough.method in _UPHILL else "newton",
-        max_iterations=steps,
-        progress=progress,
-        **rough.solve_options,
+        last,
+        **rough.solve_options(method=method, degree=None, max_iterations=steps, progress=progress),
     )
     if surface.harmonic.status in _LOST:
         surface = solve_plan(plan, rough, solver, progress=progress)

@@ -168,7 +168,7 @@ def test_what_cannot_be_closed(tmp_path):
         (disc, '[close]\nby = "hole"\n', "The plan has 0 holes that could move"),
         (COURT, '[close]\nby = "hole"\nholes = [3]\n', "The plan has 1 hole; there is no hole 3"),
         (COURT, '[close]\n[solver]\nsites = "faces"\n', "Closing needs normals on vertices"),
-        (disc, "[fit]\nrise = 0.2\n[close]\n", "closed by the fit"),
+        (disc, "[fit]\nrise = 0.2\n[close]\n", "a fit closes its shell by itself"),
     ):
         with pytest.raises(Exception, match=said):
             run_job(load_job(job_file(tmp_path, close, plan)))

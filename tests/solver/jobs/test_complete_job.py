@@ -136,7 +136,7 @@ def test_a_plane_that_is_touched_is_that_of_the_sheet_shown(tmp_path):
 
 
 @pytest.mark.parametrize(("lines", "said"), [
-    ("repeat = 2", r'say what to write: "mesh"'),
+    ("repeat = 2", r'name a file: "mesh"'),
     ('mesh = "a.txt"', r'"mesh" has no format known here \("\.txt"\)'),
     ('instances = "a.obj"', r'"instances" has no format known here'),
     ('mesh = "a.obj"\ncopies = 0', r'"copies" must be from 1 to 20000, not 0'),
@@ -169,7 +169,7 @@ def test_without_a_side_to_go_on_across_the_job_is_refused(tmp_path):
 def test_fits_have_no_copies(tmp_path):
     path = tmp_path / "job.toml"
     path.write_text('[shape]\nkind = "disc"\nn = 100\n[fit]\nrise = 0.3\n[complete]\nmesh = "a.obj"\n')
-    with pytest.raises(JobError, match="a shell that is fitted has no sides"):
+    with pytest.raises(JobError, match="a fitted shell has no sides"):
         load_job(path)
 
 
