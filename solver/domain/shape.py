@@ -1,18 +1,22 @@
-"""A domain with vertex positions and named sides, and `as_domain`: calls that want a domain take such a shape, too."""
+"""Shapes: domains with vertex positions and named sides. Calls that want a domain take a shape, too (`as_domain`)."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import MeshError
+from ..errors import ConditionError, MeshError
 from .domain import Domain
 
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """A domain, the places of its vertices `positions` (V, 2|3), and its `sides`: name → indices into `domain.edges`.
+    """A domain with `positions` (V, 2|3) of its vertices and `sides`: name → indices into `domain.edges`.
 
     Every boundary edge is on at least one side; a side lists its edges in the order of the boundary loop.
     """
@@ -39,3 +43,27 @@ def as_domain(given: DomainLike) -> Domain:
         f"A Domain or a Shape is needed here, not {type(given).__name__}; "
         "make one with Domain.from_positions(vertices, faces)."
     )
+
+
+def is_names(edges: Any) -> bool:
+    """Whether edges are given by the names of sides: a string, or a sequence of strings."""
+    if isinstance(edges, (list, tuple)):
+        return len(edges) > 0 and all(isinstance(name, str) for name in edges)
+    return isinstance(edges, str) or (isinstance(edges, np.ndarray) and edges.dtype.kind == "U")
+
+
+def side_edges(given: DomainLike, names: str | Sequence[str]) -> NDArray[np.int64]:
+    """Edges (K,) of the named sides of a shape, in the order of the names, each edge once.
+
+    Raises `ConditionError` for a name the shape does not have, and for names on a bare domain.
+    """
+    wanted = [names] if isinstance(names, str) else [str(name) for name in names]
+    if not isinstance(given, Shape):
+        raise ConditionError(f"A Domain has no side {wanted[0]!r}; pass the Shape, or the edges themselves.")
+    for name in wanted:
+        if name not in given.sides:
+            close = get_close_matches(name, given.sides, n=1)
+            hint = f" Did you mean {close[0]!r}?" if close else ""
+            raise ConditionError(f"There is no side {name!r}; the sides are {', '.join(given.sides) or 'none'}.{hint}")
+    edges = np.concatenate([np.asarray(given.sides[name], dtype=np.int64) for name in wanted])
+    return edges[np.sort(np.unique(edges, return_index=True)[1])]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
@@ -12,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..domain.domain import Domain
-from ..domain.shape import Shape
+from ..domain.shape import Shape, side_edges
 from ..domain.sites import SITES
 from ..errors import CmcError, ConditionError, JobError, MeshError, listed
 from ..gauss import conditions as boundary
@@ -96,12 +95,8 @@ class Plan:
         """
         groups = []
         for name, condition in (sides or {}).items():
-            if name not in shape.sides:
-                near = difflib.get_close_matches(name, shape.sides, n=1)
-                hint = f'did you mean "{near[0]}"?' if near else f"its sides are {', '.join(shape.sides)}."
-                raise ConditionError(f'The shape has no side "{name}"; {hint}')
             kind, parameters = (condition, {}) if isinstance(condition, str) else condition
-            groups.append(Group(name, shape.domain.edges[shape.sides[name]], kind, parameters))
+            groups.append(Group(name, shape.domain.edges[side_edges(shape, name)], kind, parameters))
         return cls(shape.positions, shape.domain.faces, groups=groups)
 
     @classmethod
@@ -187,6 +182,11 @@ class Settings:
             raise JobError("A degree already chooses the shell; leave it out, or the large bubble.")
         energy_on(self.energy, self.sites)
         self.rule()
+
+    def __repr__(self) -> str:
+        """The settings that differ from the default."""
+        changed = [one for one in fields(self) if getattr(self, one.name) != one.default]
+        return f"Settings({', '.join(f'{one.name}={getattr(self, one.name)!r}' for one in changed)})"
 
     @property
     def counts_modes(self) -> bool:

@@ -57,7 +57,7 @@ class SolveOptions:
         return 0.5 / self.mean_curvature
 
     @property
-    def of_the_map(self) -> dict[str, Any]:
+    def map_keywords(self) -> dict[str, Any]:
         """The keywords that `HarmonicSolver.solve` has, too."""
         names = inspect.signature(HarmonicSolver.solve).parameters
         return {name: value for name, value in vars(self).items() if name in names}

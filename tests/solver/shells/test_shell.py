@@ -31,7 +31,8 @@ def test_it_prints_in_a_line(shell, fit):
     assert repr(shell).startswith("Shell(f+: ") and "span 8" in repr(shell) and repr(shell).endswith("converged)")
     assert repr(fit).startswith("Fit(f+: ") and repr(fit).endswith("goals met)")
     assert len(repr(shell)) < 120 and len(repr(fit)) < 160 and "array" not in repr(shell) + repr(fit)
-    assert repr(PLAN) == "Plan(127 vertices, 216 triangles, groups: outer: binormal)"
+    assert repr(PLAN) == "Plan(169 vertices, 294 triangles, groups: outer: binormal)"
+    assert repr(Settings(size="span", value=8.0)) == "Settings(size='span', value=8.0)"
 
 
 def test_in_a_notebook(shell, fit):
