@@ -58,7 +58,7 @@ class Shell:
         return self.surface.status is Status.CONVERGED and (self.fit is None or self.fit.is_met)
 
     def points(self, sheet: str | None = None) -> Array:
-        """A placed sheet (n, 3), by default the shown one; raises `CmcError` on a sheet that the shell does not have."""
+        """A placed sheet (n, 3), by default the shown one; raises `CmcError` on a sheet the shell does not have."""
         name = sheet or self.report.sheet
         if name not in self.placed:
             raise CmcError(f'The shell has no sheet "{name}"; it has {", ".join(self.placed)}.')
