@@ -19,7 +19,7 @@ from ...solver.errors import CmcError, Progress
 from ...solver.fitting.fit import Fit
 from ...solver.fitting.targets import SmoothRim
 from ...solver.measure import report
-from ...solver.shells.shell import placed_normals
+from ...solver.shells.form import placed_normals
 from ..background import plan_cache
 from ..bridges.mesh_bridge import PlanMesh, read_plan
 from ..bridges.numbering import in_plan_numbers

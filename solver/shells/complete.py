@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 from ..errors import JobError
 from ..symmetry.complete import MOST_COPIES, complete
 from ..symmetry.completion import Completion
+from .form import placed_normals
 from .plan import Plan
 from .plan_sides import plan_sides
-from .shell import Shell, placed_normals, sheet_polygons
+from .shell import Shell, sheet_polygons
 
 Array = NDArray[np.float64]
 Int = NDArray[np.int64]

@@ -25,7 +25,7 @@ from .plan import Group, Plan, Settings, matches, plan_conditions, plan_domain
 from .plan_metric import at_sites, start_map
 from .plan_sides import group_sides
 from .second_shell import off_degree, second_shell
-from .shell import Shell, placed_normals
+from .shell import Shell
 
 Array = NDArray[np.float64]
 
@@ -184,6 +184,12 @@ def placed_sheets(
     N = similarity.directions(surface.normals)
     placed["gauss"] = plane.origin + 0.5 * similarity.scale / surface.mean_curvature * N
     return placed, {name: placed_normals(surface.normals, name, similarity) for name in placed}
+
+
+def placed_normals(N: Array, sheet: str, similarity: Similarity) -> Array:
+    """Normals N (n, 3) of the surface on a placed sheet, on the side from which its faces are counter-clockwise."""
+    inward = (sheet == "f-") != similarity.mirrored
+    return similarity.directions(-N if inward else N)
 
 
 # --- measure -------------------------------------------------------------------------------

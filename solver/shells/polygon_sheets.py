@@ -12,7 +12,8 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
-from .shell import Shell, placed_normals
+from .form import placed_normals
+from .shell import Shell
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]

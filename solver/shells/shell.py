@@ -105,12 +105,6 @@ class Shell:
         return self.report.status + goals
 
 
-def placed_normals(N: Array, sheet: str, similarity: Similarity) -> Array:
-    """Normals N (n, 3) of the surface on a placed sheet, on the side from which its faces are counter-clockwise."""
-    inward = (sheet == "f-") != similarity.mirrored
-    return similarity.directions(-N if inward else N)
-
-
 def sheet_polygons(
     polygons: Sequence[ArrayLike], triangle_polygons: ArrayLike, triangles: ArrayLike, faces: ArrayLike
 ) -> tuple[list[Int], Int]:
