@@ -51,16 +51,16 @@ class Triangles:
     def closest(self, queries: Array) -> Closest:
         """The closest point of the surface to each of the queries (n, 3)."""
         count = len(queries)
-        found = Closest(np.zeros((count, 3)), np.full(count, np.inf), np.zeros(count, dtype=np.int64))
+        closest = Closest(np.zeros((count, 3)), np.full(count, np.inf), np.zeros(count, dtype=np.int64))
         unsure = np.arange(count)
         looked = min(_FACES, len(self.faces))
         while unsure.size:
             parts = np.array_split(unsure, unsure.size * looked // _CHUNK + 1)
-            unsure = np.concatenate([part[~self._look(queries[part], part, looked, found)] for part in parts])
+            unsure = np.concatenate([part[~self._look(queries[part], part, looked, closest)] for part in parts])
             looked = min(3 * looked, len(self.faces))
-        return found
+        return closest
 
-    def _look(self, queries: Array, rows: Int, looked: int, found: Closest) -> NDArray[np.bool_]:
+    def _look(self, queries: Array, rows: Int, looked: int, closest: Closest) -> NDArray[np.bool_]:
         """Compare the faces with the nearest centres; True (n,) where no other face can be nearer."""
         reach, faces = self._tree.query(queries, k=looked)
         reach = np.asarray(reach).reshape(len(rows), -1)
@@ -72,7 +72,7 @@ class Triangles:
         a, b, c = self._corners[face].transpose(1, 0, 2)
         points = a + v * (b - a) + w * (c - a)
         distances = np.linalg.norm(points - queries, axis=1)
-        found.points[rows], found.distances[rows], found.faces[rows] = points, distances, face
+        closest.points[rows], closest.distances[rows], closest.faces[rows] = points, distances, face
         return (reach[:, -1] - self._radius >= distances) | (looked == len(self.faces))
 
     def _compare(self, queries: Array, faces: Int) -> tuple[Array, Array, Array]:

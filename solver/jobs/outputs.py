@@ -170,7 +170,7 @@ def completed_mesh(completed: Completed, plan: Plan, mesh: MeshData, *, triangle
     lists = polygons.lists()
     uv_corners = []
     if mesh.uv_corners:
-        rows = np.split(polygons.rows, polygons.starts[1:-1])
+        rows = np.split(polygons.cut_vertices, polygons.starts[1:-1])
         source = completed.shell.source
         for index, corners in zip(polygons.faces.tolist(), rows, strict=True):
             drawn = mesh.uv_corners[index]

@@ -137,12 +137,12 @@ class Completed:
 class Polygons:
     """Faces of a welded mesh, vertices `corners` (C,) from `starts` (P + 1,), and where each comes from.
 
-    rows (C,): the surface's vertex at each corner. faces (P,): the plan's polygon. copies (P,): the copy.
+    cut_vertices (C,): the surface's vertex at each corner. faces (P,): the plan's polygon. copies (P,): the copy.
     """
 
     corners: Int
     starts: Int
-    rows: Int
+    cut_vertices: Int
     faces: Int
     copies: Int
 
@@ -154,12 +154,12 @@ class Polygons:
         ends = np.cumsum(sizes)
         back = forth[np.repeat(ends + ends - sizes - 1, sizes) - np.arange(len(forth))]
         turned = [copy.flipped for copy in completion.copies]
-        rows = np.concatenate([back if flipped else forth for flipped in turned])
+        cut_vertices = np.concatenate([back if flipped else forth for flipped in turned])
         count = len(turned)
-        members = completion.members[np.repeat(np.arange(count), len(forth)), rows]
+        members = completion.members[np.repeat(np.arange(count), len(forth)), cut_vertices]
         starts = np.concatenate([[0], np.cumsum(np.tile(sizes, count))])
         faces = np.tile(np.asarray(owner, dtype=np.int64), count)
-        return cls(members, starts, rows, faces, np.repeat(np.arange(count), len(sizes)))
+        return cls(members, starts, cut_vertices, faces, np.repeat(np.arange(count), len(sizes)))
 
     def lists(self) -> list[NDArray[np.int32]]:
         """Each polygon's vertices."""

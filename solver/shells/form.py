@@ -247,9 +247,9 @@ def _planes(plan: Plan, surface: CmcSurface, similarity: Similarity, points: Arr
     for group in plan.groups:
         if group.kind in ("mirror", "plane"):
             for side in group_sides(group, surface.domain):
-                rows, weights = side_rows(surface, np.asarray(side.edges))
+                along, weights = side_rows(surface, np.asarray(side.edges))
                 normal = similarity.directions(np.asarray(side.normal))
-                planes.append(measure_plane(side.name, group.kind, points, rows, weights, normal))
+                planes.append(measure_plane(side.name, group.kind, points, along, weights, normal))
     return tuple(planes)
 
 

@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
 SIDE_KINDS = {"mirror": "mirror", "plane": "tangent", "free": "free"}
-"""Kind of a group -> what kind of side of the surface it is."""
+"""Kind of a group → kind of its sides on the surface."""
 
 # Second singular value of points along a group, as a part of the first, below which they are on a straight line.
 _STRAIGHT = 1e-3

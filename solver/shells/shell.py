@@ -108,22 +108,22 @@ class Shell:
 def sheet_polygons(
     polygons: Sequence[ArrayLike], triangle_polygons: ArrayLike, triangles: ArrayLike, faces: ArrayLike
 ) -> tuple[list[Int], Int]:
-    """The plan's polygons in the rows of a surface, and the polygon each of them is of.
+    """The plan's polygons on the cut vertices of a surface, and the index (P,) of each among the plan's.
 
-    triangles (F, 3) are the plan's and faces (F, 3) the rows of their corners. A polygon that the cut of an
-    open surface runs through falls into its triangles.
+    triangles (F, 3): the plan's; faces (F, 3): the cut vertices at their corners. A polygon that the cut of an open
+    surface runs through falls into its triangles.
     """
-    owner, drawn, rows = (np.asarray(array) for array in (triangle_polygons, triangles, faces))
-    if np.array_equal(drawn, rows):
+    owner, drawn, cut = (np.asarray(array) for array in (triangle_polygons, triangles, faces))
+    if np.array_equal(drawn, cut):
         return [np.asarray(p, dtype=np.int32) for p in polygons], np.arange(len(polygons), dtype=np.int32)
     order = np.argsort(owner, kind="stable")
     parts = np.split(order, np.searchsorted(owner[order], np.arange(1, len(polygons))))
-    found: list[Int] = []
+    on_surface: list[Int] = []
     index: list[int] = []
     for number, (polygon, part) in enumerate(zip(polygons, parts, strict=True)):
-        row_of = dict(zip(drawn[part].ravel().tolist(), rows[part].ravel().tolist(), strict=True))
-        whole = len(set(rows[part].ravel().tolist())) == len(row_of)
-        pieces = [[row_of[v] for v in np.asarray(polygon).tolist()]] if whole else rows[part].tolist()
-        found += [np.array(piece, dtype=np.int32) for piece in pieces]
+        copy_of = dict(zip(drawn[part].ravel().tolist(), cut[part].ravel().tolist(), strict=True))
+        whole = len(set(cut[part].ravel().tolist())) == len(copy_of)
+        pieces = [[copy_of[v] for v in np.asarray(polygon).tolist()]] if whole else cut[part].tolist()
+        on_surface += [np.array(piece, dtype=np.int32) for piece in pieces]
         index += [number] * len(pieces)
-    return found, np.array(index, dtype=np.int32)
+    return on_surface, np.array(index, dtype=np.int32)

@@ -233,7 +233,7 @@ def test_bending_is_mean_curvature_over_all_curvature():
         assert_allclose(cosine(L, N, points), h, rtol=0, atol=0.02)
 
 
-def test_wrong_wishes_are_refused():
+def test_wrong_goals_are_refused():
     domain, points = over_the_disc(100, lambda x, y: x**2)
     for arguments, message in (
         ({"regularisation": -1.0}, "regularisation"),

@@ -1,4 +1,4 @@
-"""Fits to outlines whose answers are known, and wishes that no surface fulfils."""
+"""Fits to outlines whose answers are known, and goals that no surface meets."""
 
 import numpy as np
 import pytest
@@ -120,7 +120,7 @@ def test_a_quarter_between_mirrors_is_a_quarter_of_the_cap():
     assert_allclose(1 / found.surface.mean_curvature, radius, rtol=1e-3)
 
 
-def test_wishes_that_cannot_be_met_end_with_the_nearest_surface_and_a_sentence():
+def test_goals_that_cannot_be_met_end_with_the_nearest_surface_and_a_sentence():
     shape = shapes.disc(400)
     found = fit_outline(shape.domain, shape.positions, mean_curvature=2.0, max_evaluations=60)
     assert not found.is_met and "smaller mean curvature" in found.message
@@ -142,7 +142,7 @@ def test_fits_can_be_cancelled_and_continued():
     assert second.value < first.value and second.is_met
 
 
-def test_wrong_wishes_are_refused():
+def test_wrong_goals_are_refused():
     shape = shapes.disc(100)
     domain, points = shape.domain, shape.positions
     for arguments, message in (

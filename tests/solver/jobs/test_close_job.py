@@ -40,7 +40,7 @@ def job_file(folder, close: str, plan: str = COURT):
     return path
 
 
-def told(folder) -> dict:
+def written(folder) -> dict:
     return json.loads((folder / "report.json").read_text())
 
 
@@ -49,7 +49,7 @@ def test_a_court_closes_and_what_changed_is_told(tmp_path, way, capsys):
     path = job_file(tmp_path, f'[close]\nby = "{way}"\n')
     assert main(["-v", str(path)]) == OK
     assert "step 1: gap" in capsys.readouterr().err
-    report, plan = told(tmp_path), load_job(path).plan
+    report, plan = written(tmp_path), load_job(path).plan
     closing = report["closing"]
     assert closing["closed"] and closing["gap_before"] > 0.1 and closing["gap"] < 1e-8 and closing["steps"] <= 10
     assert closing["area_ratio"] > 0.9
@@ -69,7 +69,7 @@ def test_a_court_closes_and_what_changed_is_told(tmp_path, way, capsys):
 
 def test_without_the_table_the_gap_is_told(tmp_path):
     assert main([str(job_file(tmp_path, ""))]) == FAILED
-    report = told(tmp_path)
+    report = written(tmp_path)
     (hole,) = report["holes"]
     assert hole["name"] == "hole 1" and "closing" not in report
     assert_allclose(hole["length"], report["gap"], rtol=1e-9)
@@ -79,7 +79,7 @@ def test_without_the_table_the_gap_is_told(tmp_path):
 def test_one_motion_does_not_close_and_says_what_is_left(tmp_path, capsys):
     path = job_file(tmp_path, '[close]\nby = "hole"\nmove = ["size"]\nmax_steps = 3\n')
     assert main([str(path)]) == FAILED
-    report = told(tmp_path)
+    report = written(tmp_path)
     assert not report["closing"]["closed"] and report["closing"]["gap"] > 1e-3 and report["is_open"]
     assert report["closing"]["message"] == report["message"] == report["warnings"][0]
     assert " and is " in report["message"] and "The surface closes" not in report["message"]
@@ -124,10 +124,10 @@ def test_one_hole_of_two_moves(tmp_path):
     job = load_job(path)
     assert job.close is not None and job.close.holes == (1,) and job.close.weight == 0.5
     assert main([str(path)]) == OK
-    assert set(told(tmp_path)["closing"]["moved"]) == {"x", "y", "twist"}
+    assert set(written(tmp_path)["closing"]["moved"]) == {"x", "y", "twist"}
     both = job_file(tmp_path, '[close]\nby = "both"\n', TWO)
     assert main([str(both)]) == OK
-    assert set(told(tmp_path)["closing"]["moved"]) == {f"hole {k} {q}" for k in (1, 2) for q in ("x", "y", "twist")}
+    assert set(written(tmp_path)["closing"]["moved"]) == {f"hole {k} {q}" for k in (1, 2) for q in ("x", "y", "twist")}
 
 
 def test_the_plan_with_the_moved_hole_gives_the_closed_shell(tmp_path):

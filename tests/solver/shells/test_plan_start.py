@@ -202,9 +202,9 @@ def test_a_job_has_a_start(torus, tmp_path):
     )
     shell = run_job(job)
     assert shell.ok
-    told = json.loads((tmp_path / "wente.json").read_text())
-    assert told["index"] > 20 and told["residual"] <= 1e-9 and abs(told["degree"]) < 1e-6
-    assert told["mean_curvature"] == pytest.approx(1.0)
+    report = json.loads((tmp_path / "wente.json").read_text())
+    assert report["index"] > 20 and report["residual"] <= 1e-9 and abs(report["degree"]) < 1e-6
+    assert report["mean_curvature"] == pytest.approx(1.0)
 
 
 def test_bad_starts_of_jobs_are_named(torus, tmp_path):

@@ -103,10 +103,10 @@ def test_on_other_meshes(hall, combinatorics):
     rim = np.isfinite(on_polygons(sheet, off, shell.source, count))
     assert 0 < rim.sum() < 0.5 * len(rim)
     lines = lines_on_polygons(sheet, found[DIRECTION], shell.source, count)
-    told = lines.any(axis=1)
-    assert told.mean() > 0.9
-    assert_allclose(np.linalg.norm(lines[told], axis=1), 1.0)
-    across = np.einsum("ni,ni->n", lines[told], sheet.normals[told])
+    has_line = lines.any(axis=1)
+    assert has_line.mean() > 0.9
+    assert_allclose(np.linalg.norm(lines[has_line], axis=1), 1.0)
+    across = np.einsum("ni,ni->n", lines[has_line], sheet.normals[has_line])
     assert np.abs(across).mean() < 0.1
 
 
