@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from solver import Group, Plan, Settings, form, shapes
+from solver import Group, Plan, Settings, form, read_plan, shapes
 from solver.errors import ConditionError, JobError, MeshError
 from solver.io.mesh_files import write_mesh
 from solver.io.obj import MeshData
-from solver.shells.plan import plan_domain, read_plan
+from solver.shells.plan import plan_domain
 
 
 def test_positions_in_two_dimensions_are_at_height_zero():
