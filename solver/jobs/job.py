@@ -82,7 +82,7 @@ SHAPES: dict[str, Callable[..., shapes.Shape]] = {
 }
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, repr=False)
 class Job:
     """A job file, read and checked: a plan, its settings, and the files to write.
 
@@ -102,6 +102,10 @@ class Job:
     complete: CompleteOptions | None = None
     warnings: list[str] = field(default_factory=list)
 
+    def __repr__(self) -> str:
+        tables = "".join(f", [{name}]" for name in ("fit", "close", "complete") if getattr(self, name) is not None)
+        return f"Job({self.path.name}: {self.plan!r}, {self.settings!r}{tables})"
+
     @property
     def files(self) -> dict[str, Path]:
         """Name of a result → the file it is written to."""
@@ -119,7 +123,7 @@ def load_job(path: str | os.PathLike[str]) -> Job:
 
 
 def make_job(data: Mapping[str, object], file: Path) -> Job:
-    """A job from the tables of a job file, which stands (or might stand) at `file`; raises as `load_job`."""
+    """A job from the tables of a job file at `file`, which need not exist; raises as `load_job`."""
     root = Table(dict(data), str(file))
     mesh, sides, up = _read_plan(root, file.parent)
     plan = Plan.from_mesh(mesh)
