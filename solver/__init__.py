@@ -46,7 +46,7 @@ from .measure import (
     vertex_principal_curvatures,
 )
 from .shells.form import form
-from .shells.plan import Group, Plan, Settings
+from .shells.plan import Group, Plan, Settings, read_plan
 from .surface.cmc_surface import CmcSurface
 from .surface.periods import periods
 from .surface.solve import CmcSolver, solve_cmc
@@ -92,6 +92,7 @@ __all__ = [
     "modules",
     "periods",
     "principal_curvatures",
+    "read_plan",
     "report",
     "ring",
     "saddle",

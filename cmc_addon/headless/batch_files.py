@@ -43,7 +43,7 @@ def open_input(path: Path, conditions: Sequence[Mapping[str, object]] = (), up: 
         _call(bpy.ops.wm.open_mainfile, f"{path} cannot be opened", filepath=str(path), load_ui=False)
         return
     job = load_job(path) if suffix == ".toml" else _mesh_job(path, conditions, up)
-    for table, wanted in (("fit", job.wish), ("close", job.closure), ("complete", job.completing)):
+    for table, wanted in (("fit", job.fit), ("close", job.close), ("complete", job.complete)):
         if wanted is not None:
             raise JobError(
                 f"The job has a [{table}], which is not run in Blender without a window; use python -m solver."

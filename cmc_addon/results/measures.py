@@ -26,7 +26,7 @@ from ...solver.shells.vertex_measures import (
     lines_on_polygons,
     on_polygons,
     rim_distances,
-    row_measures,
+    vertex_measures,
 )
 from ...solver.surface.cmc_surface import CmcSurface
 from ...solver.surface.placement import Similarity
@@ -49,7 +49,7 @@ def sheet_measures(
 ) -> Measured:
     """Attribute -> values (n,) or (n, 3) of a placed sheet; deviation only where there is an outline."""
     wanted = [name for name in names if name != DEVIATION]
-    measures = row_measures(surface, similarity, points, sheet, wanted)
+    measures = vertex_measures(surface, similarity, points, sheet, wanted)
     if DEVIATION in names and outline is not None:
         measures[DEVIATION] = known_or_not(rim_distances(surface, points, outline))
     return {ATTRIBUTES[name]: values for name, values in measures.items()}

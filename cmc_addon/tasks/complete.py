@@ -231,7 +231,7 @@ def whole_mesh(completed: Completed, plan, mesh) -> Cut:
     polygons = completed.polygons(plan)
     sizes = np.diff(polygons.starts)
     owner = np.repeat(polygons.faces, sizes).astype(np.int32)
-    corners = corners_of(mesh, owner, completed.shell.source[polygons.rows])
+    corners = corners_of(mesh, owner, completed.shell.source[polygons.cut_vertices])
     rows = polygons.corners
     if mesh.mirrored:  # a mesh stores its polygons the other way round, see `find_cut`
         back = np.repeat(polygons.starts[1:] + polygons.starts[:-1] - 1, sizes) - np.arange(len(rows))

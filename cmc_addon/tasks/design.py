@@ -20,7 +20,7 @@ from ...solver.errors import Progress
 from ...solver.fitting.fit import Fit
 from ...solver.fitting.targets import SmoothRim
 from ...solver.measure import report
-from ...solver.shells.shell import placed_normals
+from ...solver.shells.form import placed_normals
 from ..background import plan_cache
 from ..bridges.mesh_bridge import PlanMesh, read_plan
 from ..bridges.result_bridge import Cut, find_cut
@@ -55,7 +55,7 @@ class DesignResult(Result):
     @property
     def converged(self) -> bool:
         """Whether the goals are met."""
-        return bool(self.fit.met)
+        return bool(self.fit.is_met)
 
     @property
     def message(self) -> str:

@@ -163,7 +163,7 @@ def in_slices(
         fit = call(initial=fit, max_evaluations=size, progress=counting)
         past += fit.history
         ended = fit.status is not FitStatus.EVALUATION_LIMIT or len(past) >= LIMIT
-        if fit.status is FitStatus.CANCELLED or size == LIMIT or (ended and fit.met):
+        if fit.status is FitStatus.CANCELLED or size == LIMIT or (ended and fit.is_met):
             return replace(fit, history=past)
         show(fit)
         size = LIMIT if ended else min(2 * size, LIMIT - len(past))

@@ -67,7 +67,7 @@ class SolveResult(Result):
 
     @property
     def converged(self) -> bool:
-        return self.shell.converged
+        return self.shell.ok
 
     @property
     def message(self) -> str:

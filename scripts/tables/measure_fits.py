@@ -110,7 +110,7 @@ def raised() -> list[str]:
     for vertices in SIZES:
         disc = shapes.disc(vertices)
         found = [fit_outline(disc.domain, disc.positions, line, rise=rise) for rise in RISES]
-        cells = [f"{50 * f.distances['rim on curve']:.3f}{'' if f.met else ', not met'}" for f in found]
+        cells = [f"{50 * f.distances['rim on curve']:.3f}{'' if f.is_met else ', not met'}" for f in found]
         rows.append(f"| {disc.domain.vertex_count} | {' | '.join(cells)} |")
     return rows
 

@@ -1,9 +1,9 @@
-"""What is to vanish for a surface to close: its periods, and the distances of sides that shall lie in one plane.
+"""Closing conditions: the periods, and the distances between sides of one plane, that must vanish.
 
 Along a mirror with the normal ν the boundary points of the conjugate lie in one plane exactly: around a vertex there
-Σ_j <tau_ij, ν> = 0, since LN has no part along N × ν. How far two such planes are apart is the sum of <tau, ν> along
+Σ_j <tau_ij, ν> = 0, since LN has no part along N × ν. The distance between two such planes is the sum of <tau, ν> along
 any path of faces from one side to the other, a period like those around holes (paper, Sec. 5.3.3; see
-`surface.periods`). All of these are linear in tau, and so in the products N_i × N_j.
+`surface.periods`). All conditions are linear in tau, and so in the products N_i × N_j.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ Int = NDArray[np.integer]
 
 @dataclass(frozen=True, eq=False)
 class ClosingConditions:
-    """K sums of parts of tau along paths, which are to vanish.
+    """m conditions: K sums of parts of tau along paths that must vanish.
 
-    paths: (E, m) how often the path of each relation goes over each edge; names: of the m relations. directions: (K, 3)
-    units, owners (K,): the relation of each sum, three for a period, one for the distance of two planes.
+    paths: (E, m) how often the path of each condition crosses each edge; names: of the m conditions. directions: (K, 3)
+    units, owners (K,): the condition of each sum, three for a period, one for the distance between two planes.
     """
 
     homology: Homology
@@ -45,9 +45,9 @@ class ClosingConditions:
 
     @classmethod
     def of(cls, domain: Domain, conditions: Conditions, coplanar: Sequence[Sequence[Side]] = ()) -> ClosingConditions:
-        """All periods of a domain, and the distances of the sides of each group from the first.
+        """All periods of a domain, and the distances of the sides of each group from its first side.
 
-        Raises `ConditionError` where there is nothing to vanish, or sides are not along mirrors of one direction.
+        Raises `ConditionError` where nothing is open, or sides are not along mirrors of one direction.
         """
         homology = Homology.of(domain)
         loops = len(homology.generators)
@@ -61,8 +61,8 @@ class ClosingConditions:
                 directions.append(normal[None])
         if not names:
             raise ConditionError(
-                "There is nothing to close: the domain has neither holes nor handles, and no two sides are to lie in "
-                "one plane."
+                "There is nothing to close: the domain has neither holes nor handles, and no two sides must share a "
+                "plane."
             )
         sizes = [len(each) for each in directions]
         owners = np.repeat(np.arange(len(names)), sizes)
@@ -86,8 +86,7 @@ class ClosingConditions:
 
 
 def _runs(domain: Domain, conditions: Conditions, group: Sequence[Side]) -> list[tuple[str, int, Array]]:
-    """The name of the side, a boundary edge and the plane's normal of each piece of boundary that the sides consist of;
-    sides that touch are one piece."""
+    """Side name, boundary edge and plane normal of each piece of boundary in a group; touching sides are one piece."""
     planes = MirrorSides.of(domain, conditions).planes
     edges, owners = [], []
     for k, side in enumerate(group):
@@ -102,7 +101,7 @@ def _runs(domain: Domain, conditions: Conditions, group: Sequence[Side]) -> list
     together, owner = np.concatenate(edges), np.concatenate(owners)
     along = planes[together].any(axis=1)
     if not along.any():
-        raise ConditionError("Free sides have no plane of their own; name a mirror in whose plane they are to be.")
+        raise ConditionError("Free sides have no plane of their own; name a mirror whose plane they share.")
     # on a free side the conjugate is one point, which has a place along any normal
     normals = np.where(along[:, None], planes[together], planes[together][along][0])
     odd = np.flatnonzero(~parallel(normals, normals[along][:1]))

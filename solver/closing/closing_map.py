@@ -1,8 +1,8 @@
-"""From boundary normals and moduli to what is to vanish, and the derivatives of that.
+"""The closing map: from boundary normals and moduli to the sums that must vanish, and its derivatives.
 
-The periods and distances of `relations` are linear in tau of the harmonic map that the normals N₀ determine on the
-domain of the moduli q. Each has a gradient by N₀ that takes one equation with the Hessian of the energy, and by each of
-q one equation (implicit function theorem; paper, Sec. 5.3.3 and Appendix F).
+The sums of `closing_conditions` are linear in tau of the harmonic map that the normals N₀ determine on the domain of
+the moduli q. The gradient of each by N₀ takes one equation with the Hessian of the energy, and the derivative by each
+of q one equation (implicit function theorem; paper, Sec. 5.3.3 and Appendix F).
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from .moduli import Moduli
 Array = NDArray[np.float64]
 
 # Residual up to which a map counts as harmonic.
-FOUND = 1e-6
+HARMONIC = 1e-6
 # Relative accuracy of derivatives.
 _ACCURACY = 1e-5
 # Cosine up to which a normal counts as lying in the plane of a mirror.
@@ -33,9 +33,9 @@ _ALONG = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """Moduli q (m,) and prescribed normals rim (n, 3), the map there, and what is left.
+    """A point of the search: moduli q (m,) and prescribed normals rim (n, 3), the map there, and the sums left.
 
-    forms: (E, ·) of the relations. sums: (K,). lengths: of each relation. size: of f+ at scale 1, area: of f+ there.
+    forms: (E, m) of the closing conditions. sums: (K,). lengths: of each condition. size, area: of f+ at scale 1.
     """
 
     q: Array
@@ -53,9 +53,9 @@ class Place:
         return self.extension.domain
 
     @property
-    def found(self) -> bool:
-        """Whether there is a harmonic map here."""
-        return self.reached.harmonic.residual <= FOUND
+    def is_harmonic(self) -> bool:
+        """Whether the map here is harmonic; past a fold of the moduli none is."""
+        return self.reached.harmonic.residual <= HARMONIC
 
     @property
     def gap(self) -> float:
@@ -64,13 +64,13 @@ class Place:
 
 
 class ClosingMap:
-    """(N₀, q) ↦ the sums that are to vanish. fixed: (n,) the vertices with prescribed normals, first (n, 3) those.
-    method: by which maps are found."""
+    """(N₀, q) ↦ the sums that must vanish. fixed: (n,) the vertices with prescribed normals, first: (n, 3) the normals
+    there at the beginning. method: of the harmonic maps."""
 
     def __init__(
-        self, conditions: Conditions, relations: ClosingConditions, moduli: Moduli, method: str = "newton"
+        self, conditions: Conditions, closing: ClosingConditions, moduli: Moduli, method: str = "newton"
     ) -> None:
-        self.conditions, self.relations, self.moduli, self.method = conditions, relations, moduli, method
+        self.conditions, self.closing, self.moduli, self.method = conditions, closing, moduli, method
         self._extension = AdjointSolver(HarmonicSolver(moduli.first), conditions, method)
         self._forms = self._forms_on(self._extension)
         self._q = np.zeros(len(moduli.names))
@@ -80,22 +80,22 @@ class ClosingMap:
         self._planes = admissible.sides.planes
 
     def at(self, q: Array, rim: Array, start: Array | None, tolerance: float) -> Place:
-        """The map of normals (n, 3) and moduli (m,), from a `start` (V, 3), to a residual.
+        """The place at normals (n, 3) and moduli (m,), its map from a `start` (V, 3) to a residual.
 
-        Raises `MeshError` where there is no such domain.
+        Raises `MeshError` where the moduli turn a face over.
         """
         extension, forms = self._on(q)
         reached = extension.reach(rim, start, tolerance)
         tau = extension.domain.cotan_weights[:, None] * extension.products(reached.N)
-        sums = self.relations.sums(forms, tau)
+        sums = self.closing.sums(forms, tau)
         area = 2.0 * reached.point.energy + 8.0 * np.pi * reached.harmonic.degree
         size = self._size(extension.domain, reached.N, tau)
-        return Place(q, rim, extension, reached, forms, sums, self.relations.lengths(sums), size, area)
+        return Place(q, rim, extension, reached, forms, sums, self.closing.lengths(sums), size, area)
 
     def by_normals(self, place: Place) -> Array:
         """(K, 3 n) the derivatives by the prescribed normals."""
         weights = place.domain.cotan_weights[:, None]
-        pulls = [weights * self.relations.by_tau(place.forms, k) for k in range(len(place.sums))]
+        pulls = [weights * self.closing.by_tau(place.forms, k) for k in range(len(place.sums))]
         rows = [place.extension.pull_products(place.reached, pull, accuracy=_ACCURACY) for pull in pulls]
         return np.stack([row.ravel() for row in rows])
 
@@ -105,11 +105,11 @@ class ClosingMap:
             place.extension.tau_by_weights(place.reached, column, _ACCURACY)
             for column in self.moduli.weights(place.q).T
         ]
-        return np.stack([self.relations.sums(place.forms, change) for change in changes], axis=1)
+        return np.stack([self.closing.sums(place.forms, change) for change in changes], axis=1)
 
     def lines(self, rim: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Where normals (n, 3) must stay in the planes of mirrors that begin there: the directions (n, 3) in which they
-        may turn, zero between two mirrors, and which of them that are (n,)."""
+        """Directions (n, 3) in which normals (n, 3) at the ends of mirrors may turn, staying in their planes; zero
+        between two mirrors. And which of the normals (n,) are such."""
         lines, held = np.zeros_like(rim), np.zeros(len(rim), dtype=bool)
         domain = self.moduli.first
         on = np.flatnonzero(self._planes.any(axis=1) & np.isin(domain.edges, self.fixed).any(axis=1))
@@ -124,18 +124,18 @@ class ClosingMap:
         return lines, held
 
     def _on(self, q: Array) -> tuple[AdjointSolver, Array]:
-        """The last one is kept: factors serve as long as the domain is the same."""
+        """The last one is kept: its factors serve as long as the domain stays."""
         if not np.array_equal(q, self._q):
             self._extension = AdjointSolver(HarmonicSolver(self.moduli.domain(q)), self.conditions, self.method)
             self._forms, self._q = self._forms_on(self._extension), q
         return self._extension, self._forms
 
     def _forms_on(self, extension: AdjointSolver) -> Array:
-        return self.relations.forms(extension.solver.dirichlet, extension.domain)
+        return self.closing.forms(extension.solver.dirichlet, extension.domain)
 
     def _size(self, domain: Domain, N: Array, tau: Array) -> float:
-        """Diagonal of f+, roughly: from the conjugate on the faces and the normals at their corners."""
-        g = self.relations.homology.integrate(tau)
+        """Approximate diagonal of f+: from the conjugate on the faces and the normals at their corners."""
+        g = self.closing.homology.integrate(tau)
         return float(np.linalg.norm(np.ptp(np.repeat(g, 3, axis=0) + N[domain.faces.ravel()], axis=0)))
 
 

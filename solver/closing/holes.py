@@ -1,11 +1,11 @@
 """Holes of a plan that move: the moduli of a plan with courtyards.
 
-Around a hole the surface closes for certain places of it only (paper, Sec. 5.3.3). A hole moves as it is, shifted,
-turned or scaled, and the plan around it goes along, the less the nearer to the other loops,
+The surface closes around a hole only for certain places of it (paper, Sec. 5.3.3). A hole shifts, turns or grows as a
+whole, and the plan around it follows, less so near the other loops,
 
     x' = x + Σ_h u_h (M_h(x) - x),   Δu_h = 0,   u_h = 1 on hole h,   u_h = 0 on the other loops.
 
-What is said on the boundary stays; twist, so, is that of the hole against its normals.
+The conditions on the boundary stay; a twist therefore turns the hole against its normals.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
+from ..domain.shape import DomainLike, as_domain
 from ..domain.sites import SiteGraph
 from ..errors import ConditionError, MeshError, plural
 from ..gauss.dirichlet import Dirichlet
@@ -28,20 +29,19 @@ Array = NDArray[np.float64]
 MOTIONS = ("x", "y", "twist", "size")
 
 
-def hole(domain: Domain, positions: ArrayLike, loop: int, motions: tuple[str, ...] = ("x", "y", "twist")) -> Moduli:
+def hole(domain: DomainLike, positions: ArrayLike, loop: int, motions: tuple[str, ...] = ("x", "y", "twist")) -> Moduli:
     """A hole of a plan that moves: `motions` of x, y (parts of the plan's size), twist (radians), size (logarithm).
 
-    positions: (V, 2|3) of the plan, loop: which of `domain.boundary_loops` bounds the hole. It moves by at most half
-    the plan's size and turns by at most half a turn. Raises `ConditionError` where there is no such loop or motion.
+    positions: (V, 2|3) of the plan, loop: the index of the hole in `domain.boundary_loops`. It moves by at most half
+    the plan's size and turns by at most half a turn. Raises `ConditionError` on an unknown loop or motion.
     """
-    return MovingHoles(domain, positions, [loop], motions).moduli()
+    return MovingHoles(as_domain(domain), positions, [loop], motions).moduli()
 
 
 class MovingHoles:
-    """Some holes of a plan, each of which moves by the same `motions`: q (m,) has them one hole after the other.
+    """Holes of a plan that move by the same `motions`; q (m,) lists them hole by hole.
 
-    size: of the plan, the length that x and y are parts of. names: of the numbers, those of several holes with the
-    hole before the motion.
+    size: of the plan, the unit of x and y. names: of the numbers, "x", or "hole 1 x" where several holes move.
     """
 
     def __init__(
@@ -75,11 +75,11 @@ class MovingHoles:
             now += share[:, None] * (goal - self.points)
         turned = np.flatnonzero(dot(area_vectors(now, self.domain.faces), self._ahead)[:, 0] <= 0.0)
         if turned.size:
-            raise MeshError(f"The hole has moved so far that {plural('face', turned)} turned over.", faces=turned)
+            raise MeshError(f"The hole moved so far that {plural('face', turned)} turned over.", faces=turned)
         return now
 
     def moduli(self) -> Moduli:
-        """Their numbers as moduli of the domain."""
+        """The motions as moduli of the domain."""
         i, j = self.domain.edges.T
 
         def lengths(q: Array) -> Array:
@@ -91,7 +91,7 @@ class MovingHoles:
 
 
 def _shares(domain: Domain, loops: Sequence[int]) -> Array:
-    """u (V, len(loops)): how much each vertex goes along with each hole."""
+    """u (V, len(loops)): how far each vertex follows each hole."""
     rim = domain.boundary_vertices.astype(np.int64)
     graph = SiteGraph.of(domain, "vertices")
     on_hole = [np.isin(rim, domain.boundary_loops[loop]) for loop in loops]
@@ -111,7 +111,7 @@ def _grown(points: Array, centre: Array, size: float, number: float) -> Array:
     return centre + np.exp(number) * (points - centre)
 
 
-# Each with the range of its number; in this order, since a hole turns and grows about where its centre was.
+# Each with the range of its number, in this order: a hole turns and grows about its first centre.
 _MOTIONS = {
     "twist": (_twisted, (-np.pi, np.pi)),
     "size": (_grown, (-2.0, 2.0)),

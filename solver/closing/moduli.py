@@ -1,6 +1,6 @@
-"""Conformal moduli: numbers that change the shape of a domain, but neither its faces nor what is said on its boundary.
+"""Conformal moduli: numbers that change the edge lengths of a domain, but neither its faces nor its conditions.
 
-Around holes and handles the surface closes for certain conformal types of the domain only (paper, Sec. 5.3.3).
+Around holes and handles a surface closes only for certain conformal types of the domain (paper, Sec. 5.3.3).
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
+from ..domain.shape import DomainLike, as_domain
 from ..errors import ConditionError, plural
 from ..linalg import as_numbers
 
@@ -26,10 +27,10 @@ _ORTHOGONAL = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Moduli:
-    """names: of the m numbers. first: the domain at q = 0, where a search begins. lengths(q): its edge lengths (E,) at
-    q (m,). ranges: the least and the largest of each number.
+    """m numbers q and the domain they make. names: of each. first: the domain at q = 0, where a search begins.
 
-    Lengths are parts of the domain's size, angles are radians, so that numbers of one size mean changes of one size.
+    lengths(q): the edge lengths (E,) at q (m,). ranges: the least and the largest value of each number. Lengths are
+    parts of the domain's size, angles are radians, so that equal numbers mean changes of equal size.
     """
 
     names: tuple[str, ...]
@@ -54,13 +55,13 @@ class Moduli:
         return np.stack(columns, axis=1)
 
     def clipped(self, q: Array) -> Array:
-        """q, or the nearest that is in range."""
+        """q, or the nearest numbers in range."""
         low, high = np.array(self.ranges).reshape(-1, 2).T
         return np.clip(q, low, high)
 
 
 def tube(
-    domain: Domain,
+    domain: DomainLike,
     corners: ArrayLike,
     faces: ArrayLike,
     axis: ArrayLike,
@@ -69,24 +70,24 @@ def tube(
     *,
     beyond: float = -np.inf,
 ) -> Moduli:
-    """A part of a flat domain that is stretched along an axis; the number is the logarithm of the stretch.
+    """A part of a flat domain that stretches along an axis; the number is the logarithm of the stretch.
 
-    corners: (F, 3, 2|3) of each triangle, unrolled: a cylinder, strips that are glued. faces: (n,) those of the part,
-    whose borders to the others must be orthogonal to the axis (2|3,), since they keep their lengths. beyond: the place
-    along the axis from which on the part is stretched; up to there its border may run as it will. stretch: the least
-    and the most.
+    corners: (F, 3, 2|3) of each triangle, unrolled, as of a cylinder or of glued strips. faces: (n,) of the part; its
+    borders to the others must be orthogonal to the axis (2|3,), since they keep their lengths. beyond: the place along
+    the axis beyond which the part stretches; up to there its border may have any shape. stretch: the least and the
+    greatest. Raises `ConditionError` on corners of another shape and on slanted borders.
     """
     return tubes(domain, corners, {name: (faces, axis, beyond)}, stretch)
 
 
 def tubes(
-    domain: Domain,
+    domain: DomainLike,
     corners: ArrayLike,
     parts: Mapping[str, Sequence],
     stretch: tuple[float, float] = (0.05, 20.0),
 ) -> Moduli:
-    """Several parts, each of which is stretched along an axis of its own: name → (faces, axis), or also beyond (see
-    `tube`)."""
+    """Several parts that stretch, each along its axis: name → (faces, axis) or (faces, axis, beyond); see `tube`."""
+    domain = as_domain(domain)
     flat = as_numbers(corners, "Corners", ConditionError)
     if flat.shape not in ((len(domain.faces), 3, 2), (len(domain.faces), 3, 3)):
         raise ConditionError(f"Corners must have shape ({len(domain.faces)}, 3, 2 or 3), not {flat.shape}.")
@@ -95,7 +96,7 @@ def tubes(
     for name, (faces, axis, *beyond) in parts.items():
         part, along = np.asarray(faces, dtype=np.int64), np.asarray(axis, dtype=np.float64)
         if taken[part].any():
-            raise ConditionError(f"Tube {name!r} has faces of another one; give each face to one tube.")
+            raise ConditionError(f"Tube {name!r} has faces of another tube; give each face to one tube.")
         taken[part] = True
         along = along / np.linalg.norm(along)
         moving = np.maximum(flat[part] @ along, *(beyond or [-np.inf]))
@@ -116,8 +117,7 @@ def tubes(
 
 
 def _check_border(domain: Domain, moving: Array, part: Int) -> None:
-    """Refuse a part whose edges to the rest would be stretched. moving: (n, 3) how far its corners go at a stretch of
-    two."""
+    """Refuse a part whose border would stretch. moving: (n, 3) how far its corners move at a stretch of two."""
     far = np.zeros((len(domain.faces), 3))
     far[part] = moving
     inside = np.zeros(len(domain.faces), dtype=bool)
@@ -131,6 +131,6 @@ def _check_border(domain: Domain, moving: Array, part: Int) -> None:
     if leaning.size:
         raise ConditionError(
             f"The border of the stretched part is not orthogonal to its axis at {plural('edge', leaning)}; it keeps "
-            "its length, so the part has to end on a line across, or be stretched from beyond there only.",
+            "its length, so end the part on a line across, or stretch it only from beyond there.",
             edges=leaning,
         )

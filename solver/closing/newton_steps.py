@@ -1,11 +1,10 @@
-"""Newton's method that closes a surface. Of all the steps that close to first order it takes the one that ends nearest
-to where all began,
+"""Newton's method for the closing conditions. Each step ends as near the beginning as first order allows,
 
     min |N - N₀|²_W + κ |q|²  with  J δN + J_q δq = -p,
 
-W being the H¹ product along the boundary: without its part of derivatives the normals spike at corners. These steps
-settle on the least change at a linear rate. Once little is left, the shortest step that closes it is taken instead,
-which converges quadratically and hardly changes anything.
+with W the H¹ product along the boundary: without its derivative part the normals spike at corners. These steps settle
+on the least change at a linear rate. Once the gap is small, the shortest step that closes it takes over: it converges
+quadratically and hardly changes anything.
 """
 
 from __future__ import annotations
@@ -22,33 +21,32 @@ from ..gauss.frames import in_space
 from ..gauss.sphere import dot, exp, normalize
 from ..linalg import factorize, graph_laplacian, sum_rows
 from ..surface.adjoint import boundary_shares
-from .closing_map import FOUND, ClosingMap, Place, tangent_directions
+from .closing_map import HARMONIC, ClosingMap, Place, tangent_directions
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
-# The length along the boundary, as a part of all of it, over which a change of its normals is spread.
+# The length, as a part of the boundary, over which a change of its normals spreads.
 _REACH = 0.02
-# Residuals of harmonic maps: on the way, and in the end, where periods are known to as many digits.
-_LOOSE, _TIGHT = FOUND, 1e-11
+# Residuals of harmonic maps: on the way, and in the end, where the periods need as many digits.
+_LOOSE, _TIGHT = HARMONIC, 1e-11
 # Radians by which a step may turn a normal, and by which it may change a modulus.
 _LARGEST_TURN = 0.5
 _HALVINGS = 8
-# Part of the size below which little is left.
+# Gap, as a part of the size, that counts as small.
 _LITTLE = 1e-3
-# A step that leaves more than this part of the gap is no progress.
+# A step must leave less than this part of the gap.
 _PROGRESS = 0.98
-# Singular values below this part of the largest are none.
+# Singular values below this part of the largest count as zero.
 _RANK = 1e-8
-# Derivatives that leave more than this part of the sums do not reach them.
+# Derivatives must reach the sums up to this part of them.
 _UNREACHED = 0.1
 
 
 @dataclass(frozen=True, eq=False)
 class Step:
     """place: the next one, None where no step gains. rank: how many of the sums change independently. reaches: whether
-    the derivatives reach all that is left. at_end: whether moduli came to the end of their range, or of what the mesh
-    bears."""
+    the derivatives reach all sums left. at_end: whether moduli reached the end of their range, or turned faces over."""
 
     place: Place | None
     rank: int
@@ -57,7 +55,7 @@ class Step:
 
 
 class ClosingSteps:
-    """by: what changes, "normals", "moduli" or "both". weight: κ. axes: (n, 3) about which alone normals turn."""
+    """by: "normals", "moduli" or "both" change. weight: κ. axes: (n, 3), the only ones about which normals turn."""
 
     def __init__(self, of: ClosingMap, by: str, weight: float, axes: Array | None) -> None:
         self.map, self.by, self.weight, self.axes = of, by, weight, axes
@@ -67,7 +65,7 @@ class ClosingSteps:
         return self.map.at(np.zeros(len(self.map.moduli.names)), self.map.first, initial, _LOOSE)
 
     def refined(self, place: Place) -> Place:
-        """The same place, its map known as well as can be."""
+        """The same place, its map to the tightest residual."""
         if place.reached.harmonic.residual <= _TIGHT:
             return place
         return self.map.at(place.q, place.rim, place.reached.N, _TIGHT)
@@ -87,14 +85,14 @@ class ClosingSteps:
                 trial = self.map.at(q, rim, start, tolerance)
             except MeshError:  # moduli that turn a face over
                 trial, at_end = None, True
-            # where moduli pass a fold there is no map any more, and what the search for it ends with has no periods
-            if trial is not None and trial.found and trial.gap < _PROGRESS * place.gap:
+            # past a fold of the moduli no map exists, and the last iterate has no periods
+            if trial is not None and trial.is_harmonic and trial.gap < _PROGRESS * place.gap:
                 return Step(trial, rank, reaches, at_end)
             length *= 0.5
         return Step(None, rank, reaches, at_end)
 
     def _newton(self, place: Place) -> tuple[Array, Array, int, bool]:
-        """Changes of the normals (n, 3) and of the moduli (m,), the rank, and whether they reach all of the sums."""
+        """Changes of the normals (n, 3) and of the moduli (m,), the rank, and whether they reach all sums."""
         if self.by == "moduli":
             columns = self.map.by_moduli(place)
             change, _, rank, _ = np.linalg.lstsq(columns, -place.sums, rcond=_RANK)
@@ -117,8 +115,8 @@ class ClosingSteps:
         return (basis @ turn).reshape(-1, 3), change, int(rank), _is_reached(moved, place.sums)
 
     def _basis(self, rim: Array) -> sp.csr_array:
-        """(3 n, d) directions in which normals may turn: two of each tangent plane, or one about an axis; in the planes
-        of mirrors, where those begin."""
+        """(3 n, d) directions in which normals may turn: two in each tangent plane, or one about an axis; at the end of
+        a mirror, the one in its plane."""
         directions = tangent_directions(rim) if self.axes is None else [normalize(np.cross(self.axes, rim))]
         lines, held = self.map.lines(rim)
         directions = [np.where(held[:, None], lines if k == 0 else 0.0, d) for k, d in enumerate(directions)]
@@ -133,9 +131,9 @@ def _is_reached(moved: Array, sums: Array) -> bool:
 
 
 def boundary_product(domain: Domain, vertices: Int) -> sp.csr_array:
-    """(3 n, 3 n) the H¹ product along the boundary of vector functions at some of its vertices (n,).
+    """(3 n, 3 n) the H¹ product ∫ <u, v> + s² <u', v'> of vector functions at vertices (n,) of the boundary.
 
-    ∫ <u, v> + s² <u', v'>, the length of the boundary being one, s = `_REACH`.
+    The boundary has length one; s = `_REACH`.
     """
     edges = domain.boundary_edges
     lengths = domain.edge_lengths[edges] / domain.edge_lengths[edges].sum()
@@ -146,7 +144,7 @@ def boundary_product(domain: Domain, vertices: Int) -> sp.csr_array:
 
 
 def boundary_tangents(domain: Domain, positions: ArrayLike, vertices: Int) -> Array:
-    """(n, 3) unit tangents of the boundary of a plan at some of its vertices."""
+    """(n, 3) unit tangents of a plan's boundary at some of its vertices; positions (V, 2|3)."""
     points = in_space(domain, positions)
     i, j = domain.edges[domain.boundary_edges].T
     along = normalize(points[j] - points[i])

@@ -13,9 +13,9 @@ from scipy.spatial import KDTree
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
-# Faces looked at for each point at first; as long as a face further away could be nearer, three times as many.
+# Candidate faces of each point at first; three times as many while a face further away could be nearer.
 _FACES = 16
-# Points against faces that are compared at once.
+# Pairs of points and faces compared at once.
 _CHUNK = 1_000_000
 _TINY = 1e-300
 
@@ -30,7 +30,7 @@ class Closest(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Triangles:
-    """A surface to be near to: points (V, 3), faces (F, 3)."""
+    """A triangle mesh to measure distances from: points (V, 3), faces (F, 3)."""
 
     points: Array
     faces: Int
@@ -45,23 +45,23 @@ class Triangles:
 
     @cached_property
     def _radius(self) -> float:
-        """The farthest that a point of a face is from its centre."""
+        """The largest distance of a corner from the centre of its face."""
         return float(np.linalg.norm(self._corners - self._corners.mean(axis=1, keepdims=True), axis=2).max())
 
     def closest(self, queries: Array) -> Closest:
         """The closest point of the surface to each of the queries (n, 3)."""
         count = len(queries)
-        found = Closest(np.zeros((count, 3)), np.full(count, np.inf), np.zeros(count, dtype=np.int64))
+        closest = Closest(np.zeros((count, 3)), np.full(count, np.inf), np.zeros(count, dtype=np.int64))
         unsure = np.arange(count)
         looked = min(_FACES, len(self.faces))
         while unsure.size:
             parts = np.array_split(unsure, unsure.size * looked // _CHUNK + 1)
-            unsure = np.concatenate([part[~self._look(queries[part], part, looked, found)] for part in parts])
+            unsure = np.concatenate([part[~self._look(queries[part], part, looked, closest)] for part in parts])
             looked = min(3 * looked, len(self.faces))
-        return found
+        return closest
 
-    def _look(self, queries: Array, rows: Int, looked: int, found: Closest) -> NDArray[np.bool_]:
-        """Compare the faces whose centres are nearest; whether (n,) no other face can be nearer."""
+    def _look(self, queries: Array, rows: Int, looked: int, closest: Closest) -> NDArray[np.bool_]:
+        """Compare the faces with the nearest centres; True (n,) where no other face can be nearer."""
         reach, faces = self._tree.query(queries, k=looked)
         reach = np.asarray(reach).reshape(len(rows), -1)
         faces = np.asarray(faces, dtype=np.int64).reshape(len(rows), -1)
@@ -72,7 +72,7 @@ class Triangles:
         a, b, c = self._corners[face].transpose(1, 0, 2)
         points = a + v * (b - a) + w * (c - a)
         distances = np.linalg.norm(points - queries, axis=1)
-        found.points[rows], found.distances[rows], found.faces[rows] = points, distances, face
+        closest.points[rows], closest.distances[rows], closest.faces[rows] = points, distances, face
         return (reach[:, -1] - self._radius >= distances) | (looked == len(self.faces))
 
     def _compare(self, queries: Array, faces: Int) -> tuple[Array, Array, Array]:
@@ -101,7 +101,7 @@ class _Square(NamedTuple):
         return v * (self.uu * v + 2.0 * (self.uw * w - self.first)) + w * (self.ww * w - 2.0 * self.second)
 
     def least(self) -> tuple[Array, Array]:
-        """Where it is least among v, w >= 0, v + w <= 1: inside, or on one of the sides."""
+        """The minimum over v, w >= 0, v + w <= 1: inside, or on one of the sides."""
         uu, uw, ww, first, second = self
         whole = np.maximum(uu * ww - uw * uw, _TINY)
         v, w = (ww * first - uw * second) / whole, (uu * second - uw * first) / whole

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
-# Rows of points against segments that are compared at once.
+# Pairs of points and segments compared at once.
 _CHUNK = 2_000_000
 
 
@@ -27,7 +27,7 @@ class Closest(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """points: (m, 3), joined in order; a closed one goes back to its first point."""
+    """points: (m, 3), joined in order; a closed curve returns to its first point."""
 
     points: Array
     closed: bool
@@ -56,7 +56,7 @@ class Curve:
 
     @cached_property
     def samples(self) -> Array:
-        """(n, 3) evenly spaced points, about two a segment but 200 at least and 1000 at most."""
+        """(n, 3) evenly spaced points, about two per segment, from 200 to 1000."""
         return self.at(np.arange(n := int(np.clip(2 * len(self.points), 200, 1000))) / n)
 
     def at(self, fraction: Array) -> Array:

@@ -1,19 +1,21 @@
-"""Boundary normals, size and place of the CMC surface that comes nearest to a sum of targets (paper, Sec. 5.2)."""
+"""The CMC surface that comes nearest to a sum of targets: its boundary normals, size and place (paper, Sec. 5.2)."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from ..domain.domain import Domain
-from ..errors import CmcError, ConditionError, Progress
+from ..domain.shape import DomainLike, as_domain
+from ..errors import CmcError, ConditionError, Progress, Status, check_choice
 from ..gauss.boundary_data import Conditions
+from ..surface import convert, notebook
 from ..surface.adjoint import AdjointSolver
 from ..surface.cmc_surface import CmcSurface
 from ..surface.solve import CmcSolver
@@ -22,13 +24,16 @@ from .objective import Objective
 from .response import Response
 from .target import Target
 
+if TYPE_CHECKING:
+    import trimesh
+
 Array = NDArray[np.float64]
 
 _SIDES = {"f+": 1.0, "f-": -1.0}
-# Evaluations for which one model serves, and how many steps' gain such a run has to bring to be followed by another.
+# Evaluations per model, and the gain of such a run, in gains of a step, that makes another one worthwhile.
 _RUN = 25
 _RUN_GAIN = 10.0
-# A value that is small: gains are parts of the value and this, so that a fit that is nearly perfect ends.
+# A small value: gains are parts of the value plus this, so that a nearly perfect fit ends.
 _ENOUGH = 1e-5
 
 
@@ -43,20 +48,19 @@ class FitStatus(Enum):
     def sentence(self) -> str:
         return {
             FitStatus.CONVERGED: "No change of the boundary normals comes nearer to the targets.",
-            FitStatus.EVALUATION_LIMIT: "The limit of evaluations was reached; more may come nearer to the targets.",
-            FitStatus.CANCELLED: "The fit was cancelled; the surface is the best one found until then.",
+            FitStatus.EVALUATION_LIMIT: "The fit reached its limit of evaluations; more may bring it nearer.",
+            FitStatus.CANCELLED: "The fit was cancelled; this is the best surface up to then.",
         }[self]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Fit:
-    """The best surface found, and how near it came.
+    """The best surface of a fit, and how near it came.
 
-    surface: in the size of the world, its g centred; its sheets times `sign` plus `shift` (3,) are in their place. A
-    sign of -1 reflects it in a point: the tangent planes stay and it bulges to the other side of N. conditions: the
-    boundary normals found, at vertices. distances: label → distance of each target, see there. value: of their sum.
-    history: the value at each evaluation. complaints: a sentence for each wish that is not met. response: serves fits
-    that go on from this one.
+    surface: in world size, its g centred; a sheet times `sign` plus `shift` (3,) is in its place. A sign of -1 reflects
+    it in a point: the tangent planes stay and it bulges to the other side of N. conditions: the fitted boundary
+    normals, at vertices. distances: label → distance of each target, see there. value: of their sum. history: the value
+    at each evaluation. unmet: a sentence for each goal that is not met. response: serves fits that continue this one.
     """
 
     surface: CmcSurface
@@ -72,25 +76,59 @@ class Fit:
     response: Response | None = None
 
     @property
-    def met(self) -> bool:
-        """Whether every wish is fulfilled, to the tolerance of what it is."""
+    def is_met(self) -> bool:
+        """Whether every goal is met, each to its own tolerance."""
         return not self.unmet
 
     @property
+    def ok(self) -> bool:
+        """Whether every goal is met by a surface that converged and closes."""
+        return self.is_met and self.surface.status is Status.CONVERGED
+
+    @property
     def message(self) -> str:
-        """How it ended, and what is not met."""
+        """How the fit ended, and the goals that it did not meet."""
         return " ".join([self.status.sentence, *self.unmet])
 
     def points(self, sheet: str | None = None) -> Array:
-        """A sheet (n, 3) in its place; by default the one that was fitted."""
+        """A sheet (n, 3) in its place; by default the fitted one."""
         return self.sign * self.surface.sheet(sheet or self.sheet) + self.shift
+
+    def normals(self, sheet: str | None = None) -> Array:
+        """Unit normals (n, 3) of a sheet in its place, on the side from which its faces are counter-clockwise."""
+        N = self.surface.normals
+        return -N if (sheet or self.sheet) == "f-" else N
+
+    def save(self, path: str | os.PathLike[str], sheet: str | None = None) -> None:
+        """Write a sheet's triangles as OBJ, PLY, STL or GLB, by the suffix; raises `JobError` where that fails."""
+        convert.save_mesh(path, self.points(sheet), self.surface.faces, self.normals(sheet))
+
+    def to_trimesh(self, sheet: str | None = None) -> trimesh.Trimesh:
+        """A sheet in its place as a `trimesh.Trimesh` with its normals."""
+        return convert.to_trimesh(self.points(sheet), self.surface.faces, self.normals(sheet))
+
+    def _repr_html_(self) -> str:
+        """Distances and status, and a picture of the fitted sheet where matplotlib is installed."""
+        numbers = {
+            "sheet": self.sheet,
+            "mean curvature H": f"{self.surface.mean_curvature:.4g}",
+            **{label: f"{distance:.3g}" for label, distance in self.distances.items()},
+            "status": f"{self.status.value} after {len(self.history)} evaluations",
+            "goals": "met" if self.is_met else " ".join(self.unmet),
+        }
+        return notebook.table("Fit", numbers, notebook.picture(self.points(), self.surface.faces))
+
+    def __repr__(self) -> str:
+        far = ", ".join(f"{label} {distance:.3g}" for label, distance in self.distances.items())
+        goals = "met" if self.is_met else "not met"
+        return f"Fit({self.sheet}: {far}; {self.status.value} after {len(self.history)} evaluations, goals {goals})"
 
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """Where a fit begins: boundary conditions, scale 1 / (2 H), shift, and normals (V, 3) of a first map or None.
+    """The start of a fit: boundary conditions, scale 1 / (2 H), shift, and normals (V, 3) of a first map or None.
 
-    response: of an earlier fit on the same domain, whose matrices then serve again.
+    response: of an earlier fit on the same domain, to use its matrices again.
     """
 
     conditions: Conditions
@@ -101,7 +139,7 @@ class Start:
 
 
 def fit(
-    domain: Domain,
+    domain: DomainLike,
     targets: Sequence[Target],
     start: Start,
     *,
@@ -116,15 +154,15 @@ def fit(
 ) -> Fit:
     """Minimise Σ weight · target over the boundary normals, and the scale and the shift where they are free.
 
-    The vertices that `start.conditions` fix are those whose normals may change. size: a length by which errors are
-    divided. gain: the part of the value that a step has to bring to be followed by another. By L-BFGS in the
-    coordinates of `GaussNewtonModel`; each evaluation is a warm solve and an adjoint one. progress(evaluation, value)
-    is called at every step, False cancels. Raises `ConditionError` on names that do not exist, or nothing to fit to.
+    The normals at the vertices that `start.conditions` fix may change. size: the length by which errors are divided.
+    gain: the part of the value that a step must gain to be followed by another. By L-BFGS in the coordinates of
+    `GaussNewtonModel`; each evaluation takes a warm solve and an adjoint one. progress(evaluation, value) is called at
+    every step; False cancels. Raises `ConditionError` on an unknown sheet and without targets.
     """
-    if sheet not in _SIDES:
-        raise ConditionError(f"There is no sheet {sheet!r} to fit; known are {', '.join(_SIDES)}.")
+    check_choice(sheet, _SIDES, "sheet")
     if not targets:
-        raise ConditionError("There is no target to fit to.")
+        raise ConditionError("A fit needs a target; give one or more.")
+    domain = as_domain(domain)
     solver = solver or CmcSolver(domain)
     fixed, rim = start.conditions.resolve()
     response = start.response
@@ -151,10 +189,10 @@ def _minimise(objective: Objective, x: Array, gain: float, limit: int, progress:
 def _run(
     objective: Objective, x: Array, gain: float, limit: int, progress: Progress | None
 ) -> tuple[Array, float, bool]:
-    """L-BFGS from x, for as many evaluations; where it got to, the value there, and whether to go on."""
+    """L-BFGS from x for up to `limit` evaluations; the vector reached, its value, and False where cancelled."""
     here, slope = objective(x)
     model = GaussNewtonModel(objective, x)
-    # in these units the first step, as L-BFGS takes it, is the one that the model proposes
+    # in these units the first step of L-BFGS is the one that the model proposes
     unit = max(float(np.linalg.norm(model.back(slope))), 1e-150)
     goes_on = True
 
@@ -169,24 +207,32 @@ def _run(
             raise StopIteration
 
     options = {"maxfun": limit, "maxiter": limit, "maxcor": _RUN, "ftol": gain, "gtol": 0.0}
-    found = minimize(moved, np.zeros_like(x), jac=True, method="L-BFGS-B", callback=each_step, options=options)
-    return x + unit * model.forth(found.x), float(found.fun) * unit**2 - _ENOUGH, goes_on
+    reached = minimize(moved, np.zeros_like(x), jac=True, method="L-BFGS-B", callback=each_step, options=options)
+    return x + unit * model.forth(reached.x), float(reached.fun) * unit**2 - _ENOUGH, goes_on
 
 
 def _finished(solver: CmcSolver, objective: Objective, status: FitStatus, sheet: str) -> Fit:
     best = objective.best
     if best is None:
         raise CmcError("The fit was cancelled before it began.")
-    found = objective.extension.given(best.rim)
-    surface = solver.solve(found, initial=best.state.N, mean_curvature=0.5 / best.scale)
-    if not (surface.is_open or found.mirrors.size):
-        # the conjugate that was fitted; at the rim it differs from the solver's own at second order, and along mirrors
-        # only that lies in their planes
+    conditions = objective.extension.given(best.rim)
+    surface = solver.solve(conditions, initial=best.state.N, mean_curvature=0.5 / best.scale)
+    if not (surface.is_open or conditions.mirrors.size):
+        # the fitted conjugate; at the rim it differs from the solver's own at second order, and along mirrors only the
+        # solver's own lies in their planes
         g, N = best.scale * best.state.g, best.scale * surface.normals
         surface = replace(surface, g=g, f_plus=g + N, f_minus=g - N)
     distances: dict[str, float] = {}
-    for target in objective.targets:  # of several with one label, as anchors of different weights, the farthest
+    for target in objective.targets:  # the farthest of those with one label, such as anchors of different weights
         distances[target.label] = max(target.distance(best.shape), distances.get(target.label, 0.0))
     return Fit(
-        surface, best.shift, found, distances, best.value, status, objective.history, sheet, response=objective.response
+        surface=surface,
+        shift=best.shift,
+        conditions=conditions,
+        distances=distances,
+        value=best.value,
+        status=status,
+        history=objective.history,
+        sheet=sheet,
+        response=objective.response,
     )

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
+from ..domain.shape import DomainLike, as_domain
 from ..errors import ConditionError, Progress
 from ..gauss.boundary_data import Conditions
 from ..gauss.conditions import gauss_map
 from ..gauss.frames import area_vectors, in_space, unit_rows
 from ..gauss.sphere import inner
 from ..linalg import check_number, sum_rows
+from ..surface.options import with_options
 from ..surface.placement import procrustes
 from ..surface.solve import CmcSolver
 from .closest_point import Triangles
@@ -26,68 +28,79 @@ from .targets import GaussMap, NearSurface, RimOnCurve, SmoothRim
 
 Array = NDArray[np.float64]
 
-# Mean curvature, as a part of the root mean square of the principal curvatures, from which on the surface is taken to
-# bulge to that side; below, both sides are tried, each with this share of the evaluations.
+# Mean curvature, as a part of the root mean square of the principal curvatures, above which the surface bulges to that
+# side; below, both sides are tried, each with this share of the evaluations.
 _BULGES = 0.2
 _LOOK = 0.25
-# Weight of nearness from which on the other weights grow with it, but for that of the tangent planes: where only
-# the places counted, the rim would rattle.
+# Weight of nearness above which the other weights grow with it, except that of the tangent planes: the places alone
+# leave the rim rough.
 _NEAR = 100.0
 # Share of the evaluations that the first stage of two may take.
 _FIRST = 0.6
-# Part of the value that a step has to bring to be followed by another: what is nearly CMC comes back at second order.
+# Part of the value that a step must gain to be followed by another: surfaces that are nearly CMC come back at second
+# order.
 _GAIN = 1e-5
 # Square of the Gauss map's variation, as an angle, below which a surface counts as flat.
 _FLAT = 1e-12
 
 
-def fit_gauss_map(
-    domain: Domain,
-    positions: ArrayLike,
-    regularisation: float = 1e-3,
-    *,
-    likeness: float = 0.1,
-    near: float = 0.0,
-    initial: Fit | None = None,
-    max_evaluations: int = 200,
-    solver: CmcSolver | None = None,
-    progress: Progress | None = None,
-) -> Fit:
-    """Minimise ½ ∫ |N - N_φ|² + λ ½ ∮ |dN₀|² over the boundary normals N₀, λ = `regularisation` >= 0.
+@dataclass(frozen=True, eq=False)
+class GaussMapOptions:
+    """The options of `fit_gauss_map`, see there. Raises `ConditionError` on weights that are not numbers from 0 on."""
+
+    regularisation: float = 1e-3
+    _: KW_ONLY
+    likeness: float = 0.1
+    near: float = 0.0
+    max_evaluations: int = 200
+    initial: Fit | None = None
+    solver: CmcSolver | None = None
+    progress: Progress | None = None
+
+    def __post_init__(self) -> None:
+        check_number(self.regularisation, "regularisation")
+        check_number(self.likeness, "likeness")
+        check_number(self.near, "weight of nearness")
+        check_number(self.max_evaluations, "largest number of evaluations", 1)
+
+
+@with_options(GaussMapOptions)
+def fit_gauss_map(domain: DomainLike, positions: ArrayLike, options: GaussMapOptions) -> Fit:
+    """Minimise ½ ∫ |N - N_φ|² + λ ½ ∮ |dN₀|² over the boundary normals N₀, λ = regularisation >= 0.
 
     Both terms are without unit: the domain has area one, the boundary length one. positions: (V, 3) of the surface φ
-    on the vertices of the domain, by which it is also sized and placed: least squares over its area, scale and shift
-    only, since the tangent planes are what was fitted. The result is f+ times `Fit.sign`, which is -1 where φ bulges
-    against its normals.
+    on the vertices of the domain. They also size and place the result: least squares over the area, scale and shift
+    only, since the tangent planes are fitted. The result is f+ times `Fit.sign`, which is -1 where φ bulges against its
+    normals.
 
     likeness: weight of 1 - cos(df, dφ), see `ShapeSimilarity`; it makes little difference to the tangent planes, and
-    all the difference to the shape where the mean curvature of φ changes sign. 0 is the paper's functional. near:
-    positive, it is the weight of a second stage that brings the places near, too: ½ mean squared distance of the sheet
-    from φ and of its rim from the rim of φ, over the square of the diagonal; points may slide along φ. With 100, a
-    distance of 1 % of the diagonal counts as much as a turn of 0.1 radians everywhere. initial: an earlier fit of this
-    surface to go on from, in the stage that it had reached.
+    all the difference to the shape where the mean curvature of φ changes sign. 0 is the paper's functional. near: where
+    positive, the weight of a second stage that fits the places, too: ½ mean squared distance of the sheet from φ and of
+    its rim from the rim of φ, over the square of the diagonal; points may slide along φ. With 100, a distance of 1 % of
+    the diagonal counts as much as a turn of 0.1 radians everywhere. initial: an earlier fit of this surface to
+    continue, in the stage that it reached. progress(evaluation, value) is called at every step; False cancels.
 
     Distances: "Gauss map" and "likeness" are root mean squares, "near surface" is the largest distance from φ. Raises
-    `ConditionError` on weights that are no numbers from 0 on, on flat surfaces and on closed ones.
+    `ConditionError` on weights that are not numbers from 0 on, on flat surfaces and on closed ones.
     """
-    for name, weight in (("regularisation", regularisation), ("likeness", likeness), ("weight of nearness", near)):
-        check_number(weight, name)
+    domain = as_domain(domain)
     if not len(domain.boundary_edges):
         raise ConditionError("A closed surface has no rim whose normals could be fitted; delete a part of it.")
-    wanted = _Wanted.of(domain, in_space(domain, positions), regularisation, likeness, near)
-    objective = _Objective(wanted, solver or CmcSolver(domain), progress)
-    if initial is not None and near and RimOnCurve.label in initial.distances:
-        return objective.brought_near(initial, max_evaluations)
-    share = _FIRST if near else 1.0
-    found = objective.turned(initial, max(1, round(share * max_evaluations)))
-    if not near or found.status is FitStatus.CANCELLED:
-        return found
-    near_too = objective.brought_near(found, max(1, max_evaluations - len(found.history)))
-    return replace(near_too, history=found.history + near_too.history)
+    given = _Given.of(domain, in_space(domain, positions), options)
+    search = _Search(given, options.solver or CmcSolver(domain), options.progress)
+    initial, evaluations = options.initial, options.max_evaluations
+    if initial is not None and options.near and RimOnCurve.label in initial.distances:
+        return search.places(initial, evaluations)
+    share = _FIRST if options.near else 1.0
+    planes = search.planes(initial, max(1, round(share * evaluations)))
+    if not options.near or planes.status is FitStatus.CANCELLED:
+        return planes
+    places = search.places(planes, max(1, evaluations - len(planes.history)))
+    return replace(places, history=planes.history + places.history)
 
 
 def vertex_normals(domain: Domain, points: Array) -> Array:
-    """Unit normals (V, 3) of a surface, its faces weighted by their angles at each vertex."""
+    """Unit normals (V, 3) of a surface: those of the faces, weighted by their angles at each vertex."""
     faces = domain.faces
     of_faces = unit_rows(area_vectors(points, faces), "face", "has no area in these positions")
     weighted = of_faces[:, None, :] * domain.corner_angles[:, :, None]
@@ -96,32 +109,30 @@ def vertex_normals(domain: Domain, points: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class _Wanted:
+class _Given:
     """The surface φ, its normals, and the weights of the targets. A sign of -1 stands for -φ: same normals."""
 
     domain: Domain
     points: Array
     normals: Array
     L: sp.csr_array
-    regularisation: float
-    likeness: float
-    near: float
+    options: GaussMapOptions
 
     @classmethod
-    def of(cls, domain: Domain, points: Array, regularisation: float, likeness: float, near: float) -> _Wanted:
+    def of(cls, domain: Domain, points: Array, options: GaussMapOptions) -> _Given:
         normals, L = vertex_normals(domain, points), dirichlet_matrix(domain)
         if inner(L @ normals, normals) < _FLAT:
             raise ConditionError(
                 "The surface is flat or a point: no CMC surface of finite size has its tangent planes."
             )
-        return cls(domain, points, normals, L, regularisation, likeness, near)
+        return cls(domain, points, normals, L, options)
 
     @property
     def size(self) -> float:
         return float(np.linalg.norm(np.ptp(self.points, axis=0)))
 
     def signs(self) -> tuple[float, ...]:
-        """That of the mean curvature; both where it is next to nothing."""
+        """The sign of the mean curvature; both where it is almost zero."""
         cos = cosine(self.L, self.normals, self.points)
         return (float(np.sign(cos)),) if abs(cos) > _BULGES else (1.0, -1.0)
 
@@ -130,33 +141,35 @@ class _Wanted:
         conditions = Conditions(rim.vertices, rim.vertex_normals, up=rim.up)
         return Start(conditions, 1.0, np.zeros(3), self.normals)
 
-    def planes(self, sign: float, near: float = 0.0) -> list[Target]:
+    def plane_targets(self, sign: float, near: float = 0.0) -> list[Target]:
         more = 1.0 + near / _NEAR
-        targets: list[Target] = [GaussMap(self.normals), SmoothRim(weight=more * self.regularisation)]
-        if self.likeness:
-            targets.append(ShapeSimilarity(sign * self.points, self.L, weight=more * self.likeness))
+        targets: list[Target] = [GaussMap(self.normals), SmoothRim(weight=more * self.options.regularisation)]
+        if self.options.likeness:
+            targets.append(ShapeSimilarity(sign * self.points, self.L, weight=more * self.options.likeness))
         return targets
 
-    def places(self, sign: float) -> list[Target]:
+    def place_targets(self, sign: float) -> list[Target]:
         surface = Triangles(sign * self.points, self.domain.faces)
-        near: list[Target] = [NearSurface(lambda points: surface.closest(points).points, weight=self.near)]
+        near: list[Target] = [NearSurface(lambda points: surface.closest(points).points, weight=self.options.near)]
         for loop in self.domain.boundary_loops:
             rim = Curve(sign * self.points[loop], closed=True)
-            near.append(RimOnCurve(rim, loop.astype(np.int64), weight=self.near))
+            near.append(RimOnCurve(rim, loop.astype(np.int64), weight=self.options.near))
         return near
 
 
 @dataclass(frozen=True, eq=False)
-class _Objective:
-    wanted: _Wanted
+class _Search:
+    """The two stages of the fit."""
+
+    given: _Given
     solver: CmcSolver
     progress: Progress | None
 
-    def turned(self, initial: Fit | None, evaluations: int) -> Fit:
+    def planes(self, initial: Fit | None, evaluations: int) -> Fit:
         """The first stage: the tangent planes, at any size."""
         if initial is not None:
             return self._placed(self._turned(_continued(initial), initial.sign, evaluations))
-        start, signs = self.wanted.start(), self.wanted.signs()
+        start, signs = self.given.start(), self.given.signs()
         share = 1.0 if len(signs) == 1 else _LOOK
         looks = []
         for sign in signs:
@@ -164,27 +177,27 @@ class _Objective:
             looks.append(self._turned(start, sign, max(1, round(share * evaluations))))
             if looks[-1].status is FitStatus.CANCELLED:
                 break
-        best = min(looks, key=lambda found: found.value)
-        spent = [value for found in looks for value in found.history]
+        best = min(looks, key=lambda look: look.value)
+        spent = [value for look in looks for value in look.history]
         if len(looks) > 1 and best.status is FitStatus.EVALUATION_LIMIT and evaluations > len(spent):
             best = self._turned(_continued(best), best.sign, evaluations - len(spent))
             spent = spent + best.history
         return self._placed(replace(best, history=spent))
 
-    def brought_near(self, found: Fit, evaluations: int) -> Fit:
-        """The second stage: the places too, with the size and the shift free."""
-        wanted, sign = self.wanted, found.sign
-        start = replace(_continued(found), scale=found.surface.scale, shift=sign * found.shift)
-        targets = wanted.planes(sign, wanted.near) + wanted.places(sign)
-        found = self._fit(targets, start, wanted.size, True, evaluations)
-        return self._reported(replace(found, sign=sign, shift=sign * found.shift))
+    def places(self, planes: Fit, evaluations: int) -> Fit:
+        """The second stage: the places, too, with the size and the shift free."""
+        given, sign = self.given, planes.sign
+        start = replace(_continued(planes), scale=planes.surface.scale, shift=sign * planes.shift)
+        targets = given.plane_targets(sign, given.options.near) + given.place_targets(sign)
+        result = self._fit(targets, start, given.size, True, evaluations)
+        return self._with_advice(replace(result, sign=sign, shift=sign * result.shift))
 
     def _turned(self, start: Start, sign: float, evaluations: int) -> Fit:
-        return replace(self._fit(self.wanted.planes(sign), start, 1.0, False, evaluations), sign=sign)
+        return replace(self._fit(self.given.plane_targets(sign), start, 1.0, False, evaluations), sign=sign)
 
     def _fit(self, targets: list[Target], start: Start, size: float, moves: bool, evaluations: int) -> Fit:
         return fit(
-            self.wanted.domain,
+            self.given.domain,
             targets,
             start,
             size=size,
@@ -196,13 +209,13 @@ class _Objective:
             progress=self.progress,
         )
 
-    def _placed(self, found: Fit) -> Fit:
-        """The fit over the surface it was fitted to."""
-        surface = found.surface
-        weights, goals = surface.domain.vertex_areas[surface.source], self.wanted.points[surface.source]
+    def _placed(self, result: Fit) -> Fit:
+        """The result, sized and placed over φ."""
+        surface = result.surface
+        weights, goals = surface.domain.vertex_areas[surface.source], self.given.points[surface.source]
         scale, _, shift = procrustes(surface.f_plus, goals, weights)
         if not (np.isfinite(scale) and scale):
-            raise ConditionError("The fit has shrunk to a point; give it some weight of likeness.")
+            raise ConditionError("The fit shrank to a point; give likeness some weight.")
         size = abs(scale)
         surface = replace(
             surface,
@@ -212,23 +225,23 @@ class _Objective:
             scale=size * surface.scale,
             periods=size * surface.periods,
         )
-        found = replace(found, surface=surface, shift=shift, sign=float(np.sign(scale)))
-        away = Triangles(self.wanted.points, self.wanted.domain.faces).closest(found.points()).distances
-        return self._reported(replace(found, distances={**found.distances, NearSurface.label: float(away.max())}))
+        result = replace(result, surface=surface, shift=shift, sign=float(np.sign(scale)))
+        away = Triangles(self.given.points, self.given.domain.faces).closest(result.points()).distances
+        return self._with_advice(replace(result, distances={**result.distances, NearSurface.label: float(away.max())}))
 
-    def _reported(self, found: Fit) -> Fit:
-        """With a sentence where the surface would rather be minimal."""
-        wanted, H = self.wanted, found.surface.mean_curvature
-        bent, _ = bending(wanted.domain, wanted.L, found.surface.harmonic.normals)
-        if not wanted.likeness or bent > 1.1 * LEAST**2:
-            return found
+    def _with_advice(self, result: Fit) -> Fit:
+        """The result, with a sentence where a minimal surface would come nearer."""
+        given, H = self.given, result.surface.mean_curvature
+        bent, _ = bending(given.domain, given.L, result.surface.harmonic.normals)
+        if not given.options.likeness or bent > 1.1 * LEAST**2:
+            return result
         sentence = (
-            f"The surface bends as much one way as the other, and those of constant mean curvature near it are almost "
-            f"minimal: this one has H = {H:.3g}, the least that is looked for; a minimal surface may come nearer."
+            f"The surface bends as much one way as the other, and CMC surfaces near it are almost minimal: this one "
+            f"has H = {H:.3g}, the least of the search; a minimal surface may come nearer."
         )
-        return replace(found, unmet=[*found.unmet, sentence])
+        return replace(result, unmet=[*result.unmet, sentence])
 
 
 def _continued(earlier: Fit) -> Start:
-    """On from an earlier fit, at scale one."""
+    """The start that continues an earlier fit, at scale one."""
     return Start(earlier.conditions, 1.0, np.zeros(3), earlier.surface.harmonic.normals, earlier.response)

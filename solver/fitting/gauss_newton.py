@@ -1,9 +1,9 @@
-"""The curvature of the sum of the targets, modelled at one place, as coordinates in which it is round.
+"""A Gauss–Newton model of the objective, which preconditions L-BFGS.
 
-With the response J of the points to the vector x of a search, and the curvature C of each target, Gauss and Newton's
-model is H = Σ weight Jᵀ C J. Boundary normals whose waves are short move the sheet hardly at all in half of the
-directions (g + N is conformal to N in one orientation only), so that H is badly conditioned, and a search in the
-coordinates y of x = x₀ + T y, T Tᵀ = H⁻¹, needs a tenth of the steps.
+With the response J of the points to the vector x, and the curvature C of each target, the model is H = Σ weight Jᵀ C J.
+Short waves of the boundary normals hardly move the sheet in half of the directions (g + N is conformal to N in one
+orientation only), so H is badly conditioned; in the coordinates y of x = x₀ + T y, T Tᵀ = H⁻¹, L-BFGS needs a tenth of
+the steps.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ from .target import Curvature
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
-# Curvature added in all directions, as a part of the mean: a search then goes only so far along the flattest ones.
+# Curvature added in all directions, as a part of the mean; it limits steps along the flattest ones.
 _DAMPING = 1e-2
 
 
 class GaussNewtonModel:
-    """T at x (m,) for a search: `forth(y)` is T y, `back(gradient)` is Tᵀ gradient.
+    """T at x (m,): `forth(y)` is T y, `back(gradient)` is Tᵀ gradient.
 
-    H is known on the knots of the boundary; with Q an orthonormal basis of their hat functions T = Q C⁻ᵀ Qᵀ there,
-    H = C Cᵀ, and a mean on the rest.
+    H is known on the knots of the boundary: with an orthonormal basis Q of their hat functions and H = C Cᵀ,
+    T = Q C⁻ᵀ Qᵀ there, and a mean on the rest.
     """
 
     def __init__(self, objective: Objective, x: Array) -> None:
@@ -60,7 +60,7 @@ class GaussNewtonModel:
 
 
 def _hessian(objective: Objective, x: Array, placed: Placed, hats: Array, N: Array) -> Array:
-    """H (3 m + 4, 3 m + 4) by turns, vectors in space at the knots that are projected on the tangent planes."""
+    """H (3 m + 4, 3 m + 4) by turns: vectors in space at the knots, projected on the tangent planes."""
     tangent = np.eye(3) - N[:, :, None] * N[:, None, :]
     size = 3 * len(N) + 4
     H = np.zeros((size, size))
@@ -84,7 +84,7 @@ def _middles(hats: Array) -> Int:
 
 
 def _moving(objective: Objective, placed: Placed, curvature: Curvature, tangent: Array) -> Array:
-    """(3 k, 3 m + 4) of points that move, at no more than `KNOTS` of them: metric^½ J."""
+    """(3 k, 3 m + 4) metric^½ J of moving points, at most `KNOTS` of them."""
     step = -(-len(curvature.vertices) // KNOTS)
     points, metrics = curvature.vertices[::step], step * curvature.metrics[::step]
     J = objective.response.of_points(placed.state, points, objective.side)
@@ -98,7 +98,7 @@ def _moving(objective: Objective, placed: Placed, curvature: Curvature, tangent:
 
 
 def _turning(objective: Objective, stiffness: sp.csr_array, tangent: Array) -> Array:
-    """(3 m, 3 m) of normals that turn: each component alone, in the tangent planes of the knots."""
+    """(3 m, 3 m) of turning normals: each component alone, in the tangent planes of the knots."""
     spread = objective.response.spread
     stiff = spread.T @ (stiffness @ spread)
     blocks = np.einsum("nab,nm,mbc->namc", tangent, stiff, tangent, optimize=True)
@@ -106,7 +106,7 @@ def _turning(objective: Objective, stiffness: sp.csr_array, tangent: Array) -> A
 
 
 def _in_basis(H: Array, triangle: Array) -> Array:
-    """H in the coordinates of the orthonormal basis, three of a knot at a time."""
+    """H in the coordinates of the orthonormal basis, three per knot."""
     wide = np.eye(len(H))
     wide[:-4, :-4] = np.kron(triangle, np.eye(3))
     half = solve_triangular(wide, H, trans=1)
@@ -114,9 +114,7 @@ def _in_basis(H: Array, triangle: Array) -> Array:
 
 
 def _lengths(objective: Objective, hats: Array, N: Array) -> Array:
-    """The square of the change of the vectors' lengths, which do not matter: left free, they would matter elsewhere,
-    where the tangent planes are others.
-    """
+    """A penalty on the lengths of the vectors, which do not matter here but would where the tangent planes differ."""
     lengths = np.zeros((3 * len(N) + 4, 3 * len(N) + 4))
     gram = (objective.roots * hats).T @ (objective.roots * hats)
     lengths[:-4, :-4] = np.einsum("nm,na,mb->namb", gram, N, N).reshape(3 * len(N), -1)
@@ -124,7 +122,7 @@ def _lengths(objective: Objective, hats: Array, N: Array) -> Array:
 
 
 def _held(objective: Objective, mean: float, size: int) -> Array:
-    """What keeps the model positive definite, and what is not free from moving."""
+    """Damping, which keeps the model positive definite, and holds on the scale and the shift where they are fixed."""
     held = np.full(size, _DAMPING * mean)
     held[-4] += mean * (not objective.free_scale)
     held[-3:] += mean * (not objective.free_shift)

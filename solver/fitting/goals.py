@@ -1,16 +1,18 @@
-"""What is wished for of a shell over an outline: curves, supports, bounds, and one number that chooses the shell."""
+"""Goals of a shell over an outline: curves, supports, bounds on the tilt, and the one number that chooses the shell."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
-from ..errors import ConditionError
+from ..errors import ConditionError, Progress, check_choice
 from ..linalg import as_numbers, check_number
+from ..surface.cmc_surface import SHEETS
+from ..surface.solve import CmcSolver
 from .curves import Curve
 from .fit import Fit
 from .target import Target
@@ -19,21 +21,21 @@ from .targets import Anchors, Closed, Crown, RimOnCurve, SmoothRim, TiltBounds, 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
-# Parts of the size by which the rim may stay off the curve, and anchors off their places, and still count as met.
+# Part of the size by which the rim may stay off its curve, and anchors off their places, and still meet the goal.
 _MET = 5e-3
 # Part of the wanted height or volume by which it may be missed.
-_KNOB_MET = 1e-4
+_HEIGHT_MET = 1e-4
 # Part of the size by which a surface may fail to close around holes.
 _CLOSED = 1e-3
-# Radians by which tilts may lie outside of their bounds, and how much they count.
+# Radians by which tilts may lie outside their bounds, and the weight of the bounds.
 _TILT_MET = 0.01
 _TILT_WEIGHT = 0.1
 _RISE = 0.5
-# What to ask for instead where the rim stays off its curve.
+# The way out where the rim stays off its curve.
 _LESS = {"mean_curvature": "smaller mean curvature", "volume": "smaller volume"}
-# The relative error of the height_parameter, squared, against the rim's distance as a part of the size, squared.
-_KNOB_WEIGHT = 0.01
-# How much periods count: more than all the rest, since a shell that does not close cannot be built.
+# Weight of the squared relative error of the height parameter against the squared distance of the rim by the size.
+_HEIGHT_WEIGHT = 0.01
+# Weight of the periods: more than all the rest, since nobody can build a shell that does not close.
 _PERIOD_WEIGHT = 10.0
 
 
@@ -56,8 +58,49 @@ HEIGHT_PARAMETERS = {
 
 
 @dataclass(frozen=True, eq=False)
+class OutlineOptions:
+    """The options of `fit_outline`, see there. Raises `ConditionError` on values without meaning."""
+
+    curve: ArrayLike | Sequence[ArrayLike] | None = None
+    _: KW_ONLY
+    rise: float | None = None
+    height: float | None = None
+    volume: float | None = None
+    mean_curvature: float | None = None
+    free_heights: bool = False
+    anchors: tuple[ArrayLike, ArrayLike, ArrayLike] | None = None
+    on_curve: bool = True
+    tilt: tuple[float, float] | None = None
+    smooth: float = 1e-7
+    sheet: str = "f+"
+    max_evaluations: int = 300
+    initial: Fit | None = None
+    solver: CmcSolver | None = None
+    progress: Progress | None = None
+
+    def __post_init__(self) -> None:
+        check_number(self.smooth, "weight of smooth boundary normals")
+        check_number(self.max_evaluations, "largest number of evaluations", 1)
+        check_choice(self.sheet, SHEETS, "sheet")
+        if self.tilt is not None:
+            _check_bounds(self.tilt)
+        if self.anchors is None and not self.on_curve:
+            raise ConditionError("There is nothing to fit to: give anchors, or let the rim lie on the curve.")
+        name, number = self.height_parameter
+        check_number(number, HEIGHT_PARAMETERS[name].label.lower(), positive=True)
+
+    @property
+    def height_parameter(self) -> tuple[str, float]:
+        """The one of `HEIGHT_PARAMETERS` that is given, and its value; without any, a rise of ½."""
+        given = {name: getattr(self, name) for name in HEIGHT_PARAMETERS if getattr(self, name) is not None}
+        if len(given) > 1:
+            raise ConditionError(f"Give one of {' and '.join(given)}, not both: one number chooses the surface.")
+        return next(iter(given.items()), ("rise", _RISE))
+
+
+@dataclass(frozen=True, eq=False)
 class Supports:
-    """Vertices (k,) of the plan, the places (k, 3) where they shall be, and weights (k,)."""
+    """Vertices (k,) of the plan, their places (k, 3) in the shell, and weights (k,)."""
 
     vertices: Int
     places: Array
@@ -66,78 +109,67 @@ class Supports:
 
 @dataclass(frozen=True, eq=False)
 class Goals:
-    """All heights are over the mean height `base` of the outer curve.
+    """The options of an outline fit over a plan, ready to become targets; heights are over `base`.
 
-    loops: vertices along each boundary loop, with its curve; outer: which of the curves is the outer one. on_curve:
-    whether the rim shall lie on them, free_heights: seen from above only. size: of the outer curve's bounding box;
-    radius: of a circle with its area. height_parameter: in `HEIGHT_PARAMETERS`, number: the height, volume or H that is
-    wanted. tilt: bounds.
+    base: the mean height of the outer curve. loops: vertices along each boundary loop, with its curve; outer: the outer
+    one of the curves. size: of the outer curve's bounding box; radius: of a circle with its area. height_parameter:
+    in `HEIGHT_PARAMETERS`, number: the wanted height, volume or H.
     """
 
+    options: OutlineOptions
     loops: Sequence[tuple[Int, Curve]]
     outer: Curve
-    on_curve: bool
-    free_heights: bool
     base: float
     size: float
     radius: float
     height_parameter: str
     number: float
     supports: Supports | None
-    tilt: tuple[float, float] | None
 
     @classmethod
-    def of(
-        cls,
-        domain: Domain,
-        points: Array,
-        given: ArrayLike | Sequence[ArrayLike] | None,
-        height_parameters: dict[str, float | None],
-        *,
-        on_curve: bool,
-        free_heights: bool,
-        anchors: tuple[ArrayLike, ArrayLike, ArrayLike] | None,
-        tilt: tuple[float, float] | None,
-    ) -> Goals:
-        """See `fit_outline`, which has their names; height_parameters: by name, at most one of them a number."""
-        _check(domain, tilt)
-        lines, outer = _lines(domain, points, given)
+    def of(cls, domain: Domain, points: Array, options: OutlineOptions) -> Goals:
+        """Over a plan with these points (V, 3). Raises `ConditionError` on what does not fit the plan."""
+        if len(domain.boundary_loops) == 0 or domain.genus:
+            raise ConditionError("Fitting to an outline needs a plan: a mesh with a boundary and without handles.")
+        lines, outer = _lines(domain, points, options.curve)
         line = lines[outer]
         base = float(np.sum(Curve(line, closed=True).shares * line[:, 2]))
-        supports = _supports(domain, anchors, base)
-        if supports is None and not on_curve:
-            raise ConditionError("There is nothing to fit to: give anchors, or let the rim lie on the curve.")
         extent = np.ptp(line[:, :2], axis=0)
-        height_parameter, number = _chosen(height_parameters)
+        height_parameter, number = options.height_parameter
         if height_parameter == "rise":
             number *= 0.5 * float(extent.min())
         curves = [Curve(each - [0.0, 0.0, base], closed=True) for each in lines]
-        loops = [(loop.astype(np.int64), curve) for loop, curve in zip(domain.boundary_loops, curves, strict=True)]
-        size, radius = float(np.linalg.norm(extent)), float(np.sqrt(abs(_area(line)) / np.pi))
-        outer_curve = curves[outer]
         return cls(
-            loops, outer_curve, on_curve, free_heights, base, size, radius, height_parameter, number, supports, tilt
+            options=options,
+            loops=[(loop.astype(np.int64), curve) for loop, curve in zip(domain.boundary_loops, curves, strict=True)],
+            outer=curves[outer],
+            base=base,
+            size=float(np.linalg.norm(extent)),
+            radius=float(np.sqrt(abs(_area(line)) / np.pi)),
+            height_parameter=height_parameter,
+            number=float(number),
+            supports=_supports(domain, options.anchors, base),
         )
 
     def targets(self, smooth: float, strictness: float) -> list[Target]:
-        """smooth: weight of calm boundary normals; strictness: how much more than usual the height_parameter counts."""
+        """smooth: weight of smooth boundary normals; strictness: a factor of the height parameter's weight."""
         targets: list[Target] = [SmoothRim(weight=smooth)]
         if len(self.loops) > 1:
             targets.append(Closed(weight=_PERIOD_WEIGHT))
-        if self.on_curve:
-            targets += [RimOnCurve(curve, loop, self.free_heights) for loop, curve in self.loops]
+        if self.options.on_curve:
+            targets += [RimOnCurve(curve, loop, self.options.free_heights) for loop, curve in self.loops]
         if self.height_parameter in ("rise", "height"):
-            targets.append(Crown(self.number, weight=strictness * _KNOB_WEIGHT))
+            targets.append(Crown(self.number, weight=strictness * _HEIGHT_WEIGHT))
         elif self.height_parameter == "volume":
-            targets.append(Volume(self.number, weight=strictness * _KNOB_WEIGHT))
+            targets.append(Volume(self.number, weight=strictness * _HEIGHT_WEIGHT))
         if self.supports is not None:
             targets += _anchored(self.supports)
-        if self.tilt is not None:
-            targets.append(TiltBounds(*self.tilt, weight=_TILT_WEIGHT))
+        if self.options.tilt is not None:
+            targets.append(TiltBounds(*self.options.tilt, weight=_TILT_WEIGHT))
         return targets
 
     def height_of(self, film: Array, areas: Array) -> float:
-        """How high the film, of pressure one, has to be stretched for the height_parameter."""
+        """The crown to which the height parameter stretches the film, which is of pressure one."""
         if self.height_parameter in ("rise", "height"):
             return self.number
         if self.height_parameter == "mean_curvature":
@@ -145,43 +177,39 @@ class Goals:
         return self.number * float(film.max() / np.sum(areas * film))
 
     def scaled(self, factor: float) -> Goals:
-        """For another number."""
+        """The same goals for another number."""
         return replace(self, number=factor * self.number)
 
-    def is_off(self, found: Fit) -> bool:
+    def is_off(self, fit: Fit) -> bool:
         """Whether the rim is off its curve."""
-        return found.distances.get(RimOnCurve.label, 0.0) > _MET * self.size
+        return fit.distances.get(RimOnCurve.label, 0.0) > _MET * self.size
 
-    def unmet(self, found: Fit) -> list[str]:
-        """What is not met, and what to change, a sentence each."""
+    def unmet(self, fit: Fit) -> list[str]:
+        """A sentence for each goal that is not met: by how much, and the way out."""
         sentences = []
-        far = found.distances
-        if self.is_off(found):
+        far = fit.distances
+        if self.is_off(fit):
             off = far[RimOnCurve.label]
             sentences.append(
                 f"The rim stays up to {off:.3g} off the curve ({100 * off / self.size:.1f} % of its size); round its "
-                f"corners, or ask for a {_LESS.get(self.height_parameter, 'flatter shell')}."
+                f"corners, or choose a {_LESS.get(self.height_parameter, 'flatter shell')}."
             )
         for label in (Crown.label, Volume.label):
-            if (miss := far.get(label, 0.0)) > _KNOB_MET * self.number:
-                sentences.append(f"The {label} is missed by {miss:.3g}; it does not go together with the rim.")
+            if (miss := far.get(label, 0.0)) > _HEIGHT_MET * self.number:
+                sentences.append(f"The {label} is missed by {miss:.3g}; no surface with this rim reaches it.")
         if (off := far.get(Closed.label, 0.0)) > _CLOSED * self.size:
-            sentences.append(f"Around the holes a gap of {off:.3g} is left; make the shell flatter, or its rims freer.")
+            sentences.append(f"A gap of {off:.3g} is left around the holes; make the shell flatter, or its rims freer.")
         if (off := far.get(TiltBounds.label, 0.0)) > _TILT_MET:
             sentences.append(
-                f"Tangent planes along the rim lie up to {np.degrees(off):.2g}° outside of the bounds on their tilt; "
-                "widen these, or free the heights of the rim."
+                f"Tangent planes along the rim lie up to {np.degrees(off):.2g}° outside the bounds on their tilt; "
+                "widen the bounds, or free the heights of the rim."
             )
         if (off := far.get(Anchors.label, 0.0)) > _MET * self.size:
-            sentences.append(f"An anchor is missed by {off:.3g}; move it, give it more weight, or take another away.")
+            sentences.append(f"An anchor is missed by {off:.3g}; move it, give it more weight, or remove another one.")
         return sentences
 
 
-def _check(domain: Domain, tilt: tuple[float, float] | None) -> None:
-    if len(domain.boundary_loops) == 0 or domain.genus:
-        raise ConditionError("Fitting to an outline needs a plan: a mesh with a boundary and without handles.")
-    if tilt is None:
-        return
+def _check_bounds(tilt: tuple[float, float]) -> None:
     bounds = as_numbers(tilt, "The bounds on the tilt", ConditionError)
     if bounds.shape != (2,):
         raise ConditionError("The bounds on the tilt are two angles, the least and the most.")
@@ -190,17 +218,8 @@ def _check(domain: Domain, tilt: tuple[float, float] | None) -> None:
         raise ConditionError(f"Tilts lie between -90° and 90°, the least below the most, not {least:g}° and {most:g}°.")
 
 
-def _chosen(height_parameters: dict[str, float | None]) -> tuple[str, float]:
-    chosen = {name: number for name, number in height_parameters.items() if number is not None}
-    if len(chosen) > 1:
-        raise ConditionError(f"Give one of {' and '.join(chosen)}, not both: one number chooses the surface.")
-    height_parameter, number = next(iter(chosen.items()), ("rise", _RISE))
-    check_number(number, HEIGHT_PARAMETERS[height_parameter].label.lower(), positive=True)
-    return height_parameter, float(number)
-
-
 def _lines(domain: Domain, points: Array, given: ArrayLike | Sequence[ArrayLike] | None) -> tuple[list[Array], int]:
-    """A closed line for each boundary loop, its own where none is given, and which of them is the outer one."""
+    """A closed line for each boundary loop, by default its own, and the index of the outer one."""
     lines = [points[loop] for loop in domain.boundary_loops]
     outer = int(np.argmax([abs(_area(line)) for line in lines]))
     if given is None:
@@ -209,7 +228,7 @@ def _lines(domain: Domain, points: Array, given: ArrayLike | Sequence[ArrayLike]
         lines[outer] = _as_curve(given)  # pyright: ignore[reportArgumentType]
         return lines, outer
     if len(given) != len(lines):
-        raise ConditionError(f"The plan has {len(lines)} boundary loops; {len(given)} curves cannot be theirs.")
+        raise ConditionError(f"The plan has {len(lines)} boundary loops, so {len(given)} curves do not fit it.")
     return [_as_curve(line) for line in given], outer
 
 
@@ -224,7 +243,7 @@ def _are_lines(given: Sequence[ArrayLike]) -> bool:
 def _as_curve(given: ArrayLike) -> Array:
     line = as_numbers(given, "The points of the curve", ConditionError)
     if line.ndim != 2 or line.shape[1] not in (2, 3) or len(line) < 3 or not np.isfinite(line).all():
-        raise ConditionError("The curve must be three or more points (m, 3) that are finite numbers, in order.")
+        raise ConditionError("The curve must be three or more points (m, 3), finite numbers, in order.")
     if line.shape[1] == 2:
         line = np.column_stack([line, np.zeros(len(line))])
     return line if _area(line) > 0 else line[::-1]

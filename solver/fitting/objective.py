@@ -1,4 +1,4 @@
-"""The sum of the targets as a function of one vector: boundary normals, logarithm of the scale, shift."""
+"""The objective: the weighted sum of the targets as a function of boundary normals, log of the scale, and shift."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .target import Partials, Shape, Target
 
 Array = NDArray[np.float64]
 
-# Harmonic maps and gradients are found to this residual and accuracy while searching.
+# Residual of harmonic maps and relative accuracy of gradients during the search.
 _RESIDUAL = 1e-7
 _ACCURACY = 1e-6
 
@@ -35,8 +35,8 @@ class Placed:
 class Objective:
     """Values and gradients of the targets; the best placed state so far, and the history of values.
 
-    Boundary normals count with the root of the boundary length they stand for, so that the mesh does not matter; the
-    last four numbers of the vector are the scale and the shift.
+    Boundary normals are scaled by the root of their boundary length, so that the mesh does not matter; the last four
+    numbers of the vector are the logarithm of the scale and the shift.
     """
 
     def __init__(
@@ -71,15 +71,15 @@ class Objective:
 
     def place(self, x: Array) -> Placed:
         rim = normalize(x[:-4].reshape(-1, 3) / self.roots)
-        state = self.extension(rim, self._foreseen(rim), _RESIDUAL)
+        state = self.extension(rim, self._predicted(rim), _RESIDUAL)
         scale, shift = float(np.exp(x[-4])), x[-3:] * self.size
         points = scale * (state.g + self.side * state.N) + shift
         domain, fixed = self.extension.domain, self.extension.fixed
         shape = Shape(domain, fixed, points, state.N, self.size, scale * state.periods)
         return Placed(state, rim, scale, shift, shape)
 
-    def _foreseen(self, rim: Array) -> Array | None:
-        """Normals (V, 3) to start from: the best ones, and the change of the boundary spread over the domain."""
+    def _predicted(self, rim: Array) -> Array | None:
+        """Normals (V, 3) to start from: the best ones, plus the change of the boundary spread over the domain."""
         if self.best is None:
             return self.first
         return self.best.state.N + self.extension.spread(rim - self.best.rim)

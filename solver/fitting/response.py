@@ -1,11 +1,11 @@
-"""How a surface answers to its boundary normals, roughly and all at once: the model that speeds a search up.
+"""An approximate Jacobian of the surface with respect to its boundary normals.
 
-To leading order turning the boundary normals by v spreads harmonically and tangentially, dN = P E v with P the
-projection on the tangent planes at N, and dg follows from it as in `adjoint`, dg = G load'(N) dN with Green's function
-G of the Poisson equation. What is left out, mostly the term |dN|² of the sphere, matters for changes as long as the
-whole boundary only. The response of k points to n normals takes nine products of matrices (k, V) and (V, n).
+To leading order a turn v of the boundary normals spreads harmonically and tangentially, dN = P E v with P the
+projection on the tangent planes at N, and dg follows as in `adjoint`, dg = G load'(N) dN with Green's function G of the
+Poisson equation. The neglected terms, mostly |dN|² of the sphere, matter only for waves as long as the whole boundary.
+The response of k points to n normals takes nine products of matrices (k, V) and (V, n).
 
-Long boundaries are seen through hat functions between some of their vertices, the knots.
+On long boundaries the turns are sums of hat functions between some of the vertices, the knots.
 """
 
 from __future__ import annotations
@@ -23,24 +23,28 @@ from ..surface.adjoint import AdjointSolver, State
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
-# Knots along a boundary, and points whose response is known, at most: both matrices hold as many columns.
+# The largest number of knots along a boundary, and of points with a known response: the columns of both matrices.
 KNOTS = 160
 
 
 class Response:
-    """The knots of a domain's fixed boundary vertices, and what points do when the normals there turn."""
+    """The knots along a domain's fixed boundary vertices, and how points move when the normals there turn."""
 
     def __init__(self, extension: AdjointSolver) -> None:
         self.extension = extension
         self._green: dict[bytes, Array] = {}
 
+    def __reduce__(self) -> tuple[type[Response], tuple[AdjointSolver]]:
+        """Copies and pickles leave the matrices out; they are computed again on use."""
+        return Response, (self.extension,)
+
     def belongs(self, solver: HarmonicSolver, fixed: Int) -> bool:
-        """Whether it is the one of this solver with these vertices fixed."""
+        """Whether it belongs to this solver with these vertices fixed."""
         return self.extension.solver is solver and np.array_equal(self.extension.fixed, fixed)
 
     @cached_property
     def hats(self) -> sp.csr_array:
-        """(n, m) the hat functions of m knots at the n fixed vertices; every row sums up to one."""
+        """(n, m) the hat functions of m knots at the n fixed vertices; every row adds up to one."""
         return hats(self.extension.domain, self.extension.fixed, KNOTS)
 
     @cached_property
@@ -58,7 +62,7 @@ class Response:
         return self._green[key]
 
     def of_points(self, state: State, points: Int, side: float) -> Array:
-        """(k, 3, m, 3): the change of g + side · N at vertices (k,) with turns, vectors in space, at the knots."""
+        """(k, 3, m, 3): the derivative of g + side · N at vertices (k,) by turns, vectors in space, at the knots."""
         green, spread = self.green(points), self.spread
         tangent = np.eye(3) - state.N[:, :, None] * state.N[:, None, :]
         loads = self._loads(state.N)
@@ -84,7 +88,7 @@ class Response:
 def hats(domain: Domain, vertices: Int, limit: int) -> sp.csr_array:
     """(n, m) piecewise linear functions along the boundary loops at `vertices` (n,), sorted, with m <= limit knots.
 
-    Knots are every so many of the vertices of each loop, at least three; a gap between vertices counts as an edge.
+    Knots are evenly spaced among the vertices of each loop, at least three; a gap between vertices counts as an edge.
     """
     step = max(1, -(-len(vertices) // limit))
     place = np.full(domain.vertex_count, -1)

@@ -1,9 +1,9 @@
-"""How much a surface of constant mean curvature looks like a given one, whatever their sizes.
+"""Shape similarity: how much a CMC surface looks like a given one, regardless of size.
 
-The conjugate of a Gauss map N_φ that need not be harmonic obeys d(g + N) = 2 H_φ dφ, with the mean curvature H_φ of the
-surface φ itself. So a map that is near N_φ gives a sheet that is near φ only as far as H_φ is of one sign and even:
-where it changes sign the sheet folds, and from a saddle all over, whose H_φ is nearly zero, nothing is left of φ. Yet
-the Gauss map has to change only little for a sheet to look like φ, since there dN counts little in d(g + N).
+The conjugate of a Gauss map N_φ, harmonic or not, obeys d(g + N) = 2 H_φ dφ with the mean curvature H_φ of the surface
+φ itself. A map near N_φ therefore gives a sheet near φ only where H_φ is even and of one sign: where it changes sign
+the sheet folds, and nothing remains of a saddle, whose H_φ is almost zero everywhere. Yet a small change of the Gauss
+map makes the sheet look like φ, since dN counts little in d(g + N) there.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from .target import Curvature, Partials, Shape, Target
 Array = NDArray[np.float64]
 
 # Mean curvature, as a part of the root mean square of the principal curvatures, below which a surface counts as
-# minimal: smaller ones drown in the errors of the mesh, since f = (g + N) / 2H.
+# minimal: mesh errors hide smaller ones, since f = (g + N) / 2H.
 LEAST = 0.1
-# Waves along the rim for which the model of the curvature is right.
+# Waves along the rim for which the model of the curvature holds.
 _WAVES = 4
 
 
@@ -35,7 +35,7 @@ def dirichlet_matrix(domain: Domain) -> sp.csr_array:
 
 
 def cosine(L: sp.csr_array, u: Array, v: Array) -> float:
-    """Of the angle between du and dv, in L². For a surface and its normals: mean H over root mean square curvature."""
+    """Cosine of the angle between du and dv in L². For a surface and its normals: mean H over RMS curvature."""
     return inner(L @ u, v) / np.sqrt(inner(L @ u, u) * inner(L @ v, v))
 
 
@@ -84,8 +84,8 @@ def bending(domain: Domain, L: sp.csr_array, N: Array) -> tuple[float, Array]:
     """h² = ½ (1 + area / energy) of a map N into the sphere, and its derivative (V, 3).
 
     The area is counted with its sign. On a surface of mean curvature H h is H over the root mean square of its
-    principal curvatures: 1 on a sphere, √½ on a cylinder, 0 on a minimal surface. It tells from N alone what is left
-    of g + N.
+    principal curvatures: 1 on a sphere, √½ on a cylinder, 0 on a minimal surface. N alone decides how much
+    of g + N remains.
     """
     a, b, c = (N[domain.faces[:, k]] for k in range(3))
     area = 0.5 * inner(a, np.cross(b, c))

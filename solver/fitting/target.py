@@ -1,4 +1,4 @@
-"""What a shape is, and what a target of it is: a function to be minimised, with its derivatives."""
+"""The placed sheet of a fit, and its targets: functions to minimise, with their derivatives."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ Int = NDArray[np.integer]
 class Shape:
     """A sheet in the world: points and unit normals N (V, 3) of the harmonic map; `size`, a length to divide by.
 
-    rim: sorted boundary vertices whose normals may change; domain: of the plan. periods: (k, 3) by which the sheet
-    fails to close around the holes of the domain.
+    rim: sorted boundary vertices with free normals; domain: of the plan. periods: (k, 3) the gaps of the sheet
+    around the holes of the domain.
     """
 
     domain: Domain
@@ -48,7 +48,7 @@ class Partials:
         by_normals: Array | None = None,
         by_periods: Array | None = None,
     ) -> Partials:
-        """Those that are not given are zero."""
+        """Missing derivatives are zero."""
         return cls(
             value,
             np.zeros_like(shape.points) if by_points is None else by_points,
@@ -72,7 +72,7 @@ class Partials:
 
 @dataclass(frozen=True, eq=False)
 class Curvature:
-    """The second derivative of a target, roughly and never negative (Gauss, Newton): a sum of three kinds of squares.
+    """The Gauss–Newton second derivative of a target, never negative: a sum of three kinds of squares.
 
     vertices (k,), metrics (k, 3, 3): <d_i, M_i d_i> of moving points. stiffness: (V, V), of turning normals, each
     component alone. rows: residuals whose derivatives count squared.
@@ -89,7 +89,7 @@ class Target:
     """A value ½ |residual|², without units, of a shape.
 
     weight: a factor in the sum. `partials(shape)`: value and derivatives; `curvature(shape)`: the model of its second
-    derivative, which only speeds a search up; `distance(shape)`: how far, in words' units: a length where it is one,
+    derivative, which only speeds a search up; `distance(shape)`: how far from it, a length where it is one,
     else a pure number.
     """
 

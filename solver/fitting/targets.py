@@ -1,7 +1,6 @@
-"""What a surface shall be like, as functions to be minimised, each with its partial derivatives.
+"""The targets of a fit: functions to minimise, each with its partial derivatives.
 
-Targets are added up with weights by `fit`. One that is met exactly has the value zero, so that a few of them can all
-be met.
+`fit` adds them up with weights. A target that is met exactly has the value zero, so that several can be met at once.
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ from .target import Curvature, Partials, Shape, Target
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
-# Vertices at which the model of a whole surface looks.
+# Sample vertices for the curvature model of a whole surface.
 _SAMPLES = 200
 
 
@@ -96,8 +95,8 @@ class MinimalChange(Target):
 class RimOnCurve(Target):
     """½ mean squared distance of the rim from a curve, and of the curve from the rim, over the size squared.
 
-    From every rim vertex, weighted by the plan's rim, to its closest point on the curve, not point to point: the rim
-    may slide along. The way back keeps it from gathering on a part of the curve. With `free_heights` distances are
+    From every rim vertex, weighted by the plan's rim, to its closest point on the curve, so that the rim may slide
+    along it. The way back keeps the rim from gathering on a part of the curve. With `free_heights` distances are
     horizontal.
     vertices: (n,) along the rim, in order, closed.
     """
@@ -152,7 +151,7 @@ class RimOnCurve(Target):
 
 @dataclass(frozen=True, eq=False)
 class Anchors(Target):
-    """½ Σ |x_i - a_i|² / size² at vertices (n,), a: `places` (n, 3), counting the coordinates of `axes` only."""
+    """½ Σ |x_i - a_i|² / size² at vertices (n,), a: `places` (n, 3), in the coordinates of `axes` only."""
 
     vertices: Int
     places: Array
@@ -264,7 +263,7 @@ class NearSurface(Target):
         return Partials.of(shape, value, shares[:, None] * miss / shape.size**2)
 
     def curvature(self, shape: Shape) -> Curvature:
-        """At some of the vertices, across the surface: along it they slide."""
+        """At sample vertices, across the surface; along it they slide."""
         domain = shape.domain
         some = np.arange(0, domain.vertex_count, max(1, domain.vertex_count // _SAMPLES))
         shares = domain.vertex_areas[some] / domain.vertex_areas[some].sum() / shape.size**2
@@ -278,7 +277,7 @@ class NearSurface(Target):
 
 @dataclass(frozen=True, eq=False)
 class Closed(Target):
-    """½ Σ |period|² / size²: around the holes of the domain the surface shall close."""
+    """½ Σ |period|² / size²: the surface closes around the holes of the domain."""
 
     label = "period"
 
@@ -297,7 +296,7 @@ class Closed(Target):
 
 @dataclass(frozen=True, eq=False)
 class TiltBounds(Target):
-    """½ ∮ (how far <N₀, up> lies outside of [sin least, sin most])² along the boundary of length one.
+    """½ ∮ (distance of <N₀, up> from [sin least, sin most])² along the boundary of length one.
 
     least, most: radians, of the tilt of the tangent planes along the rim: 0 a vertical wall, ½ π flat (the angle of
     `conditions.binormal` on a level plan). up: (3,).
@@ -321,7 +320,7 @@ class TiltBounds(Target):
         return Curvature(stiffness=_diagonal(shares))
 
     def distance(self, shape: Shape) -> float:
-        """The largest angle by which a tilt lies outside, radians."""
+        """The largest angle of a tilt outside the bounds, radians."""
         tilt = np.arcsin(np.clip(self._rise(shape), -1.0, 1.0))
         return float(np.abs(tilt - np.clip(tilt, self.least, self.most)).max())
 

@@ -1,4 +1,4 @@
-"""The [close] table of a job: what may change so that the shell closes around the holes of its plan."""
+"""The [close] table of a job: what may change to close the shell around the holes of its plan."""
 
 from __future__ import annotations
 
@@ -8,17 +8,15 @@ from ..shells.close import MOVING, WAYS, ClosingOptions
 from .tables import Table, suggestion
 
 KEYS = ("by", "weight", "move", "holes", "max_steps")
-# Keys that go with some of the ways only.
+# Keys that go with these ways only.
 _FOR = {"weight": ("both",), "move": MOVING, "holes": MOVING}
 
 
-def read_close(root: Table) -> ClosingOptions | None:
-    """How a job's [close] wants its shell closed, None without one. Raises `JobError`."""
-    if "close" not in root:
-        return None
+def read_close(root: Table) -> ClosingOptions:
+    """The options of a job's [close]. Raises `JobError`."""
     table = root.table("close")
     if "fit" in root:
-        raise table.fail("a shell that is fitted is closed by the fit; take [fit] or [close] out.")
+        raise table.fail("a fit closes its shell by itself; take [fit] or [close] out.")
     table.known.extend(KEYS)
     by = table.text("by", "normals", among=list(WAYS))
     for key, ways in _FOR.items():

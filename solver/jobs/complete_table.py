@@ -1,4 +1,4 @@
-"""The [complete] table of a job: across which groups the shell goes on, how far, and what is written of it."""
+"""The [complete] table of a job: the copies of the shell across its groups, and the files to write."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ KEYS = ("sides", "copies", "box", "around", "repeat", "mesh", "instances")
 
 
 @dataclass(frozen=True, eq=False)
-class Completing:
-    """What a job wants of the completed shell: which copies, and the files (None: not wanted)."""
+class CompleteOptions:
+    """The copies of a completed shell, and its files (None: do not write)."""
 
-    extent: CopySelection
+    copies: CopySelection
     mesh: Path | None = None
     instances: Path | None = None
 
@@ -35,26 +35,24 @@ class Completing:
         return {name: file for name, file in named.items() if file is not None}
 
 
-def read_complete(root: Table, groups: Sequence[Group], folder: Path) -> Completing | None:
-    """What a job's [complete] asks for, None without one. Raises `JobError`."""
-    if "complete" not in root:
-        return None
+def read_complete(root: Table, groups: Sequence[Group], folder: Path) -> CompleteOptions:
+    """The options of a job's [complete]. Raises `JobError`."""
     table = root.table("complete")
     if "fit" in root:
-        raise table.fail("a shell that is fitted has no sides to go on across; take [fit] or [complete] out.")
+        raise table.fail("a fitted shell has no sides to continue across; take [fit] or [complete] out.")
     table.known.extend(KEYS)
     if ("mesh" in table) + ("instances" in table) == 0:
-        raise table.fail('say what to write: "mesh" for one welded mesh, "instances" for a list of transforms.')
-    completing = Completing(
-        _extent(table, groups),
+        raise table.fail('name a file: "mesh" for one welded mesh, "instances" for a list of transforms.')
+    options = CompleteOptions(
+        _copies(table, groups),
         _file(table, "mesh", folder, FORMATS),
         _file(table, "instances", folder, (".json",)),
     )
     table.finish()
-    return completing
+    return options
 
 
-def _extent(table: Table, groups: Sequence[Group]) -> CopySelection:
+def _copies(table: Table, groups: Sequence[Group]) -> CopySelection:
     chosen = [key for key in ("copies", "box", "around") if key in table]
     if len(chosen) > 1:
         raise table.fail(f"give one of copies, box and around, not {' and '.join(chosen)}.")
@@ -75,7 +73,7 @@ def _extent(table: Table, groups: Sequence[Group]) -> CopySelection:
 
 
 def _group_names(table: Table, key: str, names: Sequence[str], groups: Sequence[Group]) -> list[str]:
-    """Names as the conditions have them: "side left" may be called "left"."""
+    """Names as the conditions have them; "left" means "side left"."""
     full = {group.name: group.name for group in groups}
     known = {name.split(" ", 1)[-1]: name for name in full} | full
     for name in names:

@@ -1,7 +1,9 @@
-"""The [fit] table of a job: what the shell shall come near to."""
+"""The [fit] table of a job: the outline, anchors or mesh that the shell comes near to."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -9,60 +11,44 @@ from numpy.typing import NDArray
 
 from ..domain.domain import Domain
 from ..errors import ConditionError
-from ..fitting.goals import HEIGHT_PARAMETERS
-from ..shells.fit import Anchors, Goal
+from ..fitting.gauss_map import GaussMapOptions
+from ..fitting.goals import HEIGHT_PARAMETERS, OutlineOptions
+from ..shells.fit import FitOptions
 from ..shells.rim_curves import check_count, read_curves
 from ..surface.cmc_surface import SHEETS
 from .tables import Table
 
 Array = NDArray[np.float64]
-
-ANCHOR_KEYS = ("vertex", "vertices", "place", "places", "weight")
-KEYS = (
-    *("outline", "anchors", *HEIGHT_PARAMETERS, "free_heights", "tilt", "smooth", "sheet"),
-    *("approximate", "regularisation", "near", "max_evaluations"),
-)
-# Keys that go with "approximate", and what takes their place elsewhere.
-_APPROXIMATE = {"regularisation": 'the rim of an outline has "smooth"', "near": "an outline says where the shell is"}
-# What a fit finds by itself.
-_FOUND = ("conditions", "default", "size", "solver")
+Anchors = tuple[NDArray[np.integer], Array, Array]
+Readers = dict[str, Callable[[Table, str], object]]
 
 
-def read_fit(root: Table, domain: Domain, folder: Path, up: str | None) -> Goal | None:
-    """The wish of a job's [fit], None without one. Raises `JobError`."""
-    if "fit" not in root:
-        return None
+def read_fit(root: Table, domain: Domain, folder: Path, up: str | None) -> FitOptions:
+    """The options of a job's [fit]. Raises `JobError`."""
     table = root.table("fit")
-    found = [key for key in _FOUND if key in root]
-    if found:
-        raise table.fail(f"a fit finds the conditions, size and place by itself; take {' and '.join(found)} out.")
-    limit = _positive_integer(table, "max_evaluations") if "max_evaluations" in table else None
+    given = [key for key in _RESULTS if key in root]
+    if given:
+        raise table.fail(f"a fit finds the conditions, size and place by itself; take {' and '.join(given)} out.")
     table.known.extend(KEYS)
     if table.flag("approximate"):
-        wish = _approximation(table, limit)
+        options = _approximation(table)
     else:
-        for key, instead in _APPROXIMATE.items():
+        for key, instead in _INSTEAD.items():
             if key in table:
                 raise table.fail(f'"{key}" goes with "approximate"; {instead}.')
-        wish = _outline(table, domain, folder, up, limit)
+        options = _outline(table, domain, folder, up)
     table.finish()
-    return wish
+    return options
 
 
-def _approximation(table: Table, limit: int | None) -> Goal:
-    kept = ("approximate", *_APPROXIMATE, "max_evaluations")
-    others = [key for key in table.data if key in KEYS and key not in kept]
+def _approximation(table: Table) -> GaussMapOptions:
+    others = [key for key in table.data if key in KEYS and key not in ("approximate", *_APPROXIMATE)]
     if others:
-        raise table.fail(f'a mesh that is approximated leaves no choice of "{others[0]}"; take it out.')
-    return Goal(
-        approximate=True,
-        regularisation=_weight(table, "regularisation", 1e-3),
-        near=_weight(table, "near", 0.0),
-        max_evaluations=limit,
-    )
+        raise table.fail(f'an approximated mesh leaves no choice of "{others[0]}"; take it out.')
+    return GaussMapOptions(**_values(table, _APPROXIMATE))
 
 
-def _outline(table: Table, domain: Domain, folder: Path, up: str | None, limit: int | None) -> Goal:
+def _outline(table: Table, domain: Domain, folder: Path, up: str | None) -> OutlineOptions:
     anchors = _anchors(table, domain)
     height_parameters = [name for name in HEIGHT_PARAMETERS if name in table]
     if len(height_parameters) > 1:
@@ -79,30 +65,24 @@ def _outline(table: Table, domain: Domain, folder: Path, up: str | None, limit: 
             raise table.fail(f"{drawn}: {error}") from error
     elif not drawn and anchors is None:
         raise table.fail('there is nothing to fit to: give "outline", "approximate" or [[fit.anchors]].')
-    return Goal(
-        on_curve=bool(drawn),
-        curves=curves,
-        height_parameter=height_parameters[0] if height_parameters else None,
-        value=_positive(table, height_parameters[0]) if height_parameters else 0.0,
-        free_heights=table.flag("free_heights"),
-        anchors=anchors,
-        tilt=_tilt(table) if "tilt" in table else None,
-        smooth=_weight(table, "smooth", 1e-7),
-        sheet=table.text("sheet", "f+", among=SHEETS),
-        max_evaluations=limit,
-    )
+    return OutlineOptions(curve=curves, on_curve=bool(drawn), anchors=anchors, **_values(table, _OUTLINE))
 
 
-def _tilt(table: Table) -> tuple[float, float]:
+def _values(table: Table, readers: Readers) -> dict:
+    """The keys that the table has; the others are left to their defaults."""
+    return {key: read(table, key) for key, read in readers.items() if key in table}
+
+
+def _tilt(table: Table, key: str) -> tuple[float, float]:
     """The least and the greatest tilt of the rim, in radians."""
-    least, most = table.vector("tilt", (0.0, 0.0))
+    least, most = table.vector(key, (0.0, 0.0))
     if not -90.0 <= least < most <= 90.0:
-        raise table.fail(f'"tilt" must be two angles from -90 to 90, the smaller one first, not [{least:g}, {most:g}].')
-    return float(np.radians(least)), float(np.radians(most))
+        raise table.fail(f'"{key}" must be two angles from -90 to 90, smaller one first, not [{least:g}, {most:g}].')
+    return table.radians(key, least), table.radians(key, most)
 
 
 def _anchors(table: Table, domain: Domain) -> Anchors | None:
-    """All [[fit.anchors]], one after the other: vertices (k,), places (k, 3), weights (k,)."""
+    """All [[fit.anchors]] in a row: vertices (k,), places (k, 3), weights (k,)."""
     parts = [_anchor(anchor, domain) for anchor in table.tables("anchors")]
     if not parts:
         return None
@@ -119,7 +99,7 @@ def _anchor(table: Table, domain: Domain) -> Anchors:
     if all(one):
         vertices, places = [table.integer("vertex")], np.array([table.vector("place", (0.0, 0.0, 0.0))])
     else:
-        vertices, places = _integers(table, "vertices"), table.rows("places", 3, "places, [[0, 0, 0]]")
+        vertices, places = _vertices(table, "vertices"), table.rows("places", 3, "places, [[0, 0, 0]]")
     if len(vertices) != len(places):
         raise table.fail(f"{len(vertices)} vertices cannot be at {len(places)} places.")
     wrong = [vertex for vertex in vertices if not 0 <= vertex < domain.vertex_count]
@@ -131,7 +111,7 @@ def _anchor(table: Table, domain: Domain) -> Anchors:
     return np.array(vertices), places, np.full(len(vertices), weight)
 
 
-def _integers(table: Table, key: str) -> list[int]:
+def _vertices(table: Table, key: str) -> list[int]:
     values = table.data[key]
     if not isinstance(values, list) or not all(type(value) is int for value in values) or not values:
         raise table.fail(f'"{key}" must be a list of vertices, [0, 1, 2].')
@@ -152,8 +132,25 @@ def _positive(table: Table, key: str, default: float = 0.0) -> float:
     return value
 
 
-def _weight(table: Table, key: str, default: float) -> float:
-    value = table.number(key, default)
+def _weight(table: Table, key: str) -> float:
+    value = table.number(key)
     if value < 0.0:
         raise table.fail(f'"{key}" must be zero or more, not {value:g}.')
     return value
+
+
+_OUTLINE: Readers = {
+    **dict.fromkeys(HEIGHT_PARAMETERS, _positive),
+    "free_heights": Table.flag,
+    "tilt": _tilt,
+    "smooth": _weight,
+    "sheet": partial(Table.text, among=SHEETS),
+    "max_evaluations": _positive_integer,
+}
+_APPROXIMATE: Readers = {"regularisation": _weight, "near": _weight, "max_evaluations": _positive_integer}
+KEYS = tuple(dict.fromkeys(("outline", "anchors", "approximate", *_OUTLINE, *_APPROXIMATE)))
+ANCHOR_KEYS = ("vertex", "vertices", "place", "places", "weight")
+# Keys that go with "approximate" only, and what an outline has in their place.
+_INSTEAD = {"regularisation": 'the rim of an outline has "smooth"', "near": "an outline says where the shell is"}
+# Tables whose content is the result of a fit.
+_RESULTS = ("conditions", "default", "size", "solver")

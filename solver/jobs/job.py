@@ -9,7 +9,7 @@ import inspect
 import os
 import tomllib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -19,16 +19,15 @@ import numpy as np
 from ..catalogue import shapes
 from ..domain.domain import Domain
 from ..domain.sites import SITES
-from ..errors import CmcError, ConditionError, JobError
+from ..errors import CmcError, ConditionError, JobError, Progress
 from ..gauss.conditions import KINDS, Parameter
 from ..gauss.energies import ENERGIES, energy_on
 from ..gauss.methods import METHODS
 from ..io.mesh_files import FORMATS, read_mesh
 from ..io.obj import MeshData
-from ..io.polygons import triangulate_polygons
 from ..shells.close import ClosingOptions, close_plan, closing_report
 from ..shells.complete import Completed, complete_plan
-from ..shells.fit import Goal, fit_plan
+from ..shells.fit import FitOptions, fit_plan
 from ..shells.form import form
 from ..shells.gaps import hole_gaps
 from ..shells.plan import SHELLS, Group, Plan, Settings, plan_conditions, plan_domain, usual_sheet
@@ -37,7 +36,7 @@ from ..surface.averaging import AVERAGINGS
 from ..surface.cmc_surface import COMBINATORICS, SHEETS
 from ..surface.placement import GROUNDS, SIZES
 from .close_table import read_close
-from .complete_table import Completing, read_complete
+from .complete_table import CompleteOptions, read_complete
 from .fit_table import read_fit
 from .outputs import SHEET_KEYS, completed_report, write_completed, write_results
 from .selection import Pairs, select
@@ -47,17 +46,17 @@ from .tables import Table, suggestion
 EXAMPLE = """\
 mesh = "plan.obj"        # OBJ, PLY, STL or GLB; or a [shape] with kind = "disc", n = 2000
 
-[[conditions]]           # on edges in no condition: kind = "binormal", tilt = 0, or what [default] says
+[[conditions]]           # edges without a condition get kind = "binormal", tilt = 0, or the one of [default]
 group = "supports"       # a polyline group of the OBJ, or the rim of the faces in a group or material;
                          # or loop = 0, side = "top" (of a shape), edges = [[0, 1]], vertices = [0, 1, 2]
 kind = "binormal"        # or "plane", "mirror" (normal), "twisted" (m), "gauss_map", "free"
 tilt = 20                # degrees: 0 is a vertical rim, 90 flat
 
-[size]                   # without it, the shell is brought nearest the drawn outline
+[size]                   # without it, the size that fits the drawn outline best
 span = 12.0              # or rise, radius (1/H), mean_curvature
 ground = "lowest"        # or "rim"; also rotate, flip = true, sheet = "f-"
 
-# [fit]                  # instead of conditions and a size: the shell whose rim lies on the outline
+# [fit]                  # in place of conditions and a size: the shell whose rim lies on the outline
 # outline = true         # or a closed polyline, "curve.obj"; or approximate = true: the shell nearest to the mesh
 # rise = 0.35            # or height, volume, mean_curvature
 
@@ -70,7 +69,7 @@ ground = "lowest"        # or "rim"; also rotate, flip = true, sheet = "f-"
 
 [output]
 f_plus = "shell.obj"     # also f_minus, g, gauss; .obj keeps polygons, UVs and materials
-                         # combinatorics = "dual" or "corner" for other polygons than the plan's
+                         # combinatorics = "dual" or "corner": other polygons than the plan's
 report = "report.json"
 """
 
@@ -83,14 +82,13 @@ SHAPES: dict[str, Callable[..., shapes.Shape]] = {
 }
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, repr=False)
 class Job:
-    """A job that has been read and checked: what to solve, and where to write it.
+    """A job file, read and checked: a plan, its settings, and the files to write.
 
-    mesh: what was drawn, with all it carries. outputs: sheet ("f+", "f-", "g", "gauss") or "report" → file.
-    up: the up axis of the mesh files, None for each format's own. wish: what the shell is fitted to, None where it
-    is solved for from conditions. closure: how it is closed around the holes of the plan, if it shall be. completing:
-    what is wanted of the shell completed by its symmetries, if anything.
+    mesh: the drawn mesh, with its UVs, groups and materials. outputs: sheet ("f+", "f-", "g", "gauss") or "report" →
+    file. up: the up axis of the mesh files, None for each format's own. fit, close, complete: the options of these
+    tables, None without the table. warnings: likely mistakes in the file; they join the shell's.
     """
 
     path: Path
@@ -99,87 +97,92 @@ class Job:
     mesh: MeshData
     outputs: dict[str, Path]
     up: str | None = None
-    wish: Goal | None = None
-    completing: Completing | None = None
-    closure: ClosingOptions | None = None
+    fit: FitOptions | None = None
+    close: ClosingOptions | None = None
+    complete: CompleteOptions | None = None
+    warnings: list[str] = field(default_factory=list)
+
+    def __repr__(self) -> str:
+        tables = "".join(f", [{name}]" for name in ("fit", "close", "complete") if getattr(self, name) is not None)
+        return f"Job({self.path.name}: {self.plan!r}, {self.settings!r}{tables})"
 
     @property
     def files(self) -> dict[str, Path]:
         """Name of a result → the file it is written to."""
-        return self.outputs | ({} if self.completing is None else self.completing.files)
+        return self.outputs | ({} if self.complete is None else self.complete.files)
 
 
 def load_job(path: str | os.PathLike[str]) -> Job:
-    """Read a job file and the mesh it names, and check that they make a plan with conditions.
+    """Read a job file and its mesh, and check that they make a plan with conditions.
 
-    Raises `CmcError` saying what is wrong and where: `JobError` for the job, `MeshError` and `ConditionError`
-    for what is in the mesh.
+    Raises `CmcError` that names the mistake and its place: `JobError` in the job, `MeshError` and `ConditionError` in
+    the mesh.
     """
     file = Path(path)
     return make_job(_parse(file), file)
 
 
 def make_job(data: Mapping[str, object], file: Path) -> Job:
-    """A job from the tables of a job file, which stands (or might stand) at `file`; raises as `load_job`."""
+    """A job from the tables of a job file at `file`, which need not exist; raises as `load_job`."""
     root = Table(dict(data), str(file))
     mesh, sides, up = _read_plan(root, file.parent)
-    triangles, owner = triangulate_polygons(mesh.positions, mesh.polygons)
-    plan = Plan(mesh.positions, triangles, mesh.polygons, triangle_polygons=owner)
-    read_start_key(root, plan, file.parent)
+    plan = Plan.from_mesh(mesh)
+    if "start" in root:
+        read_start_key(root, plan, file.parent)
     domain = plan_domain(plan)
-    wish = read_fit(root, domain, file.parent, up)
+    fit = read_fit(root, domain, file.parent, up) if "fit" in root else None
     plan.groups = [_group(table, domain, mesh, sides) for table in root.tables("conditions")]
     plan.flipped_corners = _flipped_corners(root.table("default"), domain)
     output = root.table("output")
     settings = _settings(root, output.text("combinatorics", "primal", among=list(COMBINATORICS)))
     outputs = _outputs(output, file.parent)
-    completing = read_complete(root, plan.groups, file.parent)
-    closure = read_close(root)
+    complete = read_complete(root, plan.groups, file.parent) if "complete" in root else None
+    close = read_close(root) if "close" in root else None
+    root.known += ["fit", "close", "complete", "start"]
     root.finish()
-    if wish is None:
+    if fit is None:
         plan_conditions(plan, settings, domain)
-    return Job(file, plan, settings, mesh, outputs, up, wish, completing, closure)
+    return Job(file, plan, settings, mesh, outputs, up, fit, close, complete, root.notes)
 
 
-def run_job(job: Job, progress: Callable[[int, float], bool | None] | None = None) -> Shell:
-    """Solve a job, close or fit its shell, and write its files; raises `CmcError` where that is not possible."""
-    shell, plan, reported = _shell(job, progress)
+def run_job(job: Job, progress: Progress | None = None) -> Shell:
+    """Solve, close or fit the shell of a job, and write its files; raises `CmcError` where that fails."""
+    shell, plan, more = _shell(job, progress)
     completed, failure = _completed(job, plan, shell)
     if completed is not None:
-        reported["completed"] = completed_report(completed)
+        more["completed"] = completed_report(completed)
     combinatorics = job.settings.combinatorics
-    write_results(shell, plan, job.mesh, job.outputs, up=job.up, combinatorics=combinatorics, more=reported)
+    write_results(shell, plan, job.mesh, job.outputs, up=job.up, combinatorics=combinatorics, more=more)
     if failure is not None:
         raise failure
-    if completed is not None and job.completing is not None:
-        write_completed(completed, job.completing, plan, job.mesh, job.up)
+    if completed is not None and job.complete is not None:
+        write_completed(completed, job.complete, plan, job.mesh, job.up)
     return shell
 
 
-def _shell(job: Job, progress: Callable[[int, float], bool | None] | None) -> tuple[Shell, Plan, dict[str, Any]]:
-    """The shell, the plan it is over, whose holes may have moved, and what the report says besides."""
-    plan, reported = job.plan, {}
-    if job.wish is not None:
-        shell = fit_plan(plan, job.wish, progress=progress)
-    elif job.closure is not None:
-        closed = close_plan(plan, job.settings, job.closure, progress=progress)
+def _shell(job: Job, progress: Progress | None) -> tuple[Shell, Plan, dict[str, Any]]:
+    """The shell, its plan, whose holes may have moved, and further tables of the report."""
+    plan, more = job.plan, {}
+    if job.fit is not None:
+        shell = fit_plan(plan, job.fit, progress=progress)
+    elif job.close is not None:
+        closed = close_plan(plan, job.settings, job.close, progress=progress)
         shell, plan = closed.shell, closed.plan
-        reported["closing"] = closing_report(closed)
+        more["closing"] = closing_report(closed)
     else:
         shell = form(plan, job.settings, progress=progress)
-    gaps = hole_gaps(shell)
-    if gaps:
-        reported["holes"] = [gap.to_dict() for gap in gaps]
-    return shell, plan, reported
+    if len(shell.surface.periods):
+        more["holes"] = [gap.to_dict() for gap in hole_gaps(shell)]
+    return replace(shell, warnings=[*job.warnings, *shell.warnings]), plan, more
 
 
 def _completed(job: Job, plan: Plan, shell: Shell) -> tuple[Completed | None, CmcError | None]:
-    """The completed shell if one is wanted, welded; or why there is none, which is told after the shell is written."""
-    if job.completing is None:
+    """The completed shell of a [complete], welded; or the error to raise once the shell itself is written."""
+    if job.complete is None:
         return None, None
     try:
-        completed = complete_plan(plan, shell, job.completing.extent, job.settings.sheet)
-        len(completed.points)
+        completed = complete_plan(plan, shell, job.complete.copies, job.settings.sheet)
+        len(completed.points)  # welds
     except CmcError as error:
         return None, error
     return completed, None
@@ -270,14 +273,14 @@ def _parameter(table: Table, parameter: Parameter) -> float | tuple[float, ...]:
     if isinstance(parameter.default, tuple):
         return table.vector(parameter.name, parameter.default)
     value = table.number(parameter.name, parameter.default)
-    return float(np.radians(value)) if parameter.unit == "radians" else value
+    return table.radians(parameter.name, value) if parameter.unit == "radians" else value
 
 
 def _settings(root: Table, combinatorics: str) -> Settings:
     default, size, solver = root.table("default"), root.table("size"), root.table("solver")
     values: dict[str, object] = {"combinatorics": combinatorics}
     values["default_kind"] = default.text("kind", "binormal", among=list(KINDS))
-    values["default_tilt"] = float(np.radians(default.number("tilt")))
+    values["default_tilt"] = default.angle("tilt")
     values["blend"] = default.number("blend")
     default.known.append("flipped_corners")
     default.finish()
@@ -314,12 +317,12 @@ def _solver_settings(table: Table) -> dict[str, object]:
         "shell": partial(Table.text, among=list(SHELLS)),
         "count_modes": Table.flag,
     }
-    assert set(readers) <= {field.name for field in fields(Settings)}
+    assert set(readers) <= {option.name for option in fields(Settings)}
     values = {name: read(table, name) for name, read in readers.items() if name in table}
     table.known.extend(readers)
     table.finish()
     if "degree" in values and values.get("shell", "first") != "first":
-        raise table.fail('"degree" already says which shell is meant; leave it out, or "shell".')
+        raise table.fail('"degree" already chooses the shell; leave it out, or "shell".')
     try:
         energy_on(str(values.get("energy", "cotan")), str(values.get("sites", "vertices")))
     except ConditionError as error:

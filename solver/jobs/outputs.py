@@ -1,4 +1,4 @@
-"""The files a solved job leaves: the sheets as meshes, with what the plan's mesh carries, and the report."""
+"""The files of a job: the sheets as meshes, with UVs, groups and materials of the plan, the copies, the report."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ..shells.complete import Completed
 from ..shells.plan import Plan
 from ..shells.polygon_sheets import PolygonSheet, polygon_sheet
 from ..shells.shell import Shell, sheet_polygons
-from .complete_table import Completing
+from .complete_table import CompleteOptions
 
 SHEET_KEYS = {"f_plus": "f+", "f_minus": "f-", "g": "g", "gauss": "gauss"}
 """Key of a file in a job → name of the sheet."""
@@ -27,10 +27,9 @@ SHEET_KEYS = {"f_plus": "f+", "f_minus": "f-", "g": "g", "gauss": "gauss"}
 def sheet_mesh(shell: Shell, sheet: str, plan: Plan, mesh: MeshData, *, triangles: bool = False) -> MeshData:
     """A placed sheet with the polygons, UVs, groups and materials of the plan's mesh.
 
-    A polygon that the cut of an open surface runs through is there as triangles; edge groups are kept
-    unless the surface is cut. `triangles` gives the plan's triangles instead, since a
-    sheet that folds has polygons no other triangles fit. Raises `JobError` where the sheet degenerates to a
-    point.
+    A polygon that the cut of an open surface runs through falls into triangles; edge groups are kept unless the surface
+    is cut. triangles: the plan's triangles instead, since no other triangles fit the polygons of a sheet that folds.
+    Raises `JobError` where the sheet degenerates to a point.
     """
     _check_placed(shell, sheet)
     assert plan.polygons is not None and plan.triangle_polygons is not None
@@ -60,9 +59,9 @@ def sheet_mesh(shell: Shell, sheet: str, plan: Plan, mesh: MeshData, *, triangle
 
 
 def polygon_mesh(sheet: PolygonSheet, plan: Plan, mesh: MeshData) -> MeshData:
-    """A dual or corner mesh with the UVs, objects, groups and materials of the plan's mesh, as far as they have any.
+    """A dual or corner mesh with the UVs, objects, groups and materials of the plan's mesh.
 
-    Every row has one UV, interpolated in its triangle; a polygon with a row that has none is without.
+    Every vertex has one UV, interpolated in its triangle; a polygon with a vertex that has none gets none.
     """
     assert plan.triangle_polygons is not None
     owners = sheet.owners(plan.triangles, plan.triangle_polygons).tolist()
@@ -89,18 +88,18 @@ def _check_placed(shell: Shell, sheet: str) -> None:
 
 
 def report_data(shell: Shell) -> dict[str, Any]:
-    """The report as to_plain data, with the message and the warnings, and for a fit how near it came."""
+    """The report as plain data, with the message and the warnings, and for a fit how near it came."""
     data = {"message": shell.message, "warnings": shell.warnings, **shell.report.to_dict()}
     if shell.fit is None:
         return data
-    found = shell.fit
+    fit = shell.fit
     return data | {
         "fit": {
-            "met": found.met,
-            "status": found.status.value,
-            "message": found.message,
-            "distances": to_plain(found.distances),
-            "evaluations": len(found.history),
+            "met": fit.is_met,
+            "status": fit.status.value,
+            "message": fit.message,
+            "distances": to_plain(fit.distances),
+            "evaluations": len(fit.history),
         }
     }
 
@@ -115,7 +114,7 @@ def write_results(
     combinatorics: str = "primal",
     more: Mapping[str, Any] | None = None,
 ) -> None:
-    """Write each of `outputs`, sheet or "report" → file; the report first: it says why a sheet is missing.
+    """Write each of `outputs`, sheet or "report" → file; the report first, since it says why a sheet is missing.
 
     combinatorics: of `COMBINATORICS`, the polygons of the sheets. more: tables to add to the report.
     """
@@ -135,22 +134,22 @@ def write_results(
 
 
 def write_completed(
-    completed: Completed, wanted: Completing, plan: Plan, mesh: MeshData, up: str | None = None
+    completed: Completed, options: CompleteOptions, plan: Plan, mesh: MeshData, up: str | None = None
 ) -> None:
-    """Write what is wanted; instances are a list in JSON, with the pieces as OBJ files beside it."""
-    if wanted.mesh is not None:
-        data = completed_mesh(completed, plan, mesh, triangles=wanted.mesh.suffix.lower() != ".obj")
-        write_mesh(wanted.mesh, data, normals=completed.normals, up=up)
-    if wanted.instances is not None:
-        _write_instances(completed, wanted.instances, plan, mesh, up)
+    """Write the welded mesh and the instances, a list in JSON with the pieces as OBJ files beside it."""
+    if options.mesh is not None:
+        data = completed_mesh(completed, plan, mesh, triangles=options.mesh.suffix.lower() != ".obj")
+        write_mesh(options.mesh, data, normals=completed.normals, up=up)
+    if options.instances is not None:
+        _write_instances(completed, options.instances, plan, mesh, up)
 
 
 def completed_report(completed: Completed, *, welded: bool = True) -> dict[str, Any]:
-    """What there is to know about the copies, as to_plain data; lengths are those of the placed shell.
+    """The report on the copies as plain data; lengths are those of the placed shell.
 
-    welded: False leaves out what is known of the welded mesh only, which then is not made.
+    welded=False leaves out the numbers of the welded mesh, and does not make it.
     """
-    reported = {
+    numbers = {
         "copies": completed.copy_count,
         "sheets": {name: completed.sheets.count(name) for name in sorted(set(completed.sheets))},
         "triangles": completed.face_count,
@@ -161,8 +160,8 @@ def completed_report(completed: Completed, *, welded: bool = True) -> dict[str, 
     }
     if welded:
         mesh = completed.completion.mesh
-        reported |= {"vertices": len(mesh.vertices), "is_closed": mesh.is_closed}
-    return reported
+        numbers |= {"vertices": len(mesh.vertices), "is_closed": mesh.is_closed}
+    return numbers
 
 
 def completed_mesh(completed: Completed, plan: Plan, mesh: MeshData, *, triangles: bool = False) -> MeshData:
@@ -171,13 +170,13 @@ def completed_mesh(completed: Completed, plan: Plan, mesh: MeshData, *, triangle
     lists = polygons.lists()
     uv_corners = []
     if mesh.uv_corners:
-        rows = np.split(polygons.rows, polygons.starts[1:-1])
+        rows = np.split(polygons.cut_vertices, polygons.starts[1:-1])
         source = completed.shell.source
         for index, corners in zip(polygons.faces.tolist(), rows, strict=True):
             drawn = mesh.uv_corners[index]
             row_of = dict(zip(mesh.polygons[index].tolist(), drawn.tolist(), strict=False))
-            found = [row_of[vertex] for vertex in source[corners].tolist()] if len(drawn) else []
-            uv_corners.append(np.array(found, dtype=np.int32))
+            copied = [row_of[vertex] for vertex in source[corners].tolist()] if len(drawn) else []
+            uv_corners.append(np.array(copied, dtype=np.int32))
     names = {
         key: [values[index] for index in polygons.faces.tolist()] if (values := getattr(mesh, key)) else []
         for key in ("objects", "groups", "materials")
@@ -194,7 +193,7 @@ def _write_instances(completed: Completed, file: Path, plan: Plan, mesh: MeshDat
         data = sheet_mesh(completed.shell, name, plan, mesh)
         points = replace(data, positions=completed.piece(name))
         write_mesh(path, points, normals=completed.shell.normals[name], up=up)
-    reported = {
+    instances = {
         "pieces": {name: path.name for name, path in pieces.items()},
         "lattice": to_plain(completed.lattice),
         "instances": [
@@ -202,4 +201,4 @@ def _write_instances(completed: Completed, file: Path, plan: Plan, mesh: MeshDat
             for name, matrix in zip(completed.sheets, completed.transforms, strict=True)
         ],
     }
-    write_bytes(file, (json.dumps(reported, ensure_ascii=False, allow_nan=False) + "\n").encode())
+    write_bytes(file, (json.dumps(instances, ensure_ascii=False, allow_nan=False) + "\n").encode())

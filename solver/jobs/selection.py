@@ -1,4 +1,4 @@
-"""Which boundary edges a condition of a job speaks of: a loop, a side, a named group, or a list."""
+"""The boundary edges of a job's condition: a loop, a side, a named group, or a list."""
 
 from __future__ import annotations
 
@@ -17,15 +17,14 @@ WAYS = ("loop", "side", "group", "edges", "vertices")
 def select(table: Table, domain: Domain, mesh: MeshData, sides: dict[str, Pairs]) -> tuple[str, Pairs]:
     """Name and edges (K, 2), vertex pairs, of a condition's table, which must have one of `WAYS`.
 
-    loop: number of a boundary loop, the longest one being 0. side: a side of a shape. group: a polyline
-    group of the mesh file, else the boundary edges of the faces in a group, object or material of that
-    name. edges: vertex pairs. vertices: the boundary edges both of whose ends are listed. Raises
-    `JobError`.
+    loop: number of a boundary loop, the longest one is 0. side: a side of a shape. group: a polyline group of the mesh
+    file, else the boundary edges of the faces in a group, object or material of that name. edges: vertex pairs.
+    vertices: the boundary edges with both ends in the list. Raises `JobError`.
     """
     given = [way for way in WAYS if way in table]
     if len(given) != 1:
         what = " and ".join(f'"{way}"' for way in given) or "none"
-        raise table.fail(f"a condition needs one of {', '.join(WAYS)} to say where it holds; it has {what}.")
+        raise table.fail(f"a condition needs one of {', '.join(WAYS)} for its edges; it has {what}.")
     way = given[0]
     pairs = _SELECTORS[way](table, domain, mesh, sides)
     table.known.extend(WAYS)
@@ -95,7 +94,7 @@ def _vertices(table: Table, domain: Domain, mesh: MeshData, sides: dict[str, Pai
     boundary = domain.edges[domain.boundary_edges]
     chosen = boundary[np.isin(boundary, listed).all(axis=1)]
     if not len(chosen):
-        raise table.fail("no boundary edge has both its ends among these vertices.")
+        raise table.fail("no boundary edge has both ends among these vertices.")
     return chosen
 
 

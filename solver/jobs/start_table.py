@@ -29,7 +29,7 @@ class Start:
 
 
 def read_start_key(root: Table, plan: Plan, folder: Path) -> None:
-    """Give a plan what the file of `start = "file.npz"` has. Raises `JobError` where that does not fit the plan."""
+    """Give a plan the start of `start = "file.npz"`. Raises `JobError` where it does not fit the plan."""
     name = root.text("start")
     if not name:
         return
@@ -44,22 +44,22 @@ def read_start_key(root: Table, plan: Plan, folder: Path) -> None:
 
 
 def read_start(path: str | os.PathLike[str]) -> Start:
-    """The arrays `normals` (V, 3), `edges` (E, 2) and `lengths` (E,) of a .npz file, as far as they are there.
+    """The arrays `normals` (V, 3), `edges` (E, 2) and `lengths` (E,) of a .npz file, each of them optional.
 
     Raises `JobError` where the file cannot be read or has none of them, or edges without lengths.
     """
     file = Path(path)
     try:
         with np.load(file, allow_pickle=False) as data:
-            found = {name: data[name] for name in ("normals", "edges", "lengths") if name in data}
+            arrays = {name: data[name] for name in ("normals", "edges", "lengths") if name in data}
     except (OSError, ValueError, BadZipFile) as error:
         raise JobError(f"{file} cannot be read as .npz: {error}.") from error
-    if not found or ("edges" in found) != ("lengths" in found):
+    if not arrays or ("edges" in arrays) != ("lengths" in arrays):
         raise JobError(f'{file} must have the arrays "normals", or "edges" and "lengths", or all three.')
-    lengths = found.get("lengths")
-    if lengths is not None and np.shape(found["edges"]) != (np.size(lengths), 2):
-        raise JobError(f'{file} has "edges" of shape {np.shape(found["edges"])} for {np.size(lengths)} "lengths".')
-    return Start(found.get("normals"), found.get("edges"), lengths)
+    lengths = arrays.get("lengths")
+    if lengths is not None and np.shape(arrays["edges"]) != (np.size(lengths), 2):
+        raise JobError(f'{file} has "edges" of shape {np.shape(arrays["edges"])} for {np.size(lengths)} "lengths".')
+    return Start(arrays.get("normals"), arrays.get("edges"), lengths)
 
 
 def write_start(
@@ -68,6 +68,6 @@ def write_start(
     edges: Int | None = None,
     lengths: Array | None = None,
 ) -> None:
-    """Write what `read_start` reads; edges and lengths go together."""
+    """Write a file for `read_start`; edges and lengths go together."""
     arrays = {"normals": normals, "edges": edges, "lengths": lengths}
     np.savez_compressed(path, **{name: np.asarray(array) for name, array in arrays.items() if array is not None})

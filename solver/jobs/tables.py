@@ -1,4 +1,4 @@
-"""Tables of a TOML file, read key by key: types are checked, and keys nobody asked for are named."""
+"""Tables of a TOML file, read key by key: types are checked, unknown keys are named."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..errors import JobError
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:
-    """ "; did you mean …?" where something known resembles the name, else what is known."""
+    """ "; did you mean …?" where a known name resembles this one, else the known names."""
     names = list(known)
     near = difflib.get_close_matches(name, names, n=1)
     return f'; did you mean "{near[0]}"?' if near else f"; known are {', '.join(names)}."
@@ -22,17 +22,18 @@ def suggestion(name: str, known: Iterable[str]) -> str:
 class Table:
     """A TOML table, its name ("[size]") and where it stands ("job.toml, [size]"), for messages.
 
-    Every reading method takes a key, remembers that it is known, and raises `JobError` on a value of
-    another type.
+    Every reading method takes a key, remembers that it is known, and raises `JobError` on a value of another type.
+    notes: warnings about values that are likely mistakes, shared with the tables below.
     """
 
-    def __init__(self, data: Any, where: str, name: str = "") -> None:
+    def __init__(self, data: Any, where: str, name: str = "", notes: list[str] | None = None) -> None:
         if not isinstance(data, dict):
             raise JobError(f"{where} must be a table, not {_written(data)}.")
         self.data: dict[str, Any] = data
         self.where = where
         self.name = name
         self.known: list[str] = []
+        self.notes: list[str] = [] if notes is None else notes
 
     def __contains__(self, key: str) -> bool:
         return key in self.data
@@ -67,6 +68,19 @@ class Table:
             raise self._wrong(key, "a number")
         return float(value)
 
+    def angle(self, key: str, default: float = 0.0) -> float:
+        """An angle in radians, given in degrees."""
+        return self.radians(key, self.number(key, default))
+
+    def radians(self, key: str, degrees: float) -> float:
+        """Degrees given under a key, in radians; notes numbers that look like radians already."""
+        if 0.0 < abs(degrees) < 0.5 * np.pi and degrees % 1.0:
+            self.notes.append(
+                f'{self.name}: "{key}" is {degrees:g}°; angles in jobs are in degrees, and {degrees:g} radians would '
+                f"be {np.degrees(degrees):.4g}."
+            )
+        return float(np.radians(degrees))
+
     def integer(self, key: str, default: int = 0) -> int:
         value = self._take(key, default)
         if isinstance(value, bool) or not isinstance(value, int):
@@ -74,14 +88,14 @@ class Table:
         return value
 
     def integers(self, key: str) -> list[int]:
-        """A list of whole numbers, empty where the key is not there."""
+        """A list of whole numbers, empty without the key."""
         value = self._take(key, [])
         if not isinstance(value, list) or not all(type(item) is int for item in value):
             raise self._wrong(key, "a list of whole numbers")
         return value
 
     def texts(self, key: str) -> list[str]:
-        """A list of texts, empty where the key is not there."""
+        """A list of texts, empty without the key."""
         value = self._take(key, [])
         if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
             raise self._wrong(key, "a list of texts")
@@ -112,17 +126,17 @@ class Table:
         return [self._below(item, f"[[{key}]] {number}") for number, item in enumerate(value, start=1)]
 
     def _below(self, data: Any, name: str) -> Table:
-        return Table(data, f"{self.where}, {name}", name)
+        return Table(data, f"{self.where}, {name}", name, self.notes)
 
     def finish(self) -> None:
-        """Raise on a key that no method has asked for."""
+        """Raise on a key that no method has read."""
         for key in self.data:
             if key not in self.known:
                 raise self.fail(f'unknown key "{key}"{suggestion(key, self.known)}')
 
 
 def _numbers(value: Any) -> NDArray[np.float64] | None:
-    """A list of numbers, or of lists of them equally long, as an array; None where it is none."""
+    """A list of numbers, or of equally long lists of them, as an array; None on anything else."""
     try:
         numbers = np.asarray(value)
     except ValueError:

@@ -1,4 +1,4 @@
-"""From a plan with holes to a shell that closes around them, placed and measured: `pipeline.form` for closed shells."""
+"""From a plan with holes to a shell that closes around them, placed and measured: `form` for closed shells."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ from ..errors import JobError, Progress
 from ..measure.report import to_plain
 from ..surface.placement import plan_plane, rim_weights
 from ..surface.solve import CmcSolver
+from .form import place_and_measure, solve_plan
 from .gaps import hole_loops
 from .plan import Plan, Settings, plan_conditions, plan_domain
-from .shell import Shell, form_surface
-from .solve import solve_plan
+from .shell import Shell
 
 Array = NDArray[np.float64]
 
 WAYS = {
-    "normals": "the normals along the boundary change, as little as can be",
+    "normals": "the normals along the boundary change, as little as possible",
     "tilts": "the normals turn about the boundary only: the tilts change",
     "hole": "the holes move",
     "both": "normals and holes",
 }
-"""What may change for a shell to close."""
+"""The parts of a plan that may change to close its shell."""
 MOVING = ("hole", "both")
 
-# Degrees that are rounding; digits of moduli that are not.
+# Degrees below which a turn is rounding; digits of moduli to report.
 _LEAST_TURN = 1e-6
 _DIGITS = 7
 # Cosine of the slope up to which a plan counts as level enough for its holes to move.
@@ -40,12 +40,11 @@ _LEVEL = 0.9
 
 @dataclass(frozen=True, eq=False)
 class ClosingOptions:
-    """How the gaps around the holes of a plan are to be closed.
+    """How to close the gaps around the holes of a plan.
 
     by: of `WAYS`. weight: with "both", of the motions of holes (see `close_periods`): the larger, the less they move.
-    move: with "hole" and "both", of `holes.MOTIONS`. holes: numbers of those that move, 1 the one with the longest
-    rim; None: all. max_steps: of Newton's method.
-    Raises `JobError` on a way or a motion that is none, and on a weight or a number that makes no sense.
+    move: with "hole" and "both", of `holes.MOTIONS`. holes: numbers of the moving ones, 1 has the longest rim; None:
+    all. max_steps: of Newton's method. Raises `JobError` on unknown ways and motions, and on numbers out of range.
     """
 
     by: str = "normals"
@@ -61,17 +60,17 @@ class ClosingOptions:
         if unknown:
             raise JobError(f'There is no motion "{unknown[0]}" of a hole; choose of {", ".join(MOTIONS)}.')
         if self.by in MOVING and not self.move:
-            raise JobError(f"Say how the holes may move: one or more of {', '.join(MOTIONS)}.")
+            raise JobError(f"The holes need a motion: one or more of {', '.join(MOTIONS)}.")
         if not (np.isfinite(self.weight) and self.weight > 0.0):
             raise JobError(f"The weight must be a positive number, not {self.weight:g}.")
         if self.max_steps < 1:
             raise JobError(f"The limit of steps must be 1 or more, not {self.max_steps}.")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ClosedShell:
-    """formed: the shell that was reached. plan: the one given, with other positions where its holes moved. moving: of
-    those holes, None where they stay."""
+    """shell: the last one. plan: with other positions where its holes moved. moving: those holes, None where they
+    stay."""
 
     shell: Shell
     plan: Plan
@@ -79,8 +78,16 @@ class ClosedShell:
     moving: MovingHoles | None
 
     @property
+    def ok(self) -> bool:
+        """Whether the shell closes."""
+        return self.closing.ok and self.shell.ok
+
+    def __repr__(self) -> str:
+        return f"ClosedShell({self.shell!r}, {self.closing!r})"
+
+    @property
     def moved(self) -> dict[str, float]:
-        """What holes did: lengths for x and y, degrees for a twist, a factor for the size."""
+        """The motions of the holes: lengths for x and y, degrees for a twist, a factor for the size."""
         if self.moving is None:
             return {}
         units = {"x": lambda q: q * self.moving.size, "y": lambda q: q * self.moving.size}  # type: ignore[union-attr]
@@ -90,7 +97,7 @@ class ClosedShell:
 
     @property
     def message(self) -> str:
-        """How the closing ended, and what changed."""
+        """How closing ended, and what changed."""
         closing, turned = self.closing, np.degrees(self.closing.turned)
         words = [closing.status.sentence, f"The gap was {_share(closing.gaps[0])} of the shell's size."]
         if not closing.closed:
@@ -99,59 +106,57 @@ class ClosedShell:
             mean = np.sqrt(np.mean(turned**2))
             words.append(f"Normals along the boundary turned by {turned.max():.1f}° at most (RMS {mean:.1f}°).")
         kinds = {"twist": "{:+.2g}°", "size": "× {:.3g}"}
-        reported = [
+        motions = [
             f"{name} {kinds.get(name.rpartition(' ')[2], '{:+.3g}').format(q)}" for name, q in self.moved.items() if q
         ]
-        if reported:
-            words.append(f"Holes moved: {', '.join(reported)}.")
+        if motions:
+            words.append(f"Holes moved: {', '.join(motions)}.")
         return " ".join(words)
 
 
 def close_plan(
     plan: Plan,
     settings: Settings,
-    closure: ClosingOptions,
+    options: ClosingOptions,
     *,
     solver: CmcSolver | None = None,
     initial: ArrayLike | None = None,
     progress: Progress | None = None,
     intersections: bool = True,
 ) -> ClosedShell:
-    """Change what `closure` lets change until the shell over a plan closes, then place and measure it as `form` does.
+    """Change normals or holes until the shell over a plan closes, then place and measure it as `form` does.
 
     solver: one for the plan's domain. initial (V, 3): normals to start from, of an earlier solve. progress(step, gap)
-    is called at every step of Newton's method; False cancels. The groups of the plan stay what they are.
-    Raises `CmcError` on plans without holes and on what cannot be solved for; a shell that does not close is told by
-    `Shell.converged` and `Shell.message`.
+    is called at every step of Newton's method; False cancels. The groups of the plan stay as they are.
+    Raises `CmcError` on plans without holes and on unusable input; not closing is a status: see `ok` and `message`.
     """
     _check_sites(settings)
-    plan = replace(plan, positions=np.asarray(plan.positions, dtype=np.float64))
     solver = solver or CmcSolver(plan_domain(plan))
     domain = solver.domain
     conditions = plan_conditions(plan, settings, domain)
     if initial is None:
         initial = solve_plan(plan, settings, solver).harmonic.normals
-    moving = _moving(plan, domain, closure)
+    moving = _moving(plan, domain, options)
     closing = close_periods(
         domain,
         conditions,
-        by={"tilts": "normals", "hole": "moduli"}.get(closure.by, closure.by),
+        by={"tilts": "normals", "hole": "moduli"}.get(options.by, options.by),
         moduli=None if moving is None else moving.moduli(),
-        weight=closure.weight,
-        positions=plan.positions if closure.by == "tilts" else None,
+        weight=options.weight,
+        positions=plan.positions if options.by == "tilts" else None,
         initial=initial,
-        max_steps=closure.max_steps,
+        max_steps=options.max_steps,
         progress=progress,
     )
     if moving is not None and closing.moduli.any():
         plan, solver = replace(plan, positions=moving.positions(closing.moduli)), CmcSolver(closing.domain)
-    shell = form_surface(plan, settings, closing.surface, solver, intersections=intersections)
+    shell = place_and_measure(plan, settings, closing.surface, solver, intersections=intersections)
     closed = ClosedShell(shell, plan, closing, moving)
-    return replace(closed, shell=_reported(shell, closed))
+    return replace(closed, shell=_with_message(shell, closed))
 
 
 def closing_report(closed: ClosedShell) -> dict[str, Any]:
-    """What there is to know about the closing, as to_plain data; angles in degrees."""
+    """The report on the closing as plain data; angles in degrees."""
     closing = closed.closing
     turned = np.degrees(closing.turned)
     return {
@@ -172,34 +177,34 @@ def closing_report(closed: ClosedShell) -> dict[str, Any]:
 def _check_sites(settings: Settings) -> None:
     if settings.solver_choice != Settings().solver_choice:
         raise JobError(
-            "Closing works with normals on vertices, on the triangles of the plan; leave out other sites, energies and "
-            "the Delaunay triangulation."
+            "Closing needs normals on vertices and the triangles of the plan; leave out other sites, energies and the "
+            "Delaunay triangulation."
         )
 
 
-def _moving(plan: Plan, domain: Domain, closure: ClosingOptions) -> MovingHoles | None:
-    if closure.by not in MOVING:
+def _moving(plan: Plan, domain: Domain, options: ClosingOptions) -> MovingHoles | None:
+    if options.by not in MOVING:
         return None
     if plan.lengths is not None:
-        raise JobError("Holes move on the drawing, and this plan has edge lengths of its own; close by the normals.")
+        raise JobError("Holes move on the drawing, but this plan has its own edge lengths; close by the normals.")
     loops = hole_loops(domain)
-    numbers = closure.holes or tuple(range(1, len(loops) + 1))
+    numbers = options.holes or tuple(range(1, len(loops) + 1))
     wrong = [number for number in numbers if not 1 <= number <= len(loops)]
     if wrong or not loops:
         count = f"{len(loops)} hole{'s' * (len(loops) != 1)}"
         raise JobError(f"The plan has {count}" + (f"; there is no hole {wrong[0]}." if wrong else " that could move."))
     vertices, weights = rim_weights(plan.positions, domain.edges[domain.boundary_edges])
     if abs(plan_plane(plan.positions, domain.faces, vertices, weights).normal[2]) < _LEVEL:
-        raise JobError("Holes move level, and this plan is too steep for that; close by the normals.")
-    return MovingHoles(domain, plan.positions, [loops[number - 1] for number in numbers], closure.move)
+        raise JobError("Holes can only move horizontally, and this plan is too steep; close by the normals.")
+    return MovingHoles(domain, plan.positions, [loops[number - 1] for number in numbers], options.move)
 
 
-def _reported(shell: Shell, closed: ClosedShell) -> Shell:
-    """The shell with what the closing says as its message, and where it failed as its first warning."""
+def _with_message(shell: Shell, closed: ClosedShell) -> Shell:
+    """The shell with the closing's message, which is also its first warning where it does not close."""
     if not closed.closing.closed:
         others = [note for note in shell.warnings if note != shell.report.sentence]
         return replace(shell, message=closed.message, warnings=[closed.message, *others])
-    return replace(shell, message=closed.message) if shell.converged else shell
+    return replace(shell, message=closed.message) if shell.ok else shell
 
 
 def _share(part: float) -> str:

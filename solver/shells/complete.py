@@ -1,4 +1,4 @@
-"""The shell over a plan, completed by its symmetries: copies where the shell was placed, instances or one mesh."""
+"""A shell completed by its symmetries: placed copies, as instances or as one welded mesh."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 from ..errors import JobError
 from ..symmetry.complete import MOST_COPIES, complete
 from ..symmetry.completion import Completion
+from .form import placed_normals
 from .plan import Plan
 from .plan_sides import plan_sides
-from .shell import Shell, placed_normals, sheet_polygons
+from .shell import Shell, sheet_polygons
 
 Array = NDArray[np.float64]
 Int = NDArray[np.int64]
@@ -23,12 +24,12 @@ Int = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class CopySelection:
-    """Which copies of a shell there shall be; by default all, or one unit cell where they have no end.
+    """The copies of a shell to make; by default all, or one unit cell where they have no end.
 
-    sides: names of the groups across which the shell goes on; None: those that say so (`plan_sides.goes_on`).
-    copies: the nearest so many. box: (2, 3), world units: those whose centre is in it. around: names of groups, see
-    `complete`. repeat: how often the unit cell, or what is around, is repeated along each of its translations; of a
-    list as many are taken as there are translations.
+    sides: names of the groups across which the shell continues; None: by group (`plan_sides.goes_on`). copies: how
+    many, the nearest first. box: (2, 3), world units: the copies with their centre in it. around: names of groups, see
+    `complete`. repeat: number of unit cells, or of the copies around, along each translation; further ones of a list
+    are ignored.
     """
 
     sides: Sequence[str] | None = None
@@ -38,12 +39,24 @@ class CopySelection:
     repeat: int | Sequence[int] = 1
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Completed:
-    """A shell and its copies, in world units; see `Completion` for what they are."""
+    """A shell and its copies, in world units; `completion` has the isometries."""
 
     shell: Shell
     completion: Completion
+
+    @property
+    def ok(self) -> bool:
+        """Whether the shell is; the copies are exact isometries of it."""
+        return self.shell.ok
+
+    @property
+    def message(self) -> str:
+        return self.summary()
+
+    def __repr__(self) -> str:
+        return f"Completed({self.summary().removesuffix('.')})"
 
     @property
     def copy_count(self) -> int:
@@ -61,12 +74,12 @@ class Completed:
 
     @cached_property
     def transforms(self) -> Array:
-        """(K, 4, 4), each to be applied to the placed sheet that its copy shows; reflections have a determinant < 0."""
+        """(K, 4, 4) from the placed sheet of each copy to the copy; reflections have a determinant < 0."""
         return self.completion.transforms(self.shell.similarity)
 
     @property
     def lattice(self) -> Array:
-        """(k, 3) translations by which the completed shell repeats."""
+        """(k, 3) translations of the completed shell onto itself."""
         similarity = self.shell.similarity
         return similarity.scale * similarity.directions(self.completion.lattice)
 
@@ -86,12 +99,12 @@ class Completed:
 
     @property
     def source(self) -> NDArray[np.int32]:
-        """(n,) the vertex of the plan that each vertex of the welded mesh comes from."""
+        """(n,) the plan's vertex behind each vertex of the welded mesh."""
         return self.completion.mesh.source
 
     @property
     def largest_gap(self) -> float:
-        """How far apart neighbours were before their seams were closed, at most; a length in world units."""
+        """The largest distance between neighbours before their seams were closed, in world units."""
         return self.shell.similarity.scale * max((gap.largest for gap in self.completion.gaps), default=0.0)
 
     @property
@@ -101,7 +114,7 @@ class Completed:
 
     @property
     def largest_offset(self) -> float:
-        """How far apart sides came out that are in one plane, at most; a length in world units."""
+        """The largest distance between sides of one plane, in world units."""
         apart = [offset.distance for offset in self.completion.offsets]
         return self.shell.similarity.scale * max(apart, default=0.0)
 
@@ -122,55 +135,55 @@ class Completed:
 
 @dataclass(frozen=True, eq=False)
 class Polygons:
-    """Faces of a welded mesh: corners (C,) vertices, starts (P + 1,); by where each comes from.
+    """Faces of a welded mesh, vertices `corners` (C,) from `starts` (P + 1,), and where each comes from.
 
-    rows (C,): the row of the surface at each corner. faces (P,): the plan's polygon. copies (P,): the copy.
+    cut_vertices (C,): the surface's vertex at each corner. faces (P,): the plan's polygon. copies (P,): the copy.
     """
 
     corners: Int
     starts: Int
-    rows: Int
+    cut_vertices: Int
     faces: Int
     copies: Int
 
     @classmethod
     def of(cls, completion: Completion, pieces: Sequence[NDArray[np.integer]], owner: NDArray[np.integer]) -> Polygons:
-        """Of polygons `pieces` in rows of the surface, and the plan's polygon (P,) that each is of."""
+        """From polygons `pieces` of the surface's vertices, and the plan's polygon (P,) of each."""
         sizes = np.array([len(piece) for piece in pieces])
         forth = np.concatenate(list(pieces)).astype(np.int64)
         ends = np.cumsum(sizes)
         back = forth[np.repeat(ends + ends - sizes - 1, sizes) - np.arange(len(forth))]
         turned = [copy.flipped for copy in completion.copies]
-        rows = np.concatenate([back if flipped else forth for flipped in turned])
+        cut_vertices = np.concatenate([back if flipped else forth for flipped in turned])
         count = len(turned)
-        members = completion.members[np.repeat(np.arange(count), len(forth)), rows]
+        members = completion.members[np.repeat(np.arange(count), len(forth)), cut_vertices]
         starts = np.concatenate([[0], np.cumsum(np.tile(sizes, count))])
         faces = np.tile(np.asarray(owner, dtype=np.int64), count)
-        return cls(members, starts, rows, faces, np.repeat(np.arange(count), len(sizes)))
+        return cls(members, starts, cut_vertices, faces, np.repeat(np.arange(count), len(sizes)))
 
     def lists(self) -> list[NDArray[np.int32]]:
         """Each polygon's vertices."""
         return np.split(self.corners.astype(np.int32), self.starts[1:-1])
 
 
-def complete_plan(plan: Plan, shell: Shell, extent: CopySelection, sheet: str = "f+") -> Completed:
-    """The copies of a placed shell across the groups of its plan that it goes on across.
+def complete_plan(plan: Plan, shell: Shell, selection: CopySelection, sheet: str = "f+") -> Completed:
+    """The copies of a placed shell across groups of its plan.
 
-    Counts and transforms are cheap; the welded mesh is made where it is asked for. Raises `JobError` where there is no
-    such group, `SymmetryError` where the planes contradict each other or the copies have no end.
+    Counts and transforms are cheap; the welded mesh is made on first use. Raises `JobError` on an unknown group,
+    `SymmetryError` where the planes contradict each other or the copies have no end.
     """
     surface = shell.surface
-    sides = plan_sides(plan, surface.domain, extent.sides)
-    choice = {"copies": extent.copies, "box": extent.box, "around": extent.around, "frame": shell.similarity}
-    found = complete(surface, sides, sheet=sheet, **choice)  # type: ignore[arg-type]
-    if extent.repeat != 1:
-        known = len(found.lattice)
-        times = [extent.repeat] * known if isinstance(extent.repeat, int) else list(extent.repeat)[:known]
+    sides = plan_sides(plan, surface.domain, selection.sides)
+    choice = {"copies": selection.copies, "box": selection.box, "around": selection.around, "frame": shell.similarity}
+    completion = complete(surface, sides, sheet=sheet, **choice)  # type: ignore[arg-type]
+    if selection.repeat != 1:
+        known = len(completion.lattice)
+        times = [selection.repeat] * known if isinstance(selection.repeat, int) else list(selection.repeat)[:known]
         if len(times) < known:
-            raise JobError(f"The copies repeat in {known} directions; say how often along each of them.")
-        if len(found.copies) * math.prod(times) > MOST_COPIES:
-            count = len(found.copies) * math.prod(times)
-            raise JobError(f"There would be {count} copies, and {MOST_COPIES} are the most; repeat them less often.")
+            raise JobError(f"The copies repeat in {known} directions; give a number for each of them.")
+        if len(completion.copies) * math.prod(times) > MOST_COPIES:
+            count = len(completion.copies) * math.prod(times)
+            raise JobError(f"That makes {count} copies, and {MOST_COPIES} are the most; repeat them less often.")
         if max(times, default=1) > 1:
-            found = complete(surface, sides, sheet=sheet, repeat=times, **choice)  # type: ignore[arg-type]
-    return Completed(shell, found)
+            completion = complete(surface, sides, sheet=sheet, repeat=times, **choice)  # type: ignore[arg-type]
+    return Completed(shell, completion)

@@ -1,4 +1,4 @@
-"""The gap around each hole of a plan: by how much a placed shell misses itself there, and where."""
+"""The gap around each hole of a plan: its length and place on a placed shell."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from .shell import Shell
 
 Array = NDArray[np.float64]
 
-# Two rows of one vertex that are apart by the period up to this part of it are the two ends of the gap.
+# Two copies of a vertex that differ by the period, up to this part of it, are the two ends of the gap.
 _SAME = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
 class HoleGap:
-    """name: "hole 1", from the longest boundary loop on, the outer one left out; or "period 1" of a plan with handles.
+    """name: "hole 1" has the longest rim, the outline left out; or "period 1" on a plan with handles.
 
-    period (3,), in world units: once around the hole the shell has moved by that. relative: its length as a part of
-    the size of f+, the diagonal of its box. at (3,): where it begins, on the rim of the hole; where the shell is cut
-    open there, at the gap.
+    period (3,), in world units: the shift of the shell once around the hole. relative: its length as a part of the size
+    of f+, the diagonal of its box. at (3,): its beginning on the rim of the hole, at the gap where the shell is cut
+    open there.
     """
 
     name: str
@@ -47,7 +47,7 @@ class HoleGap:
 
 
 def hole_gaps(shell: Shell) -> list[HoleGap]:
-    """One a hole; on a plan with handles one a period, since not each of those belongs to a hole."""
+    """One per hole; on a plan with handles one per period, since not every period belongs to a hole."""
     surface, similarity, domain = shell.surface, shell.similarity, shell.surface.domain
     if not len(surface.periods):
         return []
@@ -66,8 +66,8 @@ def hole_gaps(shell: Shell) -> list[HoleGap]:
 
 
 def period_vectors(surface: CmcSurface) -> Array:
-    """(k, 3) the periods around the holes, the one with the longest rim first, in the units of the surface; on a plan
-    with handles those around its loops that cannot be contracted."""
+    """(k, 3) the periods around the holes, the longest rim first, in the units of the surface; on a plan with handles
+    those around the generators of its homology."""
     domain = surface.domain
     if _has_handles(domain):
         return surface.periods
@@ -79,16 +79,16 @@ def _has_handles(domain: Domain) -> bool:
 
 
 def hole_loops(domain: Domain) -> list[int]:
-    """The boundary loops that bound holes, as indices into `domain.boundary_loops`, the longest one first."""
+    """Indices of the holes in `domain.boundary_loops`, the longest rim first."""
     lengths = [domain.edge_lengths[edges].sum() for edges in domain.boundary_loop_edges]
     return np.argsort(-np.array(lengths), kind="stable")[1:].tolist()
 
 
 def turns_of_loops(homology: Homology) -> NDArray[np.int64]:
-    """(b, k) how often a walk along each boundary loop, on the faces beside it, goes around each period.
+    """(b, k) how often a walk along each boundary loop, on the faces beside it, winds around each period.
 
-    From one boundary edge of a vertex to the next the walk crosses all its other edges, from their right to their left
-    where they begin there.
+    From one boundary edge of a vertex to the next the walk crosses all other edges there, from right to left where they
+    begin at the vertex.
     """
     domain, crossings = homology.domain, homology.crossings.astype(np.int64)
     owner = np.full(domain.vertex_count, -1)
@@ -102,13 +102,13 @@ def turns_of_loops(homology: Homology) -> NDArray[np.int64]:
 
 
 def _ends(shell: Shell, points: Array, loop: NDArray[np.integer], period: Array) -> tuple[Array, Array]:
-    """Where the gap begins, and the period as it leads from there to its other end."""
+    """The beginning of the gap, and the period from there to its other end."""
     length = np.linalg.norm(period)
     for vertex in loop.tolist():
-        rows = np.flatnonzero(shell.source == vertex)
-        for row in rows[1:].tolist():
-            jump = points[row] - points[rows[0]]
+        first, *copies = np.flatnonzero(shell.source == vertex).tolist()
+        for copy in copies:
+            jump = points[copy] - points[first]
             for sign in (1.0, -1.0):
                 if np.linalg.norm(jump - sign * period) <= _SAME * length:
-                    return points[rows[0]], jump
+                    return points[first], jump
     return points[np.isin(shell.source, loop)].mean(axis=0), period

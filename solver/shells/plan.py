@@ -1,14 +1,17 @@
-"""The plan as it comes from a user, a mesh with groups of boundary edges, and what the solver makes of it."""
+"""The drawn plan, a mesh with groups of boundary edges, and its domain and boundary conditions."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..domain.domain import Domain
+from ..domain.shape import Shape, side_edges
 from ..domain.sites import SITES
 from ..errors import CmcError, ConditionError, JobError, MeshError, listed
 from ..gauss import conditions as boundary
@@ -18,29 +21,37 @@ from ..gauss.energies import ENERGIES, energy_on
 from ..gauss.frames import boundary_edges, moving_average
 from ..gauss.methods import METHODS
 from ..gauss.mirrors import MirrorSides
+from ..io.mesh_files import read_mesh
+from ..io.obj import MeshData
+from ..io.polygons import triangulate_polygons
+from ..linalg import as_numbers
 from ..surface.cmc_surface import COMBINATORICS, SHEETS
+from ..surface.options import SolveOptions
 from ..surface.placement import Rule
 from .plan_metric import metric_domain, start_map
 
 Array = NDArray[np.float64]
 Int = NDArray[np.int32]
 
-
 SHELLS = {
     "first": "First Found",
     "bubble": "Large Bubble",
 }
-"""Which of the shells over one rim: the one that a solve comes to, or the other one of Theorem D.1 of the paper."""
+"""Which of the shells over one rim: the one that a solve reaches, or the other one of Theorem D.1 of the paper."""
 
 COUNTED = ("saddle", "critical")
 """Methods after which unstable modes are counted."""
+
+
+Condition = str | tuple[str, Mapping[str, object]]
+"""A kind of `KINDS`, or a kind and its parameters (radians)."""
 
 
 @dataclass(eq=False)
 class Group:
     """Boundary edges (K, 2), vertex pairs, and their condition: kind and parameters (radians) of `KINDS`.
 
-    goes_on: whether the shell is continued across them by `completing`; None leaves that to the kind.
+    goes_on: whether `complete_plan` continues the shell across them; None leaves that to the kind.
     """
 
     name: str
@@ -50,15 +61,15 @@ class Group:
     goes_on: bool | None = None
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, repr=False)
 class Plan:
     """A drawn plan: positions (V, 3) in world units, triangles (T, 3), and groups of its boundary edges.
 
-    polygons: the faces as they were drawn, with triangle_polygons (T,) the polygon each triangle is a part
-    of; only output uses them. flipped_corners: vertices between two mirrors at which the other one of
-        their two normals is meant (see `conditions.mirror`); what is no such corner is left alone.
+    Positions (V, 2) are taken at height zero. polygons: the faces as drawn, with triangle_polygons (T,) the polygon of
+    each triangle; only output uses them. flipped_corners: vertices between two mirrors that take the other one of their
+        two normals (see `conditions.mirror`); other vertices are left alone.
     lengths: (T, 3) side lengths of the triangles, side k opposite corner k, in place of the drawn ones; the positions
-        are then only where the shell is put. initial: (V, 3) the normals that a solve starts from.
+        then only say where the shell stands. initial: (V, 3) the normals that a solve starts from.
     """
 
     positions: Array
@@ -70,6 +81,50 @@ class Plan:
     lengths: Array | None = None
     initial: Array | None = None
 
+    def __post_init__(self) -> None:
+        self.positions = as_numbers(self.positions, "The positions of a plan", MeshError)
+        if self.positions.ndim == 2 and self.positions.shape[1] == 2:
+            self.positions = np.column_stack([self.positions, np.zeros(len(self.positions))])
+
+    @classmethod
+    def from_shape(cls, shape: Shape, sides: Mapping[str, Condition] | None = None) -> Plan:
+        """The plan of a ready-made shape. sides: name of a side → kind of its group, or kind and parameters.
+
+        For example `Plan.from_shape(shapes.strip(2, 1, 8), {"bottom": "mirror", "top": ("binormal", {"tilt": 0.3})})`.
+        Raises `ConditionError` on a side that the shape does not have.
+        """
+        groups = []
+        for name, condition in (sides or {}).items():
+            kind, parameters = (condition, {}) if isinstance(condition, str) else condition
+            groups.append(Group(name, shape.domain.edges[side_edges(shape, name)], kind, parameters))
+        return cls(shape.positions, shape.domain.faces, groups=groups)
+
+    @classmethod
+    def from_mesh(cls, mesh: MeshData) -> Plan:
+        """The plan of a mesh as files have it, its polygons cut into triangles, without groups.
+
+        Raises `MeshError` naming a polygon that cannot be cut.
+        """
+        triangles, owner = triangulate_polygons(mesh.positions, mesh.polygons)
+        return cls(mesh.positions, triangles, mesh.polygons, triangle_polygons=owner)
+
+    def __repr__(self) -> str:
+        groups = ", ".join(f"{group.name}: {group.kind}" for group in self.groups)
+        return f"Plan({len(self.positions)} vertices, {len(self.triangles)} triangles, groups: {groups or 'none'})"
+
+
+def read_plan(file: str | os.PathLike[str], *, up: str | None = None) -> Plan:
+    """The plan in a mesh file (OBJ, PLY, STL, GLB); named polylines of an OBJ along its boundary become its groups.
+
+    Groups are of kind "binormal" with tilt 0; set `kind` and `parameters` of `plan.groups`. up: the file's up axis, "y"
+    or "z"; None is y for GLB and z for the rest. Raises `JobError` where the file cannot be read, `MeshError` where it
+    has no mesh.
+    """
+    mesh = read_mesh(file, up=up)
+    plan = Plan.from_mesh(mesh)
+    plan.groups = [Group(name, edges) for name, edges in mesh.edge_groups.items()]
+    return plan
+
 
 @dataclass
 class Settings:
@@ -77,13 +132,13 @@ class Settings:
 
     default_kind, default_tilt (radians): the condition of boundary edges in no group.
     blend: length of boundary over which the tilts of neighbouring groups flow into each other; 0: they jump.
-    size, value, ground, rotate, flip: see `placement.Rule`; `sheet`, "f+" or "f-", is the one they speak of.
-    combinatorics: of `COMBINATORICS`, the polygons with which the sheets are written; they are measured on triangles.
-    shell: of `SHELLS`; degree and "bubble" exclude each other. A bubble is f- as a rule (see `usual_sheet`), its rim
-        is drawn on the other side of the centre, and so it may always rotate.
+    size, value, ground, rotate, flip: see `placement.Rule`; they apply to `sheet`, "f+" or "f-".
+    combinatorics: of `COMBINATORICS`, the polygons of the written sheets; they are measured on triangles.
+    shell: of `SHELLS`; degree and "bubble" exclude each other. A bubble is f- as a rule (see `usual_sheet`); its rim
+        appears on the other side of the centre, and so it may always rotate.
     count_modes: report how many unstable modes the map has; always with the methods of `COUNTED`.
-    The rest goes to the solver as it is: see `solve_cmc`. Raises `CmcError` on a name that is none, and on an energy
-    that is not defined on the sites.
+    The rest goes to the solver: see `solve_cmc`. Raises `CmcError` on an unknown name, and on an energy that is not
+    defined on the sites.
     """
 
     default_kind: str = "binormal"
@@ -124,35 +179,45 @@ class Settings:
             if name not in known:
                 raise JobError(f'There is no {what} "{name}"; choose one of {", ".join(known)}.')
         if self.shell != "first" and self.degree is not None:
-            raise JobError("A degree already says which shell is meant; leave it out, or the large bubble.")
+            raise JobError("A degree already chooses the shell; leave it out, or the large bubble.")
         energy_on(self.energy, self.sites)
         self.rule()
 
+    def __repr__(self) -> str:
+        """The settings that differ from the default."""
+        changed = [one for one in fields(self) if getattr(self, one.name) != one.default]
+        return f"Settings({', '.join(f'{one.name}={getattr(self, one.name)!r}' for one in changed)})"
+
     @property
     def counts_modes(self) -> bool:
-        """Whether unstable modes are counted: where asked for, and where the method may end at a map that has some."""
+        """Whether unstable modes are counted: on request, and where the method may end at a map that has some."""
         return self.count_modes or self.method in COUNTED
 
     @property
     def solver_choice(self) -> tuple[str, str, bool]:
-        """What a solver is made for besides its domain: sites, energy by the name it has there, and Delaunay or not."""
+        """The arguments of `CmcSolver` after the domain: sites, energy by its name there, and Delaunay or not."""
         energy = energy_on(self.energy, self.sites)
         return self.sites, next(name for name, one in ENERGIES.items() if one is energy), self.delaunay
 
+    def solve_options(self, **changes: object) -> dict[str, Any]:
+        """Keywords of `CmcSolver.solve`: the settings that are `SolveOptions`, with changes."""
+        names = {option.name for option in fields(SolveOptions)} & {setting.name for setting in fields(self)}
+        return {name: getattr(self, name) for name in names} | changes
+
     def rule(self) -> Rule:
-        """The placement part; raises `PlacementError` on a size or ground that is none."""
+        """The placement part; raises `PlacementError` on an unknown size or ground."""
         return Rule(self.size, self.value, self.ground, self.rotate or self.shell == "bubble", self.flip)
 
 
 def usual_sheet(shell: str) -> str:
-    """The sheet that is worth showing: a bubble turns its normals against the rest, and it is f- that goes around."""
+    """The sheet to show: a bubble's normals point the other way, and its f- is the one that goes around."""
     return "f-" if shell == "bubble" else "f+"
 
 
 def plan_domain(plan: Plan) -> Domain:
     """The plan's mesh as a domain, with its own edge lengths if it has them.
 
-    Raises `MeshError` where it is none, is closed and without a start, or has no vertex inside.
+    Raises `MeshError` where it is no domain, is closed and without a start, or has no vertex inside.
     """
     if plan.initial is not None:
         start_map(plan.initial, len(plan.positions))
@@ -162,13 +227,13 @@ def plan_domain(plan: Plan) -> Domain:
         domain = metric_domain(plan.positions, plan.triangles, plan.lengths)
     if not len(domain.boundary_edges) and plan.initial is None:
         raise MeshError(
-            "The mesh is closed: it has no boundary on which tangent planes could be prescribed; delete the faces that "
-            "are not part of the plan, or give it a map to start from."
+            "The mesh is closed: it has no boundary along which to prescribe tangent planes; delete the faces that are "
+            "not part of the plan, or give it a map to start from."
         )
     if len(domain.boundary_vertices) == domain.vertex_count:
         count = len(domain.faces)
         raise MeshError(
-            f"The mesh ({count} triangle{'s' * (count > 1)}) has no vertex inside its boundary, so there is nothing to "
+            f"The mesh ({count} triangle{'s' * (count > 1)}) has no vertex inside its boundary, so nothing is left to "
             "solve for; run Mesh Plan, or subdivide it."
         )
     return domain
@@ -188,8 +253,8 @@ def matches(domain: Domain, plan: Plan) -> bool:
 def plan_conditions(plan: Plan, settings: Settings, domain: Domain) -> Conditions:
     """The groups' conditions, and the default one on boundary edges in no group.
 
-    Where groups of one condition meet, they are as one group. Raises `ConditionError` naming the group and
-    the edges that are not on the boundary, an edge in two groups, or that every edge is free and there is no start.
+    Groups with the same condition act as one group where they meet. Raises `ConditionError` naming the group and its
+    edges that are not on the boundary, an edge in two groups, or where every edge is free and the plan has no start.
     """
     parameters = {"tilt": settings.default_tilt} if settings.default_kind == "binormal" else {}
     default = Group("edges in no group", np.empty((0, 2), dtype=int), settings.default_kind, parameters)
@@ -214,7 +279,7 @@ def plan_conditions(plan: Plan, settings: Settings, domain: Domain) -> Condition
         total = total + _flipped(domain, total, settings.side, plan.flipped_corners)
     if total.is_empty and plan.initial is None:
         raise ConditionError(
-            "All boundary edges are free, so nothing holds the tangent planes; give some of them another condition."
+            "All boundary edges are free, so nothing holds the tangent planes; give some edges another condition."
         )
     return total
 
@@ -232,14 +297,14 @@ def _blended(
 
 
 def _flipped(domain: Domain, total: Conditions, side: int, vertices: Sequence[int]) -> Conditions:
-    """The other normal at those of the vertices that are corners between two mirrors."""
+    """The other normal at those vertices that are corners between two mirrors."""
     sides = MirrorSides.of(domain, total, side)
     chosen = np.isin(sides.corners, vertices)
     return boundary.corner(domain, sides.corners[chosen], -sides.corner_normals[chosen])
 
 
 def _group_edges(group: Group, domain: Domain) -> NDArray[np.integer]:
-    """Indices of the group's edges, as often as they are listed once."""
+    """Indices of the group's edges, each once."""
     pairs = np.asarray(group.edges, dtype=np.int64).reshape(-1, 2)
     try:
         return np.unique(boundary_edges(domain, pairs))
@@ -282,13 +347,3 @@ def _check_unowned(
             vertices=np.unique(domain.edges[taken]),
             edges=taken,
         )
-
-
-def plan_warnings(plan: Plan, domain: Domain) -> list[str]:
-    """What is likely not meant: groups without edges, a plan whose faces look down."""
-    notes = [f'Group "{group.name}" has no edges.' for group in plan.groups if not np.size(group.edges)]
-    a, b, c = (plan.positions[domain.faces[:, k]] for k in range(3))
-    areas = 0.5 * np.cross(b - a, c - a)
-    if areas[:, 2].sum() < -0.5 * np.linalg.norm(areas, axis=1).sum():
-        notes.append("The plan's faces look down, so the shell hangs below it; flip their normals, or flip the shell.")
-    return notes

@@ -1,7 +1,7 @@
-"""What a plan may bring besides its drawing: edge lengths in place of the drawn ones, and a map to start from.
+"""Optional plan data: intrinsic edge lengths and an initial map.
 
-Lengths say of which conformal type the domain is where a drawing cannot: a flat torus has no place in space. A start
-says which harmonic map is meant where there are several, and stands for a boundary where there is none.
+Lengths set the conformal type of a domain that cannot be drawn, such as a flat torus. An initial map chooses among
+several harmonic maps, and takes the place of boundary conditions on a closed plan.
 """
 
 from __future__ import annotations
@@ -18,19 +18,19 @@ from ..linalg import as_numbers
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
-# Of two sides of a triangle the third falls short by at least this part: single precision leaves 1e-7.
+# A side must be shorter than the two others by at least this part: single precision leaves 1e-7.
 _SHORTER = 1e-6
-# How messages call them; the names in brackets are those of the attributes in Blender.
+# Names in messages, with those of the attributes in Blender.
 _LENGTHS = "The plan's own edge lengths (cmc_length)"
 _START = "The start of the plan (cmc_start)"
-# A start shorter than this has no direction.
+# Vectors of a start shorter than this have no direction.
 _SHORTEST = 1e-6
 
 
 def side_lengths(triangles: Int, edges: ArrayLike, lengths: ArrayLike) -> Array:
     """(T, 3) lengths of the sides of triangles (T, 3), side k opposite corner k, from those of edges (E, 2), pairs.
 
-    Raises `MeshError` on lengths that are not positive numbers, and naming a side that is no edge.
+    Raises `MeshError` on lengths that are not positive numbers, and on a side that is not among the edges.
     """
     pairs = np.sort(np.asarray(edges, dtype=np.int64).reshape(-1, 2), axis=1)
     values = np.asarray(lengths, dtype=np.float64).ravel()
@@ -49,20 +49,20 @@ def side_lengths(triangles: Int, edges: ArrayLike, lengths: ArrayLike) -> Array:
             f"{'has' if len(bad) == 1 else 'have'} a side without; triangulate the faces, or leave the lengths out.",
             faces=bad,
         )
-    found = values[slot]
-    bad = np.flatnonzero(~(np.isfinite(found) & (found > 0.0)).all(axis=1))
+    sides_of = values[slot]
+    bad = np.flatnonzero(~(np.isfinite(sides_of) & (sides_of > 0.0)).all(axis=1))
     if bad.size:
         raise MeshError(
             f"{_LENGTHS} are not positive numbers at {plural('face', bad)}; give each edge one, or leave them out.",
             faces=bad,
         )
-    return found
+    return sides_of
 
 
 def metric_domain(positions: Array, triangles: Int, lengths: Array) -> Domain:
     """The domain of drawn triangles (T, 3) with other side lengths (T, 3), side k opposite corner k.
 
-    Raises `MeshError` where the triangles are no surface, and naming faces whose sides are no triangle.
+    Raises `MeshError` where the triangles are not a surface, and naming faces whose sides make no triangle.
     """
     faces = connectivity.as_faces(triangles)
     connectivity.check_faces(faces, len(positions))
@@ -80,7 +80,7 @@ def metric_domain(positions: Array, triangles: Int, lengths: Array) -> Domain:
 
 
 def start_map(initial: ArrayLike, count: int) -> Array:
-    """Unit normals (V, 3) of a start, given one vector for each of `count` vertices.
+    """Unit normals (V, 3) of a start: one vector for each of `count` vertices, normalised.
 
     Raises `MeshError` on another shape, and naming vertices whose vector is zero or not finite.
     """
@@ -99,7 +99,7 @@ def start_map(initial: ArrayLike, count: int) -> Array:
 
 
 def at_sites(graph: SiteGraph, normals: Array) -> Array:
-    """Unit normals (S, 3) of a start at the sites of a graph: at faces the mean of the corners, on the rim of the ends.
+    """Unit normals (S, 3) of a start at the sites of a graph: means over the corners of faces, the ends of rim edges.
 
     Raises `MeshError` naming where they cancel.
     """

@@ -1,6 +1,6 @@
-"""Sides of a plan: the groups along which the shell lies in planes, where those planes are, and how to draw them.
+"""Sides of a plan: the groups across which the shell continues, and the planes that the edges of a group suggest.
 
-A group may have edges in several places; each connected part of it is a side of its own.
+Each connected part of a group is a side of its own.
 """
 
 from __future__ import annotations
@@ -15,55 +15,37 @@ from scipy.sparse.csgraph import connected_components
 from ..domain.domain import Domain
 from ..errors import ConditionError, JobError
 from ..gauss.frames import boundary_edges, edge_frames
-from ..measure.planes import PlaneReport, measure_plane
-from ..surface.cmc_surface import CmcSurface
-from ..surface.placement import Similarity
-from ..symmetry.sides import Side, side_cut_vertices
+from ..symmetry.sides import Side
 from .plan import Group, Plan
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
 SIDE_KINDS = {"mirror": "mirror", "plane": "tangent", "free": "free"}
-"""Kind of a group -> what kind of side of the surface it is."""
+"""Kind of a group → kind of its sides on the surface."""
 
-# Second singular value of points along a group, as a part of the first, below which they lie on a straight line.
+# Second singular value of points along a group, as a part of the first, below which they are on a straight line.
 _STRAIGHT = 1e-3
-# What is farther from a plane than this part of its extent lies in none.
+# Points farther from a plane than this part of their extent are not in it.
 _FLAT = 0.02
 
 
 def goes_on(group: Group) -> bool:
-    """Whether the shell is continued across a group: what the group says, else mirrors and planes are."""
+    """Whether the shell continues across a group: by its `goes_on`, else across mirrors and planes."""
     return group.goes_on if group.goes_on is not None else group.kind in ("mirror", "plane")
 
 
 def plan_sides(plan: Plan, domain: Domain, names: Sequence[str] | None = None) -> list[Side]:
-    """The sides across which the shell over a plan goes on, those of the groups `names` or of all that `goes_on` has.
+    """The sides across which the shell over a plan continues: of the groups `names`, or of all groups that go on.
 
-    The parts of a group are called "name 1", "name 2", … Raises `JobError` on a name of no group, and on a group whose
-    kind has no rule to go on by, and where no group is left.
+    Raises `JobError` on a name of no group, on a group whose kind has no rule of continuation, and without any group.
     """
     check_sides(plan.groups, names)
     sides: list[Side] = []
     for group in plan.groups:
         if goes_on(group) if names is None else group.name in names:
-            sides += _sides(group, domain)
+            sides += group_sides(group, domain)
     return sides
-
-
-def measured_planes(
-    plan: Plan, surface: CmcSurface, similarity: Similarity, points: Array
-) -> tuple[PlaneReport, ...]:
-    """The planes in which the mirrors and planes of a plan's groups lie on a placed sheet, points (n, 3)."""
-    found = []
-    for group in plan.groups:
-        if group.kind in ("mirror", "plane"):
-            for side in _sides(group, surface.domain):
-                rows, weights = side_cut_vertices(surface, np.asarray(side.edges))
-                normal = similarity.directions(np.asarray(side.normal))
-                found.append(measure_plane(side.name, group.kind, points, rows, weights, normal))
-    return tuple(found)
 
 
 def check_sides(groups: Sequence[Group], names: Sequence[str] | None = None) -> None:
@@ -84,7 +66,8 @@ def _check_kind(name: str, kind: str) -> None:
         raise JobError(f'The shell cannot go on across "{name}": it must be a mirror, a plane or free.')
 
 
-def _sides(group: Group, domain: Domain) -> list[Side]:
+def group_sides(group: Group, domain: Domain) -> list[Side]:
+    """The sides of a group: its connected parts, called "name 1", "name 2", … where there are several."""
     _check_kind(group.name, group.kind)
     pairs = np.asarray(group.edges, dtype=np.int64).reshape(-1, 2)
     parts = _parts(domain, np.unique(boundary_edges(domain, pairs)))

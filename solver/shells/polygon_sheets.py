@@ -1,8 +1,7 @@
-"""A placed sheet with polygons of its own, dual or corner mesh (paper, Fig. 5), and what it takes from the plan.
+"""A placed sheet as dual or corner mesh (paper, Fig. 5), with the attributes of the plan.
 
-A row of such a mesh is no vertex of the plan: it lies in a triangle, at barycentric coordinates there. What the plan
-carries at vertices or at the corners of its faces is interpolated to the rows; what it carries on faces goes to the
-polygons.
+Its vertices are not the plan's: each lies in a triangle, at barycentric coordinates. Attributes of the plan's vertices
+and face corners are interpolated there; attributes of faces go to the polygons.
 """
 
 from __future__ import annotations
@@ -13,7 +12,8 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
-from .shell import Shell, placed_normals
+from .form import placed_normals
+from .shell import Shell
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -21,11 +21,11 @@ Int = NDArray[np.integer]
 
 @dataclass(frozen=True, eq=False)
 class PolygonSheet:
-    """points (n, 3), unit normals (n, 3) and polygons, counter-clockwise as the plan's triangles are.
+    """points (n, 3), unit normals (n, 3) and polygons, counter-clockwise like the plan's triangles.
 
-    vertices (n, 3): the plan's vertices that each row lies between; triangles (n,): the plan's triangle it lies in, or
-    None where the triangles are others (intrinsic Delaunay); barycentric (n, 3): its place, between those vertices.
-    source (n,): the plan's vertex that each row belongs to.
+    vertices (n, 3): the plan's vertices around each point; triangles (n,): its triangle of the plan, None on other
+    triangles (intrinsic Delaunay); barycentric (n, 3): its place between those vertices. source (n,): the plan's vertex
+    that it belongs to.
     """
 
     points: Array
@@ -43,7 +43,7 @@ class PolygonSheet:
     def from_corners(self, values: ArrayLike, drawn: Int) -> Array:
         """(n, k) of values (T, 3, k) at the corners of the plan's triangles `drawn` (T, 3).
 
-        Where the triangles are others, a vertex counts with the value at the first of its corners.
+        On other triangles a vertex counts with the value at the first of its corners.
         """
         given = np.asarray(values, dtype=np.float64)
         if self.triangles is not None:
@@ -52,10 +52,10 @@ class PolygonSheet:
         return self.from_vertices(given.reshape(drawn.size, -1)[first])
 
     def owners(self, drawn: Int, triangle_polygons: Int) -> Int:
-        """(P,) the plan's polygon that each polygon shares most with.
+        """(P,) the plan's polygon with which each polygon shares most.
 
-        drawn (T, 3), triangle_polygons (T,): the plan's triangles and the polygon each is part of. Shares are counted
-        in rows; where the triangles are others, in vertices, each a vote for the plan's polygons around it.
+        drawn (T, 3), triangle_polygons (T,): the plan's triangles and the polygon of each. The points of a polygon
+        vote for the polygons of their triangles; on other triangles their vertices vote for the polygons around them.
         """
         rows = np.concatenate(self.polygons)
         number = np.repeat(np.arange(len(self.polygons)), [len(polygon) for polygon in self.polygons])
@@ -67,11 +67,11 @@ class PolygonSheet:
 
 
 def polygon_sheet(shell: Shell, sheet: str, combinatorics: str) -> PolygonSheet:
-    """A placed sheet ("f+", "f-", "g", "gauss") as "dual" or "corner" mesh; `formed.placed` has the "primal" one."""
+    """A placed sheet ("f+", "f-", "g", "gauss") as "dual" or "corner" mesh; `Shell.placed` has the "primal" one."""
     surface, similarity = shell.surface, shell.similarity
     mesh = surface.as_mesh(sheet, combinatorics)
     own = surface.graph.domain is surface.domain
-    # the Gauss image is placed by a translation of its own: by that of any of its points
+    # the Gauss image has its own translation, the same at all points
     moved = shell.placed[sheet][0] - similarity.points(surface.sheet(sheet)[0])
     return PolygonSheet(
         points=similarity.points(mesh.vertices) + moved,
@@ -91,7 +91,7 @@ def _sums(rows: Int, columns: Int, values: Array, width: int | None = None) -> s
 
 
 def _winners(votes: sp.csr_array) -> Int:
-    """The column of the largest number in each row; of several equal ones, up to rounding, the first."""
+    """The column of the largest number in each row; the first of several that are equal up to rounding."""
     table = sp.coo_array(votes)
     order = np.lexsort((table.col, -np.round(table.data, 6), table.row))
     return table.col[order[np.unique(table.row[order], return_index=True)[1]]]

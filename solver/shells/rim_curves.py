@@ -1,4 +1,4 @@
-"""Closed curves for the rim of a shell to lie on: read from an OBJ, and each given to its loop of the plan."""
+"""Closed curves for the rim of a fitted shell: read from an OBJ, and assigned to the loops of the plan."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ Array = NDArray[np.float64]
 def curves_of_loops(domain: Domain, positions: Array, curves: Sequence[Array]) -> list[Array]:
     """A closed polyline (m, 3) for each of `domain.boundary_loops`, in their order.
 
-    The largest of the curves, one or more, is the outer loop's; the others are those of the holes nearest to them; a
-    hole for which there is none keeps its own line. All as seen from above, and nearness is measured from the middle
-    of the outer line, so that the curves may lie elsewhere. positions: (V, 3). Raises as `check_count`.
+    The largest of the curves, one or more, goes to the outer loop, the others to the holes nearest to them; a hole
+    without a curve keeps its own line. All as seen from above, and relative to the middle of the outer line, so that
+    the curves may lie elsewhere. positions: (V, 3). Raises as `check_count`.
     """
     check_count(domain, curves)
     lines = [positions[loop] for loop in domain.boundary_loops]
@@ -44,7 +44,7 @@ def check_count(domain: Domain, curves: Sequence[Array]) -> None:
     count = len(domain.boundary_loops)
     if len(curves) > count:
         loops = "one loop" if count == 1 else f"{count} loops"
-        raise ConditionError(f"There are {len(curves)} curves, but the plan's boundary has {loops}; take some away.")
+        raise ConditionError(f"There are {len(curves)} curves, but the plan's boundary has {loops}; remove some.")
 
 
 def _area(line: Array) -> float:
@@ -59,25 +59,25 @@ def _middle(line: Array) -> Array:
 
 
 def read_curves(file: Path, up: str | None = None) -> list[Array]:
-    """The closed polylines (`l`) of an OBJ: points (m, 3) of each, in order, without a repeated last one.
+    """The closed polylines (`l`) of an OBJ: points (m, 3) of each, in order, the first one not repeated.
 
     Raises `JobError` where the file cannot be read, or a polyline in it is not closed.
     """
     if file.suffix.lower() != ".obj":
-        raise JobError(f"{file} is no OBJ file, from which a curve is read.")
+        raise JobError(f"{file} is no OBJ file; curves are read from OBJ.")
     try:
         mesh = read_obj(file)
     except OSError as error:
         raise JobError(f"{file} cannot be read: {error.strerror or error}.") from error
     except MeshError as error:
-        raise JobError(f"{file} has no curve that can be read: {error}") from error
+        raise JobError(f"{file} has no readable curve: {error}") from error
     pairs = np.concatenate([np.empty((0, 2), dtype=np.int64), *mesh.edge_groups.values()])
     loops = _walk(_merged(mesh.positions, pairs), file)
     return [oriented(mesh.positions[loop], up or "z") for loop in loops]
 
 
 def _merged(positions: Array, pairs: NDArray[np.integer]) -> NDArray[np.integer]:
-    """Vertex pairs with vertices at one place made one, as of a polyline whose last point repeats the first."""
+    """Vertex pairs with coincident vertices merged, as in a polyline whose last point repeats the first."""
     if not len(pairs):
         return pairs
     _, first, index = np.unique(positions, axis=0, return_index=True, return_inverse=True)

@@ -1,4 +1,4 @@
-"""The shell over a plan with holes, repeated by its periods: across every cut goes on a copy of itself."""
+"""The shell over a plan with holes, repeated by its periods: a copy continues it across every cut."""
 
 from __future__ import annotations
 
@@ -15,29 +15,29 @@ from .shell import Shell
 
 
 def tile_plan(shell: Shell, repeat: Sequence[int], sheet: str = "f+") -> Completed:
-    """The copies k₁ p₁ + k₂ p₂ + …, 0 ≤ kᵢ < repeatᵢ, of a placed shell that is cut open, pᵢ as in `hole_gaps`.
+    """The copies of an open shell at k₁ p₁ + k₂ p₂ + …, 0 ≤ kᵢ < repeatᵢ, with the periods pᵢ of `hole_gaps`.
 
-    Holes beyond those that `repeat` names count once. Counts and transforms are cheap; the welded mesh is made where it
-    is asked for. Raises `JobError` on a shell that closes and on too many copies.
+    Further holes than `repeat` has numbers count once. Counts and transforms are cheap; the welded mesh is made on
+    first use. Raises `JobError` on a shell that closes and on too many copies.
     """
     surface = shell.surface
     if not surface.is_open:
-        raise JobError("The shell closes around the holes of its plan: it has no periods to be repeated by.")
+        raise JobError("The shell closes around the holes of its plan, so it has no periods to repeat by.")
     vectors = period_vectors(surface)
     times = tile_times(len(vectors), repeat)
     moving = np.linalg.norm(vectors, axis=1) > 0.0
-    # around nothing is the shell alone; what generates the copies are the translations
+    # around=[()] is the shell alone; the translations generate the copies
     chosen = [n for n, moves in zip(times, moving.tolist(), strict=True) if moves]
-    found = complete(surface, around=[()], translations=vectors[moving], repeat=chosen, sheet=sheet)
-    return Completed(shell, found)
+    completion = complete(surface, around=[()], translations=vectors[moving], repeat=chosen, sheet=sheet)
+    return Completed(shell, completion)
 
 
 def tile_times(holes: int, repeat: Sequence[int]) -> list[int]:
-    """How often along the period of each hole. Raises `JobError` where that makes too many copies."""
+    """The number of copies along the period of each hole. Raises `JobError` on too many copies."""
     times = [*repeat, *[1] * holes][:holes]
     if min(times, default=1) < 1 or math.prod(times) > MOST_COPIES:
         raise JobError(
-            f"There would be {math.prod(times)} copies; repeat the shell at least once along each period, and in all "
-            f"at most {MOST_COPIES} times."
+            f"That makes {math.prod(times)} copies; repeat the shell at least once along each period, and in all at "
+            f"most {MOST_COPIES} times."
         )
     return times

@@ -1,4 +1,4 @@
-"""A shell over a plan while the plan is being changed: solved from the last map, placed, not measured."""
+"""A shell while its plan changes: solved from the last map, placed, not measured."""
 
 from __future__ import annotations
 
@@ -11,29 +11,40 @@ from ..errors import Progress, Status
 from ..surface.cmc_surface import CmcSurface
 from ..surface.placement import Similarity
 from ..surface.solve import CmcSolver
+from .form import check_shown, place_over, placed_sheets, solve_plan
 from .plan import Plan, Settings, plan_conditions
-from .shell import check_shown, place_over, placed_sheets
-from .solve import solve_plan
 
 Array = NDArray[np.float64]
 
 ROUGHLY = 1e-4
-"""Residual at which an answer is good enough for the eye."""
+"""Residual that is good enough for the eye."""
 
-# Maps from which to begin anew.
+# Maps that need a new start.
 _LOST = (Status.COLLAPSED, Status.UNDER_RESOLVED, Status.STALLED)
-# Methods that do not run downhill go on to the nearest map at which nothing pulls.
+# Methods that do not run downhill continue to the nearest critical map.
 _UPHILL = ("saddle", "critical")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Update:
-    """A surface, its placing, and points and normals (n, 3) of the placed sheets, as in `pipeline.Shell`."""
+    """A surface, its similarity, and points and normals (n, 3) of the placed sheets, as in `Shell`."""
 
     surface: CmcSurface
     similarity: Similarity
     placed: dict[str, Array]
     normals: dict[str, Array]
+
+    @property
+    def ok(self) -> bool:
+        """Whether the map is harmonic to `ROUGHLY` zero, or the settings' tolerance, and the surface has no gap."""
+        return self.surface.status is Status.CONVERGED
+
+    @property
+    def message(self) -> str:
+        return self.surface.message
+
+    def __repr__(self) -> str:
+        return f"Update({self.surface!r})"
 
 
 def update(
@@ -45,22 +56,17 @@ def update(
     steps: int | None = None,
     progress: Progress | None = None,
 ) -> Update:
-    """The shell that goes on from the normals `last` (S, 3) of the one before, on the plan's own `solver`.
+    """The next shell, from the normals `last` (S, 3) of the one before, on the plan's own `solver`.
 
-    steps: of Newton's method, at most; None: until the residual is `ROUGHLY` zero. The shell keeps to the branch that
-    it is on; where that comes to an end it is solved for anew. Raises `CmcError` as `pipeline.form` does.
+    steps: of Newton's method, at most; None: until the residual is `ROUGHLY` zero. The shell stays on its branch; where
+    the branch ends, a new solve starts. Raises `CmcError` as `form` does.
     """
     rough = replace(settings, tolerance=max(settings.tolerance, ROUGHLY))
+    method = "critical" if rough.method in _UPHILL else "newton"
     surface = solver.solve(
         plan_conditions(plan, rough, solver.domain),
-        initial=last,
-        method="critical" if rough.method in _UPHILL else "newton",
-        averaging=rough.averaging,
-        tolerance=rough.tolerance,
-        max_iterations=steps,
-        period_tolerance=rough.period_tolerance,
-        side=rough.side,
-        progress=progress,
+        last,
+        **rough.solve_options(method=method, degree=None, max_iterations=steps, progress=progress),
     )
     if surface.harmonic.status in _LOST:
         surface = solve_plan(plan, rough, solver, progress=progress)

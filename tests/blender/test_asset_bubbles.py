@@ -49,7 +49,7 @@ def test_the_job_does_the_same(name, tmp_path):
     folder.mkdir(parents=True)
     for file in BUBBLES[name].parent.glob(f"{name}.*"):
         shutil.copy(file, folder)
-    assert run_job(load_job(folder / f"{name}.toml")).converged
+    assert run_job(load_job(folder / f"{name}.toml")).ok
     reported = json.loads((made / f"{name}.json").read_text())
     if COPIES[name] is not None:
         assert reported["completed"]["copies"] == COPIES[name] and reported["completed"]["relative_gap"] < 2e-3

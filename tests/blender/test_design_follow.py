@@ -88,7 +88,7 @@ def test_the_newest_number_wins(follow, plan, written):
     assert 2 <= len(written) < 20
     (first, cut), (last, whole) = written[0], written[-1]
     assert first.newer.is_set() and cut.status.value == "cancelled" and 5 <= len(cut.history) < 10
-    assert last.settings.fit_rise == pytest.approx(0.8) and not last.newer.is_set() and whole.met
+    assert last.settings.fit_rise == pytest.approx(0.8) and not last.newer.is_set() and whole.is_met
 
 
 def test_it_goes_on_from_the_last_fit(follow, plan, written):

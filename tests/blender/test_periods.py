@@ -201,9 +201,9 @@ def refused(said: str, **options) -> None:
 
 
 def test_what_cannot_be_closed_is_said(plan):
-    refused("Say how the holes may move", close_by="HOLE", close_shift=False, close_twist=False)
+    refused("The holes need a motion", close_by="HOLE", close_shift=False, close_twist=False)
     plan.cmc.sites, plan.cmc.energy = "FACES", "MOBIUS"
-    refused("Closing works with normals on vertices")
+    refused("Closing needs normals on vertices")
 
 
 def test_plans_whose_vertices_cannot_be_moved(plan):
@@ -223,7 +223,7 @@ def test_plans_whose_vertices_cannot_be_moved(plan):
 def test_a_wall_closes_by_its_normals_only(plan):
     plan.rotation_euler.x = np.pi / 2
     bpy.context.view_layer.update()
-    refused("Holes move level", close_by="BOTH")
+    refused("Holes can only move horizontally", close_by="BOTH")
     assert bpy.ops.cmc.close_periods(close_by="NORMALS") == FINISHED
     assert report(plan)["closing"]["closed"]
 

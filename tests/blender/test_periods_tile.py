@@ -96,7 +96,7 @@ def test_counts_before_it_runs(plan, addon):
     counts = addon.cmc_addon.tasks.close_periods.tile_counts
     assert counts(plan, 1, (5, 9, 9)) == (5, 5 * len(plan.data.polygons)), "there is one hole"
     assert counts(plan, 2, (5, 3, 9))[0] == 15 and counts(plan, 5, (2, 2, 2))[0] == 8
-    with pytest.raises(Exception, match="There would be 1000000 copies"):
+    with pytest.raises(Exception, match="That makes 1000000 copies"):
         counts(plan, 2, (1000, 1000, 1))
 
 
@@ -139,18 +139,18 @@ def refused(said: str, **options) -> None:
 
 def test_a_shell_that_closes_is_not_tiled(plan):
     assert bpy.ops.cmc.close_periods() == FINISHED
-    refused("it has no periods to be repeated by")
+    refused("so it has no periods to repeat by")
     assert bpy.ops.cmc.solve() == FINISHED
     assert bpy.ops.cmc.tile_periods() == FINISHED
     quad_disc()
     bpy.context.object.data.cmc.groups.clear()
-    refused("it has no periods to be repeated by")
+    refused("so it has no periods to repeat by")
 
 
 def test_too_many(plan):
     made = two_courts()
     assert bpy.ops.cmc.solve() == FINISHED
-    refused("There would be 250000 copies", tile_repeat=(500, 500, 1))
+    refused("That makes 250000 copies", tile_repeat=(500, 500, 1))
     activate(made)
 
 

@@ -1,4 +1,4 @@
-"""`python -m solver`: exit codes, one sentence on stderr, help."""
+"""The command `cmc`, which is `python -m solver`: exit codes, one sentence on stderr, help."""
 
 from __future__ import annotations
 
@@ -106,3 +106,9 @@ def test_as_a_module_from_anywhere(job, tmp_path):
     failed = call("nosuch.toml")
     assert failed.returncode == 2
     assert failed.stderr == "nosuch.toml cannot be read: No such file or directory.\n"
+
+
+def test_the_command_is_called_cmc(capsys):
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    assert capsys.readouterr().out.startswith("usage: cmc ")

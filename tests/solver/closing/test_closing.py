@@ -260,7 +260,7 @@ def test_what_cannot_close_ends_with_what_is_left(motion):
     assert not closing.closed and closing.status is ClosingStatus.RANK_DEFICIENT
     assert closing.rank == 1 and "Only 1 of their components" in closing.message
     assert closing.gaps[-1] > 1e-3 and closing.surface.is_open and "The gap was" in closing.message
-    assert closing.left == {"period 0": closing.gaps[-1]} and "Left are period 0: 0.0" in closing.message
+    assert closing.left == {"period 0": closing.gaps[-1]} and "The rest: period 0 0.0" in closing.message
 
 
 def test_wrong_wishes_are_refused():

@@ -70,7 +70,7 @@ def test_a_range_without_a_root_ends_with_what_is_left():
     closing = close_periods(plan.domain, plan.held, by="moduli", moduli=moduli, coplanar=sides_of(plan))
     assert closing.status is ClosingStatus.OUT_OF_RANGE and not closing.closed
     assert_allclose(np.exp(closing.moduli), 0.9)
-    assert "end of their range" in closing.message and "Left are 'left' to 'right': 0.0" in closing.message
+    assert "end of their range" in closing.message and "The rest: 'left' to 'right' 0.0" in closing.message
     size = np.linalg.norm(np.ptp(closing.surface.f_plus, axis=0))
     assert_allclose(abs(apart(closing.surface, plan)) / size, closing.gaps[-1], rtol=0.1)
     assert 0.01 < closing.gaps[-1] < closing.gaps[0]

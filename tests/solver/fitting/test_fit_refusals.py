@@ -14,8 +14,8 @@ BALL = shapes.sphere(60)
 BOWL = np.column_stack([DISC.positions, 0.2 * DISC.positions[:, 0] ** 2])
 
 
-def outline(**wishes):
-    return lambda: fit_outline(DISC.domain, DISC.positions, **wishes)
+def outline(**options):
+    return lambda: fit_outline(DISC.domain, DISC.positions, **options)
 
 
 def piece():
@@ -23,9 +23,9 @@ def piece():
     return complete(solve_cmc(DISC.domain, held), Side("rim", DISC.domain.boundary_edges))
 
 
-def moved(**wishes):
+def moved(**options):
     moduli = hole(RING.domain, RING.positions, 1)
-    return lambda: close_periods(RING.domain, RIM, by="both", moduli=moduli, **wishes)
+    return lambda: close_periods(RING.domain, RIM, by="both", moduli=moduli, **options)
 
 
 WRONG = {
@@ -38,7 +38,7 @@ WRONG = {
     "anchors in words": (outline(anchors=(["a"], [[0, 0, 0]], [1])), "must be numbers"),
     "half a vertex": (outline(anchors=([1.5], [[0, 0, 0]], [1])), "no vertex 1.5"),
     "anchors that push": (outline(anchors=([1], [[0, 0, 0]], [-1])), "weights positive"),
-    "rough on purpose": (outline(smooth=-1.0), "calm boundary normals must be a number of 0 or more"),
+    "rough on purpose": (outline(smooth=-1.0), "smooth boundary normals must be a number of 0 or more"),
     "no evaluations": (outline(max_evaluations=0), "evaluations must be a number of 1 or more"),
     "regularisation in words": (lambda: fit_gauss_map(DISC.domain, BOWL, "some"), "regularisation must be"),
     "a closed surface": (lambda: fit_gauss_map(BALL.domain, BALL.positions), "no rim whose normals"),

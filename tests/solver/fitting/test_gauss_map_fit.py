@@ -94,7 +94,7 @@ def test_saddles_keep_their_shape(name):
     assert found.distances["Gauss map"] < 0.15
     h2, _ = bending(domain, dirichlet_matrix(domain), found.surface.normals)
     assert_allclose(np.sqrt(h2), LEAST, rtol=0.05, atol=0)
-    assert not found.met and "minimal" in found.message
+    assert not found.is_met and "minimal" in found.message
     H = found.sign * mean_curvature_of(found.points(), domain.faces, found.surface.normals)
     assert np.nanmedian(np.abs(H / found.surface.mean_curvature - 1)) < 0.5  # of a tenth of the curvature
 
@@ -233,7 +233,7 @@ def test_bending_is_mean_curvature_over_all_curvature():
         assert_allclose(cosine(L, N, points), h, rtol=0, atol=0.02)
 
 
-def test_wrong_wishes_are_refused():
+def test_wrong_goals_are_refused():
     domain, points = over_the_disc(100, lambda x, y: x**2)
     for arguments, message in (
         ({"regularisation": -1.0}, "regularisation"),

@@ -1,4 +1,4 @@
-"""Fits to outlines whose answers are known, and wishes that no surface fulfils."""
+"""Fits to outlines whose answers are known, and goals that no surface meets."""
 
 import numpy as np
 import pytest
@@ -27,7 +27,7 @@ def test_a_circle_gives_the_exact_cap(rise):
     points = found.points()
     radius = (1 + rise**2) / (2 * rise)
     miss = np.linalg.norm(points - [0, 0, rise - radius], axis=1) - radius
-    assert found.met, found.message
+    assert found.is_met, found.message
     assert_allclose(points[:, 2].max(), rise, rtol=1e-4, atol=0)
     assert_allclose(1 / found.surface.mean_curvature, radius, rtol=3e-3, atol=0)
     assert np.abs(miss).max() < 2e-3
@@ -36,7 +36,7 @@ def test_a_circle_gives_the_exact_cap(rise):
 def test_the_unit_of_the_domain_does_not_matter():
     shape = shapes.disc(300)
     found = fit_outline(shape.domain, 500.0 * shape.positions, height=40.0)
-    assert found.met and len(found.history) < 25
+    assert found.is_met and len(found.history) < 25
     assert_allclose(1 / found.surface.mean_curvature, (500**2 + 40**2) / 80, rtol=3e-3, atol=0)
 
 
@@ -46,7 +46,7 @@ def test_a_square_keeps_its_outline(rise):
     found = fit_outline(shape.domain, shape.positions, rise=rise)
     assert len(found.history) < 60
     size = np.linalg.norm(np.ptp(shape.positions[:, :2], axis=0))
-    assert found.met, found.message
+    assert found.is_met, found.message
     assert found.distances["rim on curve"] < 2e-3 * size
     H = mean_curvature_of(found.points(), found.surface.faces, found.surface.normals)
     assert np.median(np.abs(H / found.surface.mean_curvature - 1)) < 0.03
@@ -81,11 +81,11 @@ def test_tilts_are_kept_within_bounds():
     tilts = [np.arcsin(f.surface.normals[loop, 2]) for f in (free, bound)]
     outside = [np.abs(tilt - np.clip(tilt, *bounds)).max() for tilt in tilts]
     assert outside[0] > np.radians(5) and outside[1] < np.radians(0.2)
-    assert free.met and bound.met and bound.distances["anchors"] < 1e-3
+    assert free.is_met and bound.is_met and bound.distances["anchors"] < 1e-3
     level = fit_outline(shape.domain, shape.positions, rise=0.4, free_heights=True, tilt=tuple(np.radians([50, 75])))
-    assert level.met and level.distances["rim on curve"] < 2e-3 * 2.83
+    assert level.is_met and level.distances["rim on curve"] < 2e-3 * 2.83
     tight = fit_outline(shape.domain, shape.positions, rise=0.4, tilt=tuple(np.radians([20, 30])))
-    assert not tight.met and "bounds on their tilt" in tight.message
+    assert not tight.is_met and "bounds on their tilt" in tight.message
 
 
 def test_volume_and_mean_curvature_as_knobs():
@@ -120,10 +120,10 @@ def test_a_quarter_between_mirrors_is_a_quarter_of_the_cap():
     assert_allclose(1 / found.surface.mean_curvature, radius, rtol=1e-3)
 
 
-def test_wishes_that_cannot_be_met_end_with_the_nearest_surface_and_a_sentence():
+def test_goals_that_cannot_be_met_end_with_the_nearest_surface_and_a_sentence():
     shape = shapes.disc(400)
     found = fit_outline(shape.domain, shape.positions, mean_curvature=2.0, max_evaluations=60)
-    assert not found.met and "smaller mean curvature" in found.message
+    assert not found.is_met and "smaller mean curvature" in found.message
     assert found.distances["rim on curve"] > 0.1
     assert np.isfinite(found.points()).all()
 
@@ -139,10 +139,10 @@ def test_fits_can_be_cancelled_and_continued():
     first = fit_outline(shape.domain, shape.positions, rise=0.4, progress=progress)
     assert first.status is FitStatus.CANCELLED and len(seen) == 4
     second = fit_outline(shape.domain, shape.positions, rise=0.4, initial=first)
-    assert second.value < first.value and second.met
+    assert second.value < first.value and second.is_met
 
 
-def test_wrong_wishes_are_refused():
+def test_wrong_goals_are_refused():
     shape = shapes.disc(100)
     domain, points = shape.domain, shape.positions
     for arguments, message in (
@@ -152,7 +152,7 @@ def test_wrong_wishes_are_refused():
         ({"on_curve": False}, "nothing to fit"),
         ({"sheet": "g"}, "sheet"),
         ({"tilt": (1.0, 0.5)}, "below the most"),
-        ({"curve": [np.eye(3), np.eye(3)]}, "2 curves cannot be theirs"),
+        ({"curve": [np.eye(3), np.eye(3)]}, "so 2 curves do not fit it"),
         ({"anchors": ([999], [[0, 0, 0]], [1.0])}, "999"),
     ):
         with pytest.raises(ConditionError, match=message):

@@ -40,7 +40,7 @@ def job_file(folder, close: str, plan: str = COURT):
     return path
 
 
-def told(folder) -> dict:
+def written(folder) -> dict:
     return json.loads((folder / "report.json").read_text())
 
 
@@ -49,7 +49,7 @@ def test_a_court_closes_and_what_changed_is_told(tmp_path, way, capsys):
     path = job_file(tmp_path, f'[close]\nby = "{way}"\n')
     assert main(["-v", str(path)]) == OK
     assert "step 1: gap" in capsys.readouterr().err
-    report, plan = told(tmp_path), load_job(path).plan
+    report, plan = written(tmp_path), load_job(path).plan
     closing = report["closing"]
     assert closing["closed"] and closing["gap_before"] > 0.1 and closing["gap"] < 1e-8 and closing["steps"] <= 10
     assert closing["area_ratio"] > 0.9
@@ -69,7 +69,7 @@ def test_a_court_closes_and_what_changed_is_told(tmp_path, way, capsys):
 
 def test_without_the_table_the_gap_is_told(tmp_path):
     assert main([str(job_file(tmp_path, ""))]) == FAILED
-    report = told(tmp_path)
+    report = written(tmp_path)
     (hole,) = report["holes"]
     assert hole["name"] == "hole 1" and "closing" not in report
     assert_allclose(hole["length"], report["gap"], rtol=1e-9)
@@ -79,7 +79,7 @@ def test_without_the_table_the_gap_is_told(tmp_path):
 def test_one_motion_does_not_close_and_says_what_is_left(tmp_path, capsys):
     path = job_file(tmp_path, '[close]\nby = "hole"\nmove = ["size"]\nmax_steps = 3\n')
     assert main([str(path)]) == FAILED
-    report = told(tmp_path)
+    report = written(tmp_path)
     assert not report["closing"]["closed"] and report["closing"]["gap"] > 1e-3 and report["is_open"]
     assert report["closing"]["message"] == report["message"] == report["warnings"][0]
     assert " and is " in report["message"] and "The surface closes" not in report["message"]
@@ -122,12 +122,12 @@ def test_gaps_are_those_around_each_hole(tmp_path):
 def test_one_hole_of_two_moves(tmp_path):
     path = job_file(tmp_path, '[close]\nby = "both"\nholes = [1]\nweight = 0.5\n', TWO)
     job = load_job(path)
-    assert job.closure is not None and job.closure.holes == (1,) and job.closure.weight == 0.5
+    assert job.close is not None and job.close.holes == (1,) and job.close.weight == 0.5
     assert main([str(path)]) == OK
-    assert set(told(tmp_path)["closing"]["moved"]) == {"x", "y", "twist"}
+    assert set(written(tmp_path)["closing"]["moved"]) == {"x", "y", "twist"}
     both = job_file(tmp_path, '[close]\nby = "both"\n', TWO)
     assert main([str(both)]) == OK
-    assert set(told(tmp_path)["closing"]["moved"]) == {f"hole {k} {q}" for k in (1, 2) for q in ("x", "y", "twist")}
+    assert set(written(tmp_path)["closing"]["moved"]) == {f"hole {k} {q}" for k in (1, 2) for q in ("x", "y", "twist")}
 
 
 def test_the_plan_with_the_moved_hole_gives_the_closed_shell(tmp_path):
@@ -136,8 +136,8 @@ def test_the_plan_with_the_moved_hole_gives_the_closed_shell(tmp_path):
 
     symmetric = COURT.replace("[3, 3], [6, 3], [6, 6], [3, 6]", "[3, 3.5], [6, 3.5], [6, 6.5], [3, 6.5]")
     job = load_job(job_file(tmp_path, '[close]\nby = "hole"\nmove = ["x", "y", "twist"]\n', symmetric))
-    assert job.closure is not None
-    closed = close_plan(job.plan, job.settings, job.closure)
+    assert job.close is not None
+    closed = close_plan(job.plan, job.settings, job.close)
     assert closed.closing.closed and abs(closed.moved["twist"]) < 0.2
     loop = plan_domain(job.plan).boundary_loops[hole_loops(plan_domain(job.plan))[0]]
     shift = (closed.plan.positions - job.plan.positions)[loop].mean(axis=0)
@@ -152,7 +152,7 @@ def test_the_plan_with_the_moved_hole_gives_the_closed_shell(tmp_path):
     ("weight = 1", r'"weight" goes with by = "both", not with "normals"'),
     ('by = "normals"\nmove = ["x"]', r'"move" goes with by = "hole" or "both", not with "normals"'),
     ('by = "hole"\nmove = ["up"]', r'there is no motion "up" of a hole; known are x, y'),
-    ('by = "hole"\nmove = []', r"Say how the holes may move"),
+    ('by = "hole"\nmove = []', r"The holes need a motion"),
     ('by = "both"\nweight = 0', r"weight must be a positive number, not 0"),
     ("max_steps = 0", r"limit of steps must be 1 or more"),
 ])  # fmt: skip
@@ -167,8 +167,8 @@ def test_what_cannot_be_closed(tmp_path):
         (disc, "[close]\n", "neither holes nor handles"),
         (disc, '[close]\nby = "hole"\n', "The plan has 0 holes that could move"),
         (COURT, '[close]\nby = "hole"\nholes = [3]\n', "The plan has 1 hole; there is no hole 3"),
-        (COURT, '[close]\n[solver]\nsites = "faces"\n', "Closing works with normals on vertices"),
-        (disc, "[fit]\nrise = 0.2\n[close]\n", "closed by the fit"),
+        (COURT, '[close]\n[solver]\nsites = "faces"\n', "Closing needs normals on vertices"),
+        (disc, "[fit]\nrise = 0.2\n[close]\n", "a fit closes its shell by itself"),
     ):
         with pytest.raises(Exception, match=said):
             run_job(load_job(job_file(tmp_path, close, plan)))

@@ -48,11 +48,11 @@ def test_a_tube_of_three_periods_as_one_mesh(tmp_path, capsys):
     tube = read_mesh(tmp_path / "tube.obj")
     faces = len(job.plan.triangles)
     assert len(tube.polygons) == 3 * 8 * faces == len(tube.uv_corners) == len(tube.materials)
-    told = json.loads((tmp_path / "report.json").read_text())["completed"]
-    assert told["copies"] == 24 and told["sheets"] == {"f+": 24} and told["triangles"] == 24 * faces
-    assert told["vertices"] == len(tube.positions) and not told["is_closed"]
-    assert told["largest_gap"] < 1e-6 and told["largest_offset"] == 0.0
-    ((x, y, z),) = told["lattice"]
+    report = json.loads((tmp_path / "report.json").read_text())["completed"]
+    assert report["copies"] == 24 and report["sheets"] == {"f+": 24} and report["triangles"] == 24 * faces
+    assert report["vertices"] == len(tube.positions) and not report["is_closed"]
+    assert report["largest_gap"] < 1e-6 and report["largest_offset"] == 0.0
+    ((x, y, z),) = report["lattice"]
     assert_allclose([y, z], 0.0, atol=1e-9)
     assert_allclose(np.ptp(tube.positions[:, 0]), 3 * abs(x), rtol=1e-6)
     uvs = tube.uvs[np.concatenate(tube.uv_corners)]
@@ -81,15 +81,15 @@ def test_instances_put_the_pieces_where_the_mesh_is(tmp_path):
     path = job_file(tmp_path, 'mesh = "whole.obj"\ninstances = "whole.json"', nodoid, kinds)
     run_job(load_job(path))
     whole = read_mesh(tmp_path / "whole.obj").positions
-    told = json.loads((tmp_path / "whole.json").read_text())
-    assert set(told["pieces"]) == {"f+", "f-"}
-    pieces = {name: read_mesh(tmp_path / file).positions for name, file in told["pieces"].items()}
-    for instance in told["instances"]:
+    report = json.loads((tmp_path / "whole.json").read_text())
+    assert set(report["pieces"]) == {"f+", "f-"}
+    pieces = {name: read_mesh(tmp_path / file).positions for name, file in report["pieces"].items()}
+    for instance in report["instances"]:
         matrix = np.array(instance["matrix"])
         placed = pieces[instance["piece"]] @ matrix[:3, :3].T + matrix[:3, 3]
         apart = np.linalg.norm(placed[:, None] - whole[None], axis=2).min(axis=1)
         assert apart.max() < 1e-5 * np.ptp(whole)
-    assert len({instance["piece"] for instance in told["instances"]}) == 2
+    assert len({instance["piece"] for instance in report["instances"]}) == 2
 
 
 @pytest.mark.parametrize(("choice", "count"), [
@@ -136,7 +136,7 @@ def test_a_plane_that_is_touched_is_that_of_the_sheet_shown(tmp_path):
 
 
 @pytest.mark.parametrize(("lines", "said"), [
-    ("repeat = 2", r'say what to write: "mesh"'),
+    ("repeat = 2", r'name a file: "mesh"'),
     ('mesh = "a.txt"', r'"mesh" has no format known here \("\.txt"\)'),
     ('instances = "a.obj"', r'"instances" has no format known here'),
     ('mesh = "a.obj"\ncopies = 0', r'"copies" must be from 1 to 20000, not 0'),
@@ -169,7 +169,7 @@ def test_without_a_side_to_go_on_across_the_job_is_refused(tmp_path):
 def test_fits_have_no_copies(tmp_path):
     path = tmp_path / "job.toml"
     path.write_text('[shape]\nkind = "disc"\nn = 100\n[fit]\nrise = 0.3\n[complete]\nmesh = "a.obj"\n')
-    with pytest.raises(JobError, match="a shell that is fitted has no sides"):
+    with pytest.raises(JobError, match="a fitted shell has no sides"):
         load_job(path)
 
 
@@ -196,7 +196,7 @@ def test_a_corner_between_two_mirrors_takes_its_other_normal(tmp_path, more, sig
 
 def test_more_copies_than_are_ever_made_are_refused_at_once(tmp_path):
     job = load_job(job_file(tmp_path, 'mesh = "a.obj"\nrepeat = 1000000000'))
-    with pytest.raises(JobError, match="There would be 8000000000 copies, and 20000 are the most"):
+    with pytest.raises(JobError, match="That makes 8000000000 copies, and 20000 are the most"):
         run_job(job)
 
 

@@ -236,7 +236,7 @@ def test_the_jobs_that_come_with_the_project(tmp_path, name):
     shutil.copytree(JOBS, tmp_path / "assets" / "jobs")
     loaded = load_job(tmp_path / "assets" / "jobs" / name)
     shell = run_job(loaded)
-    assert shell.converged
+    assert shell.ok
     assert shell.report.shown.rise > 0.1 * shell.report.shown.span
     assert len(loaded.outputs) >= 2
     for file in loaded.outputs.values():
@@ -286,7 +286,7 @@ PLAN = 'mesh = "plan.obj"\n'
         (PLAN + "[[conditions]]\ngroup = 'botom'", r'no group "botom" in the mesh; did you mean "bottom"\?'),
         (PLAN + "[[conditions]]\nedges = [[0, 1, 2]]", r'"edges" must be a list of pairs of vertices'),
         (PLAN + "[[conditions]]\nedges = [[0, 1.5]]", r'"edges" must be whole numbers'),
-        (PLAN + "[[conditions]]\nvertices = [0, 8]", r"no boundary edge has both its ends among these"),
+        (PLAN + "[[conditions]]\nvertices = [0, 8]", r"no boundary edge has both ends among these"),
         (PLAN + "[[conditions]]\nloop = 0\nkind = 'plain'", r'no kind "plain"; did you mean "plane"\?'),
         (PLAN + "[[conditions]]\nloop = 0\nm = 2", r'\[\[conditions\]\] 1: unknown key "m"; known are'),
         (
@@ -376,7 +376,7 @@ def test_a_courtyard_with_a_gap_is_written_cut_open(folder):
         f_plus = "shell.obj"
         """
     shell = run_job(load_job(job(folder, text)))
-    assert not shell.converged
+    assert not shell.ok
     written, uv = read_mesh(folder / "shell.obj"), mesh.uvs
     assert len(written.positions) == len(shell.source) > len(used)
     for polygon, rows, material in zip(written.polygons, written.uv_corners, written.materials, strict=True):
@@ -440,7 +440,7 @@ def test_polygons_are_written_with_what_the_plan_carries(folder, sites, faces, d
     """UVs lie where the polygons do: the plan's were drawn as its own coordinates, with a seam in the middle."""
     loaded = load_job(job(folder, DUAL.format(sites, delaunay, faces)))
     shell = run_job(loaded)
-    assert shell.converged
+    assert shell.ok
     written = read_mesh(folder / "shell.obj")
     V, E, F, rim = counts(loaded.plan)
     if faces == "dual":
@@ -471,3 +471,28 @@ def test_the_shell_of_other_faces_is_the_same_shell(folder):
         areas[faces] = triangle_area(read_mesh(folder / "shell.ply"))
     assert_allclose(areas["dual"], areas["primal"], rtol=0.02)
     assert_allclose(areas["corner"], areas["primal"], rtol=0.02)
+
+
+DISC = "[shape]\nkind = 'disc'\nn = 100\nscale = 5\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "where"),
+    [
+        ("[default]\ntilt = 0.6109\n", r'[default]: "tilt" is 0.6109°'),
+        ("[[conditions]]\nloop = 0\ntilt = -0.35\n", r'[[conditions]] 1: "tilt" is -0.35°'),
+        ("[fit]\nrise = 0.3\ntilt = [0.2, 90]\n", r'[fit]: "tilt" is 0.2°'),
+    ],
+)
+def test_degrees_that_look_like_radians_are_noticed(folder, text, where):
+    loaded = load_job(job(folder, DISC + text + "[output]\nreport = 'report.json'\n"))
+    assert len(loaded.warnings) == 1 and loaded.warnings[0].startswith(where)
+    assert "angles in jobs are in degrees" in loaded.warnings[0]
+    shell = run_job(loaded)
+    assert shell.warnings[0] == loaded.warnings[0]
+    assert json.loads((folder / "report.json").read_text())["warnings"] == shell.warnings
+
+
+@pytest.mark.parametrize("tilt", ["0", "1", "1.0", "2.5", "-20"])
+def test_plain_degrees_are_not(folder, tilt):
+    assert not load_job(job(folder, DISC + f"[default]\ntilt = {tilt}\n")).warnings

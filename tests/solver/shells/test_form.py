@@ -66,7 +66,7 @@ def test_a_disc_becomes_the_hemisphere_over_it():
     for rings in (6, 12):
         plan = disc(rings, radius=5.0, centre=(10, -3, 2))
         shell = form(plan)
-        assert shell.converged
+        assert shell.ok
         dome = shell.placed["f+"] - [10, -3, 2]
         errors.append(np.abs(np.linalg.norm(dome, axis=1) - 5).max())
         assert_allclose(dome[:, 2].min(), 0, atol=1e-12)
@@ -207,7 +207,7 @@ def test_progress_and_cancel():
     assert seen
     shell = form(disc(), Settings(default_tilt=0.3), progress=lambda iteration, residual: False)
     assert shell.surface.status is Status.CANCELLED
-    assert not shell.converged
+    assert not shell.ok
     assert any("cancelled" in note for note in shell.warnings)
 
 
@@ -229,7 +229,7 @@ def courtyard() -> Shell:
 def test_a_courtyard_that_does_not_close_is_cut_and_says_so():
     plan, shell = grid(9, 9, hole=True), courtyard()
     assert shell.surface.status is Status.GAP
-    assert not shell.converged
+    assert not shell.ok
     assert any("gap" in note for note in shell.warnings)
     assert len(shell.source) > len(plan.positions)
     assert_array_equal(shell.source[shell.faces], plan.triangles)
@@ -448,7 +448,7 @@ def test_other_faces_lie_over_the_plan(faces, sites, flip):
     """Between plan and hemisphere, like the triangles: points, normals and sides; g lies half-way between f±."""
     plan = disc(10, centre=(1, 2, 3))
     shell = form(plan, Settings(default_tilt=0.2, ground="rim", flip=flip, sites=sites))
-    assert shell.converged
+    assert shell.ok
     sheets = {name: polygon_sheet(shell, name, faces) for name in shell.placed}
     f, g, gauss = sheets["f+"], sheets["g"], sheets["gauss"]
     tree = KDTree(shell.placed["f+"])

@@ -74,7 +74,7 @@ def test_holes_without_a_curve_keep_their_line(plan):
 
 def test_more_curves_than_loops(plan):
     domain, points = plan
-    with pytest.raises(ConditionError, match="4 curves, but the plan's boundary has 3 loops; take some away"):
+    with pytest.raises(ConditionError, match="4 curves, but the plan's boundary has 3 loops; remove some"):
         curves_of_loops(domain, points, [ring(1.0)] * 4)
 
 

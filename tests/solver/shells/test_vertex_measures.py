@@ -1,4 +1,4 @@
-"""What is measured at the rows of a shell: against the report, against exact shells, on cuts and on dual meshes."""
+"""Measures at the vertices of a shell: against the report, against exact shells, on cuts and on dual meshes."""
 
 from __future__ import annotations
 
@@ -11,14 +11,13 @@ from solver.measure.arrays import face_areas_in_space
 from solver.shells.form import form
 from solver.shells.plan import Group, Plan, Settings
 from solver.shells.polygon_sheets import polygon_sheet
-from solver.shells.shell import row_curvature
 from solver.shells.vertex_measures import (
     DIRECTION,
     MEASURES,
     lines_on_polygons,
     on_polygons,
     rim_distances,
-    row_measures,
+    vertex_measures,
 )
 
 RECTANGLE = np.array([[0, 0], [6, 0], [6, 3], [0, 3]], dtype=float)
@@ -38,23 +37,21 @@ def hall():
 
 
 def measures(shell, sheet="f+", names=(*MEASURES, DIRECTION)):
-    return row_measures(shell.surface, shell.similarity, shell.placed[sheet], sheet, names)
+    return vertex_measures(shell.surface, shell.similarity, shell.placed[sheet], sheet, names)
 
 
 @pytest.mark.parametrize("flip", [False, True])
 @pytest.mark.parametrize("sheet", ["f+", "f-"])
 def test_both_sheets_standing_and_hanging(sheet, flip):
-    _, shell = formed_on(shapes.polygon(RECTANGLE, max_edge=0.3, corner_radius=0.6), 0.4, flip=flip)
+    _, shell = formed_on(shapes.polygon(RECTANGLE, max_edge=0.3, corner_radius=0.6), 0.4, flip=flip, sheet=sheet)
     found = measures(shell, sheet)
-    assert_allclose(
-        found["mean_curvature"], row_curvature(shell.surface, shell.similarity, shell.placed, sheet), rtol=1e-9
-    )
+    assert_allclose(found["mean_curvature"], shell.mean_curvature, rtol=1e-9)
     assert np.median(found["mean_curvature"]) == pytest.approx(shell.report.mean_curvature, rel=0.05)
     assert (found["gauss_curvature"] <= 1.2 * found["mean_curvature"].clip(0.0) ** 2 + 1e-9).mean() > 0.8
     assert (found["distortion"] >= 1.0).all()
 
 
-def test_means_at_rows_are_those_of_the_report(hall):
+def test_means_at_vertices_are_those_of_the_report(hall):
     _, shell = hall
     found, shown = measures(shell), shell.report.shown
     areas = face_areas_in_space(shell.placed["f+"], shell.faces)
@@ -106,10 +103,10 @@ def test_on_other_meshes(hall, combinatorics):
     rim = np.isfinite(on_polygons(sheet, off, shell.source, count))
     assert 0 < rim.sum() < 0.5 * len(rim)
     lines = lines_on_polygons(sheet, found[DIRECTION], shell.source, count)
-    told = lines.any(axis=1)
-    assert told.mean() > 0.9
-    assert_allclose(np.linalg.norm(lines[told], axis=1), 1.0)
-    across = np.einsum("ni,ni->n", lines[told], sheet.normals[told])
+    has_line = lines.any(axis=1)
+    assert has_line.mean() > 0.9
+    assert_allclose(np.linalg.norm(lines[has_line], axis=1), 1.0)
+    across = np.einsum("ni,ni->n", lines[has_line], sheet.normals[has_line])
     assert np.abs(across).mean() < 0.1
 
 
@@ -132,7 +129,7 @@ def test_a_row_without_a_proper_face(hall):
     face = shell.faces[np.argmax((shell.faces == 100).any(axis=1))]
     around = np.unique(shell.faces[(shell.faces == face[0]).any(axis=1)])
     points[around] = points[face[0]]
-    found = row_measures(shell.surface, shell.similarity, points, "f+", (*MEASURES, DIRECTION))
+    found = vertex_measures(shell.surface, shell.similarity, points, "f+", (*MEASURES, DIRECTION))
     H = shell.report.mean_curvature
     assert found["mean_curvature"][face[0]] == pytest.approx(H)
     assert found["gauss_curvature"][face[0]] == pytest.approx(H * H)
