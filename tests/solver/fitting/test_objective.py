@@ -1,0 +1,49 @@
+"""The gradient of the sum of targets by boundary normals, scale and shift, against finite differences."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from solver import HarmonicSolver
+from solver.fitting.objective import Objective
+from solver.fitting.response import Response
+from solver.fitting.targets import Area, Closed, Crown
+from solver.surface.adjoint import AdjointSolver
+from tests.solver.closing_plans import courtyard
+
+_SCALE, _SHIFT = -4, slice(-3, None)
+
+
+@pytest.fixture(scope="module")
+def open_court():
+    """The response of a courtyard whose surface has a gap, and its boundary normals."""
+    shape, rim = courtyard(0.2)
+    return Response(AdjointSolver(HarmonicSolver(shape.domain), rim)), rim.resolve()[1]
+
+
+def objective_of(response, targets, free: bool = True) -> Objective:
+    return Objective(response, targets, side=1.0, size=2.5, free_scale=free, free_shift=free, first=None)
+
+
+@pytest.mark.parametrize("target", [Closed(), Area(2.0), Crown(0.7)], ids=["periods", "points", "highest point"])
+def test_the_gradient_by_scale_and_shift(open_court, target):
+    """Periods grow with the scale, too, and nothing that is only a length depends on the shift."""
+    response, rim = open_court
+    objective = objective_of(response, [target])
+    x = objective.vector(rim, 0.8, np.array([0.1, -0.2, 0.3]))
+    value, gradient = objective(x)
+    assert value > 1e-4
+    step = 1e-4
+    for k in range(len(x) + _SCALE, len(x)):
+        ahead, behind = (objective(x + sign * step * np.eye(len(x))[k])[0] for sign in (1, -1))
+        assert_allclose(gradient[k], (ahead - behind) / (2 * step), rtol=1e-5, atol=1e-8 * value)
+    assert abs(gradient[_SCALE]) > 0.1 * value
+
+
+def test_what_is_not_free_has_no_gradient(open_court):
+    response, rim = open_court
+    objective = objective_of(response, [Closed(), Crown(0.7)], free=False)
+    gradient = objective(objective.vector(rim, 0.8, np.zeros(3)))[1]
+    assert gradient[_SCALE] == 0.0 and not gradient[_SHIFT].any() and gradient[:_SCALE].any()
