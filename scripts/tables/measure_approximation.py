@@ -17,7 +17,7 @@ from scripts.assets import surfaces
 from scripts.tables.measured_page import Tables, measure
 from solver import Domain, Fit, conformal_distortion, fit_gauss_map, mean_curvature_of, shapes
 from solver.fitting.closest_point import Triangles
-from tests.solver.exact import rates
+from tests.solver.exact_surfaces import rates
 from tests.solver.fitting.test_gauss_map_fit import SADDLES, cap, off, over_the_disc, size_of, unduloid
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -36,7 +36,7 @@ from solver.measure import self_intersections
 from tests.solver import closing_plans
 from tests.solver.catalogue.test_wente_torus import curvature_error
 from tests.solver.closing_plans import LENGTH, spoke_of
-from tests.solver.wente import jittered_cylinder, nearby
+from tests.solver.wente_cylinders import jittered_cylinder, nearby
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -16,10 +16,10 @@ import numpy as np
 from scripts.tables.measured_page import Tables, measure
 from solver import Domain, conditions, shapes, solve_cmc
 from tests.solver import figure20, meshes
-from tests.solver.exact import disc, hemisphere, rates
-from tests.solver.measured import Errors, errors_of, hausdorff
+from tests.solver.exact_surfaces import disc, hemisphere, rates
 from tests.solver.surface.test_convergence import immersed_sheet, jittered_but_at_the_rim, solved
 from tests.solver.surface.test_figure19 import dome
+from tests.solver.surface_errors import Errors, errors_of, hausdorff
 
 ROOT = Path(__file__).resolve().parents[2]
 

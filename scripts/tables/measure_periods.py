@@ -25,7 +25,7 @@ from solver.domain.topology import Homology
 from solver.surface.periods import harmonic_forms, integrals
 from tests.solver.closing.test_closing import rows_from, seams
 from tests.solver.closing_plans import courtyard, half_tube
-from tests.solver.pieces import unduloid_period
+from tests.solver.fundamental_pieces import unduloid_period
 from tests.solver.surface.test_periods import CASES, C, forms_of, tau_of
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -19,9 +19,9 @@ from solver import HarmonicSolver, complete, conditions, mean_curvature_of, side
 from solver.catalogue import modules
 from solver.domain.gluing import doubled as double
 from solver.measure import self_intersections
-from tests.solver import pieces
-from tests.solver.exact import rates
-from tests.solver.mirrored import half_disc
+from tests.solver import fundamental_pieces as pieces
+from tests.solver.exact_surfaces import rates
+from tests.solver.mirror_images import half_disc
 from tests.solver.surface import test_figure9
 from tests.solver.symmetry import test_capital
 from tests.solver.symmetry.test_symmetry import radii

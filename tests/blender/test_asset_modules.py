@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 import pytest
 
-from .completions import COPIES, FINISHED, told
+from .solved_modules import COPIES, FINISHED, told
 from .test_assets import ASSETS, catalogue, opened
 
 MODULES = {file.stem: file for file in sorted((ASSETS / "modules").glob("*.blend"))}

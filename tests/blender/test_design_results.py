@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from .designs import CANCELLED, FINISHED, approximated, cap, fitted, hand_for, raised_loop, small_disc, wavy
+from .design_scenes import CANCELLED, FINISHED, approximated, cap, fitted, hand_for, raised_loop, small_disc, wavy
 from .scenes import activate, positions, snapshot, values
 
 # --- results are results ---

@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 import pytest
 
-from .live_hands import EXACT, catch_up, live_disc, move, off_by, settle, state_of
+from .live_driver import EXACT, catch_up, live_disc, move, off_by, settle, state_of
 from .scenes import add_group, boundary_edges, positions, quad_ring
 
 

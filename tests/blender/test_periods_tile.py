@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from .completions import farthest, is_oriented, matrices, told
 from .scenes import activate, positions, quad_disc, snapshot, values
+from .solved_modules import farthest, is_oriented, matrices, told
 from .test_periods import FINISHED, court, report, seams, uv_corners
 
 

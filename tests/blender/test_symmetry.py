@@ -10,8 +10,8 @@ import pytest
 from mathutils.bvhtree import BVHTree
 from numpy.testing import assert_allclose
 
-from .completions import FINISHED, faces_of, farthest, is_oriented, module, solved, told
 from .scenes import activate, add_group, mesh_object, positions, snapshot, values
+from .solved_modules import FINISHED, faces_of, farthest, is_oriented, module, solved, told
 
 # --- one mesh ----------------------------------------------------------------------------------
 

@@ -6,8 +6,8 @@ import bpy
 import numpy as np
 from numpy.testing import assert_allclose
 
-from .completions import COPIES, FINISHED, farthest, matrices, solved, told
 from .scenes import activate, positions
+from .solved_modules import COPIES, FINISHED, farthest, matrices, solved, told
 
 
 def test_instances_meet_and_are_where_the_mesh_is():

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from .completions import COPIES, FINISHED, is_oriented, module, solved, told
 from .scenes import positions, snapshot, values
+from .solved_modules import COPIES, FINISHED, is_oriented, module, solved, told
 
 
 @pytest.mark.parametrize("name", COPIES)

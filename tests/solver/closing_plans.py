@@ -10,7 +10,7 @@ from solver import CmcSurface, Conditions, Domain, Side, close_periods, conditio
 from solver.catalogue import modules
 from solver.closing.close import ClosingResult
 from solver.closing.moduli import tube
-from tests.solver.pieces import unduloid_normals
+from tests.solver.fundamental_pieces import unduloid_normals
 
 COURTYARDS = {
     "one hole": (1.2, [(0.4, (0.25, 0.1))], (50, 35)),

@@ -12,7 +12,7 @@ from solver.fitting.fit import FitStatus
 from solver.fitting.gauss_map import vertex_normals
 from solver.fitting.shape_similarity import LEAST, ShapeSimilarity, bending, cosine, dirichlet_matrix
 from solver.fitting.target import Shape
-from tests.solver.exact import rates
+from tests.solver.exact_surfaces import rates
 
 
 def over_the_disc(n, height):

@@ -14,7 +14,7 @@ from solver.gauss.energies import ENERGIES
 from solver.gauss.initial_map import wound_start
 from solver.gauss.newton import line_search, longest
 from solver.gauss.problem import EnergyProblem
-from tests.solver.exact import Nodoid, cylinder, disc, hemisphere, rates
+from tests.solver.exact_surfaces import Nodoid, cylinder, disc, hemisphere, rates
 
 L_PLAN = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
 PLANS = {

@@ -16,7 +16,7 @@ from solver.gauss.energies import ENERGIES
 from solver.gauss.methods import METHODS
 from solver.gauss.newton import newton
 from solver.gauss.problem import EnergyProblem
-from tests.solver.mirrored import doubled, doubled_graph, half_disc, jittered_strip, reflect
+from tests.solver.mirror_images import doubled, doubled_graph, half_disc, jittered_strip, reflect
 
 SITES_AND_ENERGIES = [(sites, name) for name, energy in ENERGIES.items() for sites in energy.sites]
 E_X, E_Y, E_Z = np.eye(3)

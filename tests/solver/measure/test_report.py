@@ -14,7 +14,7 @@ from solver.catalogue import shapes
 from solver.errors import CmcError, MeshError
 from solver.measure import mean_curvature_of, report
 from solver.measure.report import to_plain
-from tests.solver.measure_surfaces import Delaunay
+from tests.solver.sampled_surfaces import Delaunay
 
 
 def solved_disc(n, m=0, **options):

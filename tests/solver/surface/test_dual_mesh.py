@@ -15,7 +15,7 @@ from solver import ConditionError, Domain, conditions, shapes, solve_cmc
 from solver.domain.topology import Homology
 from solver.surface.cmc_surface import COMBINATORICS
 from solver.surface.dual_mesh import Corners, corner_complex, dual_complex
-from tests.solver.exact import disc, hemisphere, moved, rates
+from tests.solver.exact_surfaces import disc, hemisphere, moved, rates
 
 HOLES = (
     [(0, 0), (4, 0), (4, 3), (0, 3)],

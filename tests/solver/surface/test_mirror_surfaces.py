@@ -11,8 +11,8 @@ from scipy.special import ellipe
 from solver import HarmonicSolver, Status, conditions, mean_curvature_of, shapes, solve_cmc
 from solver.domain.sites import SITES
 from solver.surface.averaging import _galerkin_load
-from tests.solver.exact import Nodoid, hemisphere, rates
-from tests.solver.mirrored import half_disc, jittered_strip
+from tests.solver.exact_surfaces import Nodoid, hemisphere, rates
+from tests.solver.mirror_images import half_disc, jittered_strip
 
 E_X, E_Y, E_Z = np.eye(3)
 

@@ -23,7 +23,7 @@ from solver.gauss.energies import ENERGIES
 from solver.surface.averaging import AVERAGINGS
 from solver.surface.conjugate import Conjugation, solve_dual_poisson
 from solver.surface.vertex_fit import fit_weights
-from tests.solver.exact import Nodoid, cylinder, disc, hemisphere, rates
+from tests.solver.exact_surfaces import Nodoid, cylinder, disc, hemisphere, rates
 
 CONSISTENT = [name for name in AVERAGINGS if name != "area"]
 COURTYARD = ([(0, 0), (4, 0), (4, 3), (0, 3)], [[(0.7, 0.7), (1.7, 0.7), (1.7, 1.7), (0.7, 1.7)]])

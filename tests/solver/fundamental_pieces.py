@@ -10,7 +10,7 @@ from scipy.special import ellipe, ellipj, ellipk
 from solver import CmcSurface, Domain, Side, conditions, solve_cmc
 from solver.catalogue import modules
 from solver.meshing.mesher import mesh_plan
-from tests.solver import exact
+from tests.solver import exact_surfaces
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +30,7 @@ def edges_where(domain: Domain, points: np.ndarray, test) -> np.ndarray:
 
 def cylinder(height: float, columns: int):
     """A jittered cylinder, its unrolled points, and the edges of its two ends."""
-    domain, points = exact.cylinder(height, columns)
+    domain, points = exact_surfaces.cylinder(height, columns)
     ends = [edges_where(domain, points, lambda p, y=y: np.abs(p[:, 1] - y) < 1e-9) for y in (0.0, height)]
     return domain, points, *ends
 
@@ -81,7 +81,7 @@ def sphere_eighth(n: int) -> Piece:
     plan = mesh_plan(np.vstack([[0.0, 0.0], np.column_stack([np.cos(angle), np.sin(angle)])]), max_edge=1.6 / n)
     domain, points = Domain.from_positions(plan.positions, plan.triangles), plan.positions
     rim = domain.boundary_vertices
-    surface = solve_cmc(domain, conditions.fixed_at(domain, rim, exact.hemisphere(points)[rim]))
+    surface = solve_cmc(domain, conditions.fixed_at(domain, rim, exact_surfaces.hemisphere(points)[rim]))
     left, front = (edges_where(domain, points, lambda p, k=k: np.abs(p[:, k]) < 1e-9) for k in (0, 1))
     floor = np.setdiff1d(domain.boundary_edges, np.concatenate([left, front]))
     sides = [Side("left", left, normal=(1, 0, 0)), Side("front", front, normal=(0, 1, 0))]

@@ -6,7 +6,7 @@ import numpy as np
 
 from solver import Domain, shapes
 from solver.domain.sites import SiteGraph
-from tests.solver.exact import moved
+from tests.solver.exact_surfaces import moved
 
 
 def half_disc(n: int) -> tuple[Domain, np.ndarray, np.ndarray, np.ndarray]:

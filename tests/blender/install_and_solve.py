@@ -1,6 +1,6 @@
 """What test_extension.py runs in each clean Blender: install the zip, enable, solve, disable.
 
-    python installed.py ZIP FACTS.json
+    python install_and_solve.py ZIP FACTS.json
 
 Nothing is asserted here, since exit codes of Blender say little: the facts go into a file, which the
 test reads. Only bpy and its own dependencies are here, so this file imports nothing else.
