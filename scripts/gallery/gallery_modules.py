@@ -32,8 +32,8 @@ def made(
     bpy.ops.cmc.solve()
     bpy.ops.cmc.complete(complete_as=complete_as, complete_repeat=repeat)
     plan.hide_render = True
-    told = json.loads(plan.cmc.complete_report)
-    print(f"{plan.name}: {told['copies']} copies, seams {told['relative_gap']:.1e} of the size.")
+    reported = json.loads(plan.cmc.complete_report)
+    print(f"{plan.name}: {reported['copies']} copies, seams {reported['relative_gap']:.1e} of the size.")
     return plan
 
 

@@ -1,4 +1,4 @@
-"""Plans and surfaces to design on, the two calls that tests make, and what they measure."""
+"""Plans, curves and surfaces to fit to, the calls of both fits, and measures of the results."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def wavy(name="Wavy"):
 
 
 def hand_for(design, operator):
-    """Stands for the operator that Blender makes, to turn its crank by hand."""
+    """A stand-in for the operator that Blender makes, driven tick by tick."""
 
     class Hand(design.Designing):
         bl_label, take = "Fit to Outline", operator.take

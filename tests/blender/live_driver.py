@@ -1,4 +1,4 @@
-"""What a user does with Live on, and the crank that the timer turns in a window."""
+"""Drive Live as a user and the window's timer do: make a change, tick until the results follow."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def live_disc(name: str = "Disc", **shape) -> bpy.types.Object:
 
 
 def settle(live, seconds: float = 30.0) -> int:
-    """Turn the crank until there is nothing more to do; how often."""
+    """Tick until there is nothing more to do; returns the number of ticks."""
     bpy.context.view_layer.update()
     ticks = 1
     while live.tick() is not None:
@@ -34,7 +34,7 @@ def settle(live, seconds: float = 30.0) -> int:
 
 
 def catch_up(live, seconds: float = 30.0) -> None:
-    """Turn it until the results show the last change, and no further."""
+    """Tick until the results show the last change, and no further."""
     bpy.context.view_layer.update()
     until = time.monotonic() + seconds
     live.tick()
@@ -49,7 +49,7 @@ def state_of(live, plan):
 
 
 def solved_anew(addon, plan) -> np.ndarray:
-    """Points that a solve gives for the plan as it is, with nothing kept from before."""
+    """Points of a solve of the plan as it is, from empty caches."""
     forming, plan_cache = addon.cmc_addon.tasks.solve, addon.cmc_addon.background.plan_cache
     bpy.context.view_layer.update()
     order = forming.take_order(bpy.context, plan, forming.settings_of(plan.cmc))
@@ -58,7 +58,7 @@ def solved_anew(addon, plan) -> np.ndarray:
 
 
 def off_by(addon, plan) -> float:
-    """How far the shown sheet is from where a solve would put it, as a part of its size."""
+    """Distance of the shown sheet from a solve of its plan, as a part of its size."""
     expected = solved_anew(addon, plan)
     found = positions(getattr(plan.cmc, plan.cmc.sheet.lower()))
     return float(np.abs(found - expected).max() / np.linalg.norm(np.ptp(expected, axis=0)))
