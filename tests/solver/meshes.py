@@ -95,7 +95,7 @@ def torus(columns: int, rows: int, jitter: float = 0.2, seed: int = 1) -> tuple[
 
 
 def genus_two(cells: int = 2, jitter: float = 0.12, seed: int = 1) -> tuple[Points, Faces]:
-    """A block of 5 × 3 × 1 cubes with two tunnels, `cells` voxels to a cube; smoothed, jittered, with random diagonals."""
+    """A block of 5 × 3 × 1 cubes with two tunnels, `cells` voxels to a cube; smoothed, jittered, diagonals random."""
     block = np.ones((5, 3, 1), dtype=bool)
     block[1, 1], block[3, 1] = False, False
     random = np.random.default_rng(seed)
