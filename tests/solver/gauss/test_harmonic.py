@@ -429,3 +429,23 @@ def test_a_map_is_torn_where_neighbouring_normals_are_more_than_90_degrees_apart
     result = HarmonicSolver(shape.domain).solve(up, initial, max_iterations=0)
     assert_allclose(result.normals, initial, rtol=0, atol=1e-12)
     assert result.status is status
+
+
+@pytest.mark.parametrize(("part", "status"), [(0.99, Status.COLLAPSED), (1.01, Status.ITERATION_LIMIT)])
+def test_a_map_of_hardly_any_energy_counts_as_collapsed(part, status):
+    """Below 10⁻¹² of the 4π of the whole sphere."""
+    shape = shapes.disc(61)
+    solver = HarmonicSolver(shape.domain)
+    up = conditions.fixed(shape.domain, shape.domain.boundary_edges, [0, 0, 1])
+    centre = int(np.linalg.norm(shape.positions, axis=1).argmin())
+
+    def solved(angle):
+        initial = np.tile([0.0, 0.0, 1.0], (shape.domain.vertex_count, 1))
+        initial[centre] = [np.sin(angle), 0.0, np.cos(angle)]
+        return solver.solve(up, initial, max_iterations=0, tolerance=0.0)
+
+    limit = 4.0 * np.pi * 1e-12
+    # the energy is quadratic in small angles
+    found = solved(1e-3 * np.sqrt(part * limit / solved(1e-3).energy))
+    assert found.energy == pytest.approx(part * limit, rel=1e-3)
+    assert found.status is status
