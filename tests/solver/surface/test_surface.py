@@ -194,6 +194,8 @@ def test_boundary_points_complete_the_dual_polygons():
     faces = domain.edge_faces[domain.boundary_edges, 0]
     across = conjugate.g[faces] - conjugate.boundary_points
     assert_allclose(across, conjugate.tau[domain.boundary_edges], rtol=0, atol=1e-14)
+    on_faces = solve_cmc(domain, once_twisted(domain, points), sites="faces", energy="dual_cotan").conjugate
+    assert on_faces.boundary_points.shape == (0, 3), "with normals on faces g is at the vertices already"
 
 
 @pytest.mark.parametrize("mean_curvature", [0.05, 0.5, 3.0])
