@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from solver import HarmonicSolver
+from solver import HarmonicSolver, conditions, shapes
+from solver.fitting.gauss_newton import GaussNewtonModel
 from solver.fitting.objective import Objective
-from solver.fitting.response import Response
-from solver.fitting.targets import Area, Closed, Crown
+from solver.fitting.response import KNOTS, Response
+from solver.fitting.targets import Area, Closed, Crown, SmoothRim
 from solver.surface.adjoint import AdjointSolver
 from tests.solver.closing_plans import courtyard
 
@@ -47,3 +48,17 @@ def test_what_is_not_free_has_no_gradient(open_court):
     objective = objective_of(response, [Closed(), Crown(0.7)], free=False)
     gradient = objective(objective.vector(rim, 0.8, np.zeros(3)))[1]
     assert gradient[_SCALE] == 0.0 and not gradient[_SHIFT].any() and gradient[:_SCALE].any()
+
+
+def test_the_model_on_a_rim_of_more_vertices_than_knots():
+    """`back` is the transpose of `forth`."""
+    shape = shapes.disc(4000)
+    rim = conditions.binormal(shape.domain, shape.positions, shape.domain.boundary_edges, 0.4)
+    assert len(shape.domain.boundary_vertices) > KNOTS
+    response = Response(AdjointSolver(HarmonicSolver(shape.domain), rim))
+    objective = objective_of(response, [SmoothRim(), Area(2.0)])
+    x = objective.vector(rim.resolve()[1], 0.8, np.zeros(3))
+    objective(x)
+    model = GaussNewtonModel(objective, x)
+    y, gradient = np.random.default_rng(6).normal(size=(2, len(x)))
+    assert_allclose(gradient @ model.forth(y), model.back(gradient) @ y, rtol=1e-10, atol=0)
