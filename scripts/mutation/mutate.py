@@ -79,11 +79,14 @@ def line_map(copy: Path, suite: str, rooms: list[str]) -> dict[str, dict]:
 def tests_of(root: Path, mutant: Mutant, known: dict[str, dict], folder: str) -> list[str]:
     """Tests that run the mutant's line, those in the room's own folder first, then the quickest, as long as allowed."""
     lines = set(range(mutant.lines[0], mutant.lines[1] + 1)) - {0}
-    if not lines:
+    if not lines and mutant.name:
         text = (root / mutant.file).read_text().splitlines()
-        named = re.compile(rf"\b{mutant.name}\b") if mutant.name else re.compile("")
+        named = re.compile(rf"\b{mutant.name}\b")
         lines = {k for k, line in enumerate(text, 1) if named.search(line) and k != mutant.line}
-    tests = [test for test, found in known.items() if lines.intersection(found["lines"].get(mutant.file, ()))]
+    of_file = {test: lines_of for test, one in known.items() if (lines_of := one["lines"].get(mutant.file))}
+    tests = [test for test, lines_of in of_file.items() if lines.intersection(lines_of)]
+    if not tests and mutant.lines == (0, 0):
+        tests = list(of_file)
     tests.sort(key=lambda test: (not test.startswith(folder), known[test]["seconds"]))
     total = list(accumulate(known[test]["seconds"] for test in tests))
     return [test for test, seconds in zip(tests, total, strict=True) if seconds <= _LONGEST] or tests[:1]

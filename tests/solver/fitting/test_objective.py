@@ -11,6 +11,7 @@ from solver.fitting.gauss_newton import GaussNewtonModel
 from solver.fitting.objective import Objective
 from solver.fitting.response import KNOTS, Response
 from solver.fitting.targets import Area, Closed, Crown, SmoothRim
+from solver.gauss import sphere
 from solver.surface.adjoint import AdjointSolver
 from tests.solver.closing_plans import courtyard
 
@@ -62,3 +63,23 @@ def test_the_model_on_a_rim_of_more_vertices_than_knots():
     model = GaussNewtonModel(objective, x)
     y, gradient = np.random.default_rng(6).normal(size=(2, len(x)))
     assert_allclose(gradient @ model.forth(y), model.back(gradient) @ y, rtol=1e-10, atol=0)
+
+
+def test_each_map_starts_from_the_best_one_and_the_change_of_the_rim(open_court, monkeypatch):
+    response, rim = open_court
+    objective = objective_of(response, [Area(2.0)])
+    starts, solve = [], AdjointSolver.__call__
+
+    def spy(extension, rim, start, *more):
+        starts.append(start)
+        return solve(extension, rim, start, *more)
+
+    monkeypatch.setattr(AdjointSolver, "__call__", spy)
+    turned = sphere.normalize(rim + 0.01 * np.random.default_rng(2).normal(size=rim.shape))
+    first = objective.best
+    objective(objective.vector(rim, 0.8, np.zeros(3)))
+    there = objective.place(objective.vector(turned, 0.8, np.zeros(3))).state.N
+    assert first is None and starts[0] is None
+    assert_allclose(starts[1][objective.extension.fixed], turned, rtol=0, atol=1e-3)
+    moved = np.abs(there - objective.best.state.N).max()
+    assert np.abs(starts[1] - there).max() < 0.3 * moved
