@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib import import_module
 
 import pytest
@@ -83,6 +83,23 @@ def test_an_approximation_is_shown_after_five_evaluations(addon, monkeypatch, ma
     activate(surface)
     bpy.ops.cmc.approximate_surface(match=match, near=100.0)
     assert calls == [(5, 0.0, True), (approximate.LIMIT, near, False)]
+
+
+@pytest.mark.parametrize(("match", "stages_run"), [("TANGENT_PLANES", 1), ("POSITION", 2)])
+def test_tangent_planes_found_at_once_need_no_second_look_but_places_do(addon, monkeypatch, match, stages_run):
+    import bpy
+
+    approximate, calls = addon.cmc_addon.tasks.approximate, []
+    fit_gauss_map = approximate.fit_gauss_map
+
+    def found_at_once(*arguments, **options):
+        calls.append(options)
+        return replace(fit_gauss_map(*arguments, **options), status=approximate.FitStatus.CONVERGED)
+
+    monkeypatch.setattr(approximate, "fit_gauss_map", found_at_once)
+    activate(wavy())
+    bpy.ops.cmc.approximate_surface(match=match)
+    assert len(calls) == stages_run
 
 
 def test_the_report_of_a_fit_leaves_out_the_slow_measure():
