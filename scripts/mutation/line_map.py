@@ -2,7 +2,8 @@
 
 CMC_LINES_OF: folders of the checkout, with commas between. CMC_LINES_IN: the JSON file to write, {test: {"seconds": s,
 "lines": {file: [line]}}}, of the tests that pass; seconds of processor time, lines of functions only. What a fixture or
-a cached function of the checkout has run counts for each test that uses its result, not only for the first.
+a cached function of the checkout has run counts for each test that uses its result, not only for the first (fixtures of
+one test run with it).
 """
 
 from __future__ import annotations
@@ -98,6 +99,9 @@ class LineMap:
 
     @pytest.hookimpl(hookwrapper=True)
     def pytest_fixture_setup(self, fixturedef: pytest.FixtureDef):
+        if fixturedef.scope == "function":
+            yield
+            return
         before, self.lines = self.lines, set()
         yield
         self.of_fixture[fixturedef] |= self.lines
