@@ -3,7 +3,7 @@
 
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: demo test lint test-solver test-blender test-versions extension gui-test bench gallery clean
+.PHONY: demo test lint test-solver test-blender test-versions extension gui-test bench mutation gallery clean
 
 PYTHON := .venv/bin/python
 WORKERS := $(shell n=$$(nproc); echo $$((n < 8 ? n : 8)))
@@ -53,6 +53,10 @@ gui-test: .venv/ready
 
 bench: .venv/ready
 	$(PYTHON) -m pytest benchmarks -k "not sizes"
+
+# How many small faults the tests notice, a room (CONTRIBUTING.md): about an hour on one processor.
+mutation: .venv/ready
+	$(PYTHON) -m scripts.mutation.mutate
 
 # The pictures of docs/, and the tables of its pages; those of the window by the stories of gui-test, where it can run.
 gallery: .venv/ready

@@ -27,7 +27,7 @@ import bpy  # noqa: E402  isort: skip
 import addon_utils  # noqa: E402  isort: skip
 import numpy as np  # noqa: E402  isort: skip
 
-from blender.live_hands import off_by, settle  # noqa: E402  isort: skip
+from blender.live_driver import off_by, settle  # noqa: E402  isort: skip
 from blender.scenes import add_group, boundary_edges  # noqa: E402  isort: skip
 from blender.test_live_survives import many_edits  # noqa: E402  isort: skip
 

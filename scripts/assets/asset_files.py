@@ -1,4 +1,4 @@
-"""What plans and modules share as assets: the shelves of the catalogue, an object as OBJ, as asset, as .blend file."""
+"""Asset files of plans, modules and bubbles: shelves of the catalogue, an object as OBJ, asset or .blend file."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ PREVIEW = 192  # pixels
 
 
 def _identifier(shelf: str) -> str:
-    """Of a shelf of the catalogue; it only has to be always the same one."""
+    """The identifier of a shelf of the catalogue, the same in every run."""
     return str(uuid.uuid5(uuid.NAMESPACE_URL, f"cmc-formfinding/assets/{shelf}"))
 
 
@@ -35,7 +35,7 @@ SHELVES = {shelf: _identifier(shelf) for shelf in ("plans", "modules", "bubbles"
 
 
 def obj_data(plan: bpy.types.Object) -> MeshData:
-    """The plan as an OBJ knows it: polygons, the first UV layer, materials, boundary groups as polylines."""
+    """A plan as OBJ data: polygons, the first UV layer, materials, boundary groups as polylines."""
     mesh = plan.data
     read = mesh_bridge.read_plan(plan)
     uv = np.array([item.vector[:] for item in mesh.uv_layers[0].uv], dtype=np.float64)
@@ -53,7 +53,7 @@ def obj_data(plan: bpy.types.Object) -> MeshData:
 
 
 def picture_of_scene() -> np.ndarray:
-    """A square picture (height, width, 4) in 0…1, bottom row first, of what the camera sees."""
+    """A square picture (height, width, 4) in 0…1, bottom row first, from the camera."""
     with tempfile.TemporaryDirectory() as scratch:
         file = scene.render(Path(scratch) / "preview.png", PREVIEW, PREVIEW, samples=16)
         image = bpy.data.images.load(str(file))
@@ -61,7 +61,7 @@ def picture_of_scene() -> np.ndarray:
 
 
 def mark(plan: bpy.types.Object, description: str, tags: Sequence[str], picture: np.ndarray, shelf: str) -> None:
-    """Make the plan an asset on a shelf; picture (height, width, 4) in 0…1, from the bottom up."""
+    """Mark a plan as an asset on a shelf. picture: (height, width, 4) in 0…1, bottom row first."""
     plan.asset_mark()
     data = plan.asset_data
     data.description, data.author, data.license = description, AUTHOR, LICENCE
@@ -74,7 +74,7 @@ def mark(plan: bpy.types.Object, description: str, tags: Sequence[str], picture:
 
 
 def save(path: Path, plan: bpy.types.Object) -> None:
-    """Write a .blend that holds this object and what it needs, in a scene of its own."""
+    """Write a .blend with this object and its data, in a scene of its own."""
     with tempfile.TemporaryDirectory(prefix=".assets-", dir=path.parent) as scratch:
         temporary = str(Path(scratch) / path.name)
         bpy.data.orphans_purge(do_local_ids=True, do_linked_ids=True, do_recursive=True)

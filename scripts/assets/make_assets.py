@@ -1,11 +1,11 @@
 """Draw the plans of `plans.py` in Blender and write them into assets/: .blend marked as Blender assets, and .obj.
-The modules and bubbles of Add > Mesh > CMC are written by `make_modules.py` and `make_bubbles.py`, which this calls at
-the end.
+
+Then `make_modules.py` and `make_bubbles.py` write the modules and bubbles of Add > Mesh > CMC.
 
     .venvs/full-4.5/bin/python -m scripts.assets.make_assets
 
-The oldest Blender that the extension supports writes them, since newer files lose data in older ones; any other will
-do to try things out. `make test-versions` makes that environment.
+Use the oldest Blender that the extension supports, since newer files lose data in older versions; any other serves for
+a trial. `make test-versions` makes that environment.
 
 Add the folder in Blender's Preferences > File Paths > Asset Libraries, and drag a plan from the asset browser
 into a scene: its boundary groups come along, and Solve forms a shell over it.
@@ -30,7 +30,7 @@ from cmc_formfinding.solver.io.mesh_files import write_mesh
 
 from scripts.assets import make_bubbles, make_modules
 from scripts.assets.asset_files import ASSETS, mark, obj_data, picture_of_scene, save
-from scripts.gallery import portrait
+from scripts.gallery import staging
 
 COLOURS = {"Membrane": (0.80, 0.77, 0.72, 1.0), "Glass": (0.35, 0.50, 0.55, 1.0)}
 
@@ -61,7 +61,7 @@ def draw(sketch: plans.Sketch) -> bpy.types.Object:
 
 
 def _meshed(sketch: plans.OutlineSketch) -> bpy.types.Object:
-    """The outline is drawn with its groups on it, and Mesh Plan does the rest."""
+    """Draw the outline with its groups and fill it with Mesh Plan."""
     loops = [sketch.outline, *sketch.holes]
     starts = np.cumsum([0] + [len(loop) for loop in loops])
     edges = np.concatenate([s + _cycle(len(loop)) for s, loop in zip(starts, loops, strict=False)])
@@ -128,7 +128,7 @@ def preview(sketch: plans.Sketch) -> np.ndarray:
     """A picture (height, width, 4) in 0…1, bottom row first, of the shell over a plan."""
     blender_session.empty_scene()
     plan = draw(sketch)
-    portrait.stage(plan, portrait.form(plan), sketch.view, aspect=1.0, people=False)
+    staging.stage(plan, staging.form(plan), sketch.view, aspect=1.0, people=False)
     return picture_of_scene()
 
 

@@ -25,10 +25,10 @@ from cmc_formfinding.solver.io.mesh_files import write_mesh
 from cmc_formfinding.solver.jobs.start_table import write_start
 
 from scripts.assets import asset_files
-from scripts.gallery import portrait, scene
+from scripts.gallery import scene, staging
 
 FOLDER = asset_files.ASSETS / "bubbles"
-# Coarse enough to be small files, fine enough to be found; `None` is the menu's own.
+# Coarse enough for small files, fine enough for the solver; None: the menu's own.
 COLUMNS = {"WENTE": None, "TORUS": 8, "RING": 4}
 MADE = "../../build/jobs"
 
@@ -63,7 +63,7 @@ def draw(identifier: str) -> bpy.types.Object:
 
 
 def job(name: str, comment: str, plan: bpy.types.Object) -> str:
-    """The job file of a bubble: conditions are the plan's groups, settings those of its object."""
+    """The job file of a bubble: its conditions are the plan's groups, its settings those of the object."""
     settings, groups = plan.cmc, plan.data.cmc.groups
     lines = [f"# {comment}", "", f'mesh = "{name}.obj"']
     if (FOLDER / f"{name}.npz").is_file():
@@ -96,12 +96,12 @@ def preview(identifier: str) -> np.ndarray:
         bpy.ops.cmc.complete()
         whole = plan.cmc.completed
     plan.hide_render = True
-    portrait.paint(whole, scene.checker("Plaster", "Plan", cells=1.0))
+    staging.paint(whole, scene.checker("Plaster", "Plan", cells=1.0))
     whole.data.shade_smooth()
-    points = portrait.world_points(whole)
+    points = staging.world_points(whole)
     scene.add_ground(float(np.ptp(points, axis=0).max()), z=float(points[:, 2].min()))
     scene.light()
-    portrait.look_at(points, (-62.0, 0.9), 42.0, 1.0)
+    staging.look_at(points, (-62.0, 0.9), 42.0, 1.0)
     return asset_files.picture_of_scene()
 
 

@@ -21,7 +21,7 @@ from cmc_formfinding.solver.catalogue.module_presets import PRESETS, Preset
 from cmc_formfinding.solver.io.mesh_files import write_mesh
 
 from scripts.assets import asset_files
-from scripts.gallery import portrait, scene
+from scripts.gallery import scene, staging
 
 FOLDER = asset_files.ASSETS / "modules"
 
@@ -70,12 +70,12 @@ def preview(name: str) -> np.ndarray:
     bpy.ops.cmc.complete()
     whole = plan.cmc.completed
     plan.hide_render = True
-    portrait.paint(whole, scene.checker("Plaster", "Plan", cells=1.0))
+    staging.paint(whole, scene.checker("Plaster", "Plan", cells=1.0))
     whole.data.shade_smooth()
-    points = portrait.world_points(whole)
+    points = staging.world_points(whole)
     scene.add_ground(float(np.ptp(points, axis=0).max()), z=float(points[:, 2].min()))
     scene.light()
-    portrait.look_at(points, (-62.0, 0.5), 42.0, 1.0)
+    staging.look_at(points, (-62.0, 0.5), 42.0, 1.0)
     return asset_files.picture_of_scene()
 
 

@@ -1,4 +1,4 @@
-"""Write the surfaces of `surfaces.py` that jobs approximate into assets/jobs/, in metres, plan coordinates as UVs.
+"""Write the surfaces that jobs approximate into assets/jobs/, in metres, with plan coordinates as UVs.
 
 .venv/bin/python -m scripts.assets.make_surfaces
 """

@@ -1,5 +1,6 @@
-"""Plans to start from, as an architect would draw them: lengths in metres, outlines counter-clockwise, angles in
-degrees. Arrays only; `make_assets.py` draws them in Blender.
+"""Example plans as an architect draws them; `make_assets.py` draws them in Blender.
+
+Lengths in metres, angles in degrees, outlines counter-clockwise; arrays only.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ Points = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Rim:
-    """A boundary group: the tilt of the shell's rim, and the segments it holds on (loop 0 is the outline)."""
+    """A boundary group: the tilt of the shell's rim, and its segments (loop 0 is the outline)."""
 
     name: str
     tilt: float
@@ -25,7 +26,7 @@ class Rim:
 
 @dataclass(frozen=True, kw_only=True)
 class Sketch:
-    """A plan with a name, what it is, and its boundary groups."""
+    """A plan: name, description, boundary groups."""
 
     name: str
     description: str
@@ -39,7 +40,7 @@ class Sketch:
 
 @dataclass(frozen=True, kw_only=True)
 class OutlineSketch(Sketch):
-    """An outline with holes, to be meshed by Mesh Plan with these settings."""
+    """An outline with holes, and the settings of Mesh Plan."""
 
     outline: Points
     holes: Sequence[Points] = ()
@@ -49,7 +50,7 @@ class OutlineSketch(Sketch):
 
 @dataclass(frozen=True, kw_only=True)
 class QuadSketch(Sketch):
-    """A plan that is drawn as quads (F, 4); its outline are the last `rim` vertices, counter-clockwise.
+    """A plan drawn as quads (F, 4); the last `rim` vertices are its outline, counter-clockwise.
 
     uv_layers: name → coordinates of the vertices; materials: name → which faces (F,), bool.
     """
@@ -62,7 +63,7 @@ class QuadSketch(Sketch):
 
 
 def pavilion() -> OutlineSketch:
-    """A superellipse: rounded all the way, so that no curvature jumps anywhere along the rim."""
+    """A superellipse: smooth all the way, so that the curvature of the rim never jumps."""
     outline = superellipse(18.0, 13.0, 2.8)
     middle = 0.5 * (outline + np.roll(outline, -1, axis=0))
     at_end = np.degrees(np.arctan(np.abs(middle[:, 1] / middle[:, 0]))) < 32.0
@@ -83,7 +84,7 @@ def pavilion() -> OutlineSketch:
 
 
 def hall() -> OutlineSketch:
-    """An L with wings of 12 m; corners are rounded by Mesh Plan, the inner one too."""
+    """An L with wings of 12 m; Mesh Plan rounds all corners, the inner one too."""
     outline = np.array([(0, 0), (34, 0), (34, 12), (12, 12), (12, 28), (0, 28)], dtype=float) - [11.0, 9.0]
     return OutlineSketch(
         name="L-Shaped Hall",
@@ -167,7 +168,7 @@ SKETCHES = {"pavilion": pavilion, "hall": hall, "canopy": canopy, "courtyard": c
 
 
 def superellipse(width: float, depth: float, power: float, count: int = 144) -> Points:
-    """|2x/width|^p + |2y/depth|^p = 1 at `count` points, from the right-hand one on."""
+    """Points (count, 2) of |2x/width|^p + |2y/depth|^p = 1, counter-clockwise from (width/2, 0)."""
     t = 2 * np.pi * np.arange(count) / count
     c, s = np.cos(t), np.sin(t)
     r = (np.abs(c) ** power + np.abs(s) ** power) ** (-1.0 / power)

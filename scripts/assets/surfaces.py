@@ -1,4 +1,4 @@
-"""Surfaces that have no constant mean curvature, to be approximated: a wavy disc and a cultural centre. Arrays only.
+"""Surfaces to approximate, whose mean curvature is not constant: a wavy disc and a cultural centre. Arrays only.
 
 `make_surfaces.py` writes the second one to assets/jobs/centre.obj.
 """
@@ -23,7 +23,7 @@ class Surface(NamedTuple):
 
 
 def wavy_disc(disc: Points, faces: NDArray[np.int32]) -> Surface:
-    """A low dome over the unit disc whose rim goes up and down three times, and in waves all over."""
+    """A low, wavy dome over the unit disc; its rim rises and falls three times."""
     x, y = disc.T
     r, theta = np.hypot(x, y), np.arctan2(y, x)
     z = 0.42 * (1 - r**2) + 0.20 * r**3 * np.sin(3 * theta) + 0.045 * np.sin(6.5 * x + 1) * np.cos(5.5 * y - 0.4)
@@ -33,8 +33,7 @@ def wavy_disc(disc: Points, faces: NDArray[np.int32]) -> Surface:
 def cultural_centre(disc: Points, faces: NDArray[np.int32]) -> Surface:
     """A roof of 89 x 72 m, 26 m high, that stands on the ground between three arched fronts; the largest leans out.
 
-    The unit disc is the ground plan. Heights of the rim go on inside as harmonic functions do, on them lie a dome and
-    two waves.
+    Over the unit disc: the harmonic extension of the rim's heights, plus a dome and two waves.
     """
     x, y = disc.T
     r, angle = np.hypot(x, y), np.arctan2(y, x)
@@ -51,13 +50,13 @@ def _bell(t: Points, width: float) -> Points:
 
 
 def _arch(angle: Points, half: float) -> Points:
-    """One at angle zero, on the ground from `half` on."""
+    """An arch: 1 at angle 0, and 0 from `half` on."""
     angle = np.abs(np.angle(np.exp(1j * angle)))
     return np.where(angle < half, np.cos(np.minimum(angle / half, 1.0) * np.pi / 2) ** 2, 0.0)
 
 
 def _extended(r: Points, angle: Points, rim: Callable[[Points], Points]) -> Points:
-    """The harmonic function of the disc with the values `rim(angle)`."""
+    """The harmonic function on the disc with boundary values `rim(angle)`."""
     count, waves = 512, 24
     series = np.fft.rfft(rim(2 * np.pi * np.arange(count) / count))[:waves, None] / count
     k = np.arange(waves)[:, None]

@@ -31,7 +31,7 @@ WHEELS = ROOT / "wheels"
 STAGE = ROOT / "build" / "extension"
 
 PYTHONS = ("3.11", "3.13")  # Blender 4.5 and 5.0; 5.1 and 5.2
-PLATFORMS = {  # Blender's name: the platforms to ask pip for
+PLATFORMS = {  # Blender's name: pip's names
     "linux-x64": ("manylinux_2_28_x86_64", "manylinux_2_27_x86_64", "manylinux2014_x86_64"),
     "windows-x64": ("win_amd64",),
     "macos-arm64": ("macosx_12_0_arm64",),
@@ -45,7 +45,7 @@ NOT_STAGED = shutil.ignore_patterns(".*", "__pycache__", "build", "dist", "wheel
 
 
 class BuildError(Exception):
-    """A sentence for whoever builds."""
+    """The extension cannot be built; the message says why."""
 
 
 def this_platform() -> str:
@@ -83,7 +83,7 @@ def fetch(name: str, pythons: tuple[str, ...] = PYTHONS, folder: Path | None = N
 
 
 def ensure_wheels(name: str) -> None:
-    """See that exactly the wheels that the manifest lists for a platform are in wheels/<platform>/."""
+    """Bring wheels/<platform>/ to exactly the wheels that the manifest lists."""
     folder, listed = WHEELS / name, listed_wheels(name)
     for path in folder.glob("*.whl"):
         if path.name not in listed:
@@ -99,8 +99,8 @@ def ensure_wheels(name: str) -> None:
 
 
 def wheels_for(name: str, python: str) -> Path:
-    """A folder with the wheels of a platform for one Python, which need not be one of the manifest's: those that
-    Linux distributions build Blender with are newer. Downloaded again when the pins have changed."""
+    """A folder with the wheels of a platform for one Python, in the manifest or not (Linux distributions build Blender
+    with newer ones). Downloads them again when the pins have changed."""
     folder = WHEELS / f"{name}-py{python}"
     stamp, pins = folder / "pins", "\n".join(pinned_wheels())
     if not stamp.exists() or stamp.read_text(encoding="utf-8") != pins:
@@ -120,7 +120,7 @@ def update_manifest() -> None:
 
 
 def replace_list(text: str, key: str, lines: str) -> str:
-    """A TOML text with the lines of the top-level list `key` replaced."""
+    """A TOML text with the top-level list `key` replaced."""
     result, count = re.subn(rf"^{key} = \[\n.*?^\]", f"{key} = [\n{lines}]", text, flags=re.M | re.S)
     if count != 1:
         raise BuildError(f"{MANIFEST.name} should have one list called {key}, not {count}")
@@ -128,7 +128,7 @@ def replace_list(text: str, key: str, lines: str) -> str:
 
 
 def stage(name: str, source: Path, wheels: list[str]) -> Path:
-    """A copy of the sources with these wheels out of a folder, and the manifest of one platform."""
+    """A copy of the sources with the wheels of a folder and the manifest of one platform."""
     folder = STAGE / source.name
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(ROOT, folder, ignore=NOT_STAGED)
@@ -184,8 +184,8 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--all", action="store_true", help="every platform, not only this machine's")
     parser.add_argument("--update", action="store_true", help="rewrite the manifest's list of wheels")
-    parser.add_argument("--python", help="wheels for this Python alone, 3.14 say; not what is given to users")
-    parser.add_argument("--output", type=Path, default=ROOT / "dist", help="where the zips go (dist/)")
+    parser.add_argument("--python", help="wheels for this Python alone, for example 3.14; not for release")
+    parser.add_argument("--output", type=Path, default=ROOT / "dist", help="folder for the zips (dist/)")
     options = parser.parse_args(arguments)
     try:
         if options.update:

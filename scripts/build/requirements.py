@@ -1,4 +1,4 @@
-"""Print requirements of pyproject.toml, a line each, for `pip install -r`.
+"""Print requirements of pyproject.toml, one a line, for `pip install -r`.
 
     python scripts/build/requirements.py [NAME ...]
 

@@ -43,7 +43,7 @@ def start() -> ModuleType:
 
 
 def empty_scene() -> None:
-    """Leave the file that is open for an empty one; the add-on stays enabled."""
+    """Open an empty file; the add-on stays enabled."""
     import bpy
 
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True, load_ui=False)

@@ -1,9 +1,9 @@
-"""Form one of the plans of assets/ in Blender, picture it, and write the results to build/demo/.
+"""Form a shell over a plan of assets/ in Blender, render it, and write the results to build/demo/.
 
     make demo
 
-The plan is opened as a user would open it; Mesh Plan and Solve are the add-on's operators. All files are written
-under another name and then moved, so that nobody meets half of one.
+The plan is opened as a user opens it; Mesh Plan and Solve are the add-on's operators. Each file is written under
+another name and then moved, so that there is never half a file.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ package = blender_session.start()
 import addon_utils
 import bpy
 
-from scripts.gallery import portrait, scene
+from scripts.gallery import scene, staging
 
 PLAN = blender_session.ROOT / "assets" / "pavilion.blend"
 OUTPUT = blender_session.ROOT / "build" / "demo"
 NAME = "pavilion"
 VIEW = (-62.0, 0.14)
-EDGE_LENGTH = 0.25  # metres; finer than the asset, for the picture's sake
+EDGE_LENGTH = 0.25  # metres; finer than the asset, for the picture
 SIZE = (1280, 800)
 
 
@@ -46,11 +46,11 @@ def main() -> int:
 
 
 def staged() -> tuple[bpy.types.Object, bpy.types.Object]:
-    """The plan and the shell over it, in a scene that is ready to be rendered."""
+    """The plan and its shell in a scene ready to render."""
     plan = open_plan(PLAN)
     bpy.ops.cmc.mesh_plan(edge_length=EDGE_LENGTH, round_corners=False)
-    shell = portrait.form(plan, want_twin=True, want_g=True)
-    portrait.stage(plan, shell, VIEW, cells=2.0, thickness=0.15)
+    shell = staging.form(plan, want_twin=True, want_g=True)
+    staging.stage(plan, shell, VIEW, cells=2.0, thickness=0.15)
     hide_beside(plan, shell)
     return plan, shell
 
@@ -59,12 +59,12 @@ def open_plan(file: Path) -> bpy.types.Object:
     """Open a plan's file and return the plan."""
     bpy.ops.wm.open_mainfile(filepath=str(file), load_ui=False)
     (plan,) = [ob for ob in bpy.data.objects if ob.asset_data is not None]
-    plan.asset_clear()  # the demo's file is no library
+    plan.asset_clear()  # so that the demo's file is not an asset library
     return plan
 
 
 def hide_beside(plan: bpy.types.Object, shell: bpy.types.Object) -> None:
-    """The twin and g stay in the file, out of the picture."""
+    """Hide the twin and g in the picture; they stay in the file."""
     for result in plan.cmc.collection.objects:
         if result != shell:
             result.hide_render = True
@@ -78,7 +78,7 @@ def write_report(report: dict) -> Path:
 
 
 def write_glb(shell: bpy.types.Object) -> Path:
-    """The shell alone, with its UVs and, baked from the material, a plain colour."""
+    """The shell alone, with its UVs and a plain colour in place of its material."""
     addon_utils.enable("io_scene_gltf2")
     for ob in bpy.context.view_layer.objects:
         ob.select_set(ob == shell)
@@ -91,7 +91,7 @@ def write_glb(shell: bpy.types.Object) -> Path:
 
 
 def write_blend() -> Path:
-    """The whole scene, as the picture was rendered: F12 renders it again."""
+    """The whole scene as rendered: F12 renders it again."""
     return moved(
         f"{NAME}.blend",
         lambda path: bpy.ops.wm.save_as_mainfile(filepath=path, copy=True, compress=True, check_existing=False),

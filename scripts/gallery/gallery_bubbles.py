@@ -15,16 +15,16 @@ from cmc_formfinding.solver.catalogue.wente_heights import wente_height
 from cmc_formfinding.solver.symmetry.completion import Completion
 from mathutils import Vector
 
-from scripts.gallery import portrait, scene
+from scripts.gallery import scene, staging
 
 WARM, COOL, BLUE = (0.78, 0.70, 0.60), (0.33, 0.45, 0.54), (0.10, 0.19, 0.33)
 TORI = ((60, 72), (90, 56), (120, 48))  # degrees, columns a quarter
-# Degrees, columns a quarter, height over that which closes.
+# Degrees, columns a quarter, height as a multiple of the closing one.
 FAMILY = ((60, 48, 1.45), (85, 40, 1.4), (105, 32, 1.35), (125, 32, 1.35), (150, 28, 1.3))
 
 
 def family() -> None:
-    """The paper's Figure 13: cylinders too high to close, cut and laid out as strips of bubbles, for five angles."""
+    """Paper, Figure 13: cylinders too high to close, cut and laid out as strips of bubbles, for five angles."""
     plaster, x, strips = scene.checker("Plaster", "Plan", cells=1.0), 0.0, []
     for angle, columns, stretch in FAMILY:
         height = stretch * wente_height(np.radians(angle))
@@ -32,42 +32,42 @@ def family() -> None:
         tell(f"{angle}°", bubble)
         strip = placed(f"{angle}°", complete(bubble.surface, bubble.sides[:2], repeat=4), [plaster], bubble=bubble)
         turn(strip, np.radians(-0.5 * angle + 15.0))
-        points = portrait.world_points(strip)
+        points = staging.world_points(strip)
         cut_off(strip, points[:, 2].min(), points[:, 2].min() + 13.0)
-        points = portrait.world_points(strip)
+        points = staging.world_points(strip)
         strip.location = (x - points[:, 0].min(), 0.0, -points[:, 2].min())
         x += np.ptp(points[:, 0]) + 1.6
         strips.append(strip)
-    points = np.concatenate([portrait.world_points(strip) for strip in strips])
+    points = np.concatenate([staging.world_points(strip) for strip in strips])
     scene.add_ground(30.0)
     scene.light(sun=(-0.6, -0.75, 0.6), strength=3.6, sky=0.7)
-    portrait.look_at(points, (-80.0, 0.22), 60.0, 1.75)
+    staging.look_at(points, (-80.0, 0.22), 60.0, 1.75)
 
 
 def tori() -> None:
-    """The paper's Figure 15: the tori of 60°, 90° and 120°, one of the cylinders they consist of in dark blue."""
+    """Paper, Figure 15: the tori of 60°, 90° and 120°, with one of their cylinders in dark blue."""
     colours = [scene.matte("Plaster", WARM), scene.matte("Cylinder", BLUE)]
     row(lambda completion: cylinder(completion), colours, gap=1.6, view=(-90.0, 0.62), aspect=2.3)
 
 
 def tori_cut() -> None:
-    """The same, cut in half along the plane in which N goes the long way; f+ and f- in two colours."""
+    """The same tori cut in half along the plane in which N takes the long way; f+ and f- in two colours."""
     colours = [scene.matte("f+", WARM), scene.matte("f-", COOL)]
     row(sheets, colours, gap=1.2, view=(-90.0, 1.5), aspect=2.75, halved=True)
 
 
 def rings() -> None:
-    """Three by three rings of the honeycomb of Figure 16, the one in the middle in dark blue."""
+    """Three by three rings of the honeycomb (paper, Figure 16), the middle one in dark blue."""
     made = ring(2.4, max_edge=0.06)
     print(f"ring: {len(made.completion.copies)} copies, longest period {np.abs(made.periods).max():.0e}.")
     nine = complete(made.piece, made.sides, around=AROUND, translations=made.lattice, repeat=3)
     middle = np.repeat(np.arange(9) == 4, len(made.completion.copies)).astype(int)
     colours = [scene.matte("Plaster", WARM), scene.matte("Ring", BLUE)]
     tubes = placed("Rings", nine, colours, of_copies=middle)
-    points = portrait.world_points(tubes)
+    points = staging.world_points(tubes)
     scene.add_ground(40.0, z=float(points[:, 2].min()))
     scene.light(sun=(-0.7, -0.35, 0.6), strength=4.0, sky=0.6)
-    portrait.look_at(points, (-62.0, 1.0), 60.0, 2.0)
+    staging.look_at(points, (-62.0, 1.0), 60.0, 2.0)
 
 
 def shells() -> None:
@@ -85,19 +85,19 @@ def shells() -> None:
         shell = scene.mesh_object(name, centred, surface.faces, colour)
         shell.data.shade_smooth()
         shell.location.x = 4.6 * len(drawn)
-        scene.add_line(f"Rim of the {name}", portrait.world_points(shell)[rim], 0.05)
+        scene.add_line(f"Rim of the {name}", staging.world_points(shell)[rim], 0.05)
         drawn.append(shell)
-    points = np.concatenate([portrait.world_points(shell) for shell in drawn])
+    points = np.concatenate([staging.world_points(shell) for shell in drawn])
     scene.add_ground(12.0, z=float(points[:, 2].min()))
     scene.light(sun=(-0.6, -0.75, 0.6), strength=3.6, sky=0.7)
-    portrait.look_at(points, (-80.0, 0.25), 60.0, 2.1)
+    staging.look_at(points, (-80.0, 0.25), 60.0, 2.1)
 
 
 # --- how they are made ---------------------------------------------------------------------
 
 
 def row(part_of, colours, gap: float, view: tuple[float, float], aspect: float, halved: bool = False) -> None:
-    """The tori beside each other, to one scale, on the ground; `part_of` says the colour of each copy."""
+    """The tori side by side on the ground, to one scale; `part_of` gives the colour of each copy."""
     x, drawn = 0.0, []
     for angle, columns in TORI:
         bubble = wente(np.radians(angle), columns, halved=True)
@@ -109,14 +109,14 @@ def row(part_of, colours, gap: float, view: tuple[float, float], aspect: float, 
         torus.location.x = x + 0.5 * torus.dimensions.x
         x += torus.dimensions.x + gap
         drawn.append(torus)
-    points = np.concatenate([portrait.world_points(torus) for torus in drawn])
+    points = np.concatenate([staging.world_points(torus) for torus in drawn])
     scene.add_ground(14.0, z=float(points[:, 2].min()))
     scene.light(sun=(-0.6, -0.75, 0.75), strength=3.6, sky=0.7)
-    portrait.look_at(points, view, 70.0, aspect)
+    staging.look_at(points, view, 70.0, aspect)
 
 
 def cylinder(completion: Completion) -> np.ndarray:
-    """1 for the copies that are one cylinder: all that lie not across its ends from the first."""
+    """1 for the copies of one cylinder: those reached from the first without crossing its ends."""
     across = [seam.name != "bottom" for seam in completion.seams]
     found, new = {0}, [0]
     while new:
@@ -132,7 +132,7 @@ def sheets(completion: Completion) -> np.ndarray:
 
 
 def placed(name: str, completion: Completion, colours, of_copies=None, bubble: Bubble | None = None):
-    """A completed surface as an object about its middle, each copy in its colour, with UVs where a plan is given."""
+    """A completed surface as an object about its middle, each copy in its colour; with UVs if a bubble is given."""
     mesh = completion.mesh
     points = mesh.vertices - 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))
     ob = scene.mesh_object(name, points, mesh.faces)
@@ -155,7 +155,7 @@ def turn(ob: bpy.types.Object, angle: float) -> None:
 
 
 def cut_off(ob: bpy.types.Object, low: float, high: float) -> None:
-    """Leave what is between two heights, in the object's own coordinates."""
+    """Cut the object off below and above two heights, in its own coordinates."""
     mesh = bmesh.new()
     mesh.from_mesh(ob.data)
     for height, outwards in ((low, -1.0), (high, 1.0)):

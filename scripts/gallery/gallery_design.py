@@ -1,4 +1,4 @@
-"""Pictures of shells found for a target: an approximated disc, a cultural centre, a hall whose rim is its outline.
+"""Pictures of shells fitted to a target: an approximated disc, a cultural centre, a hall whose rim is its outline.
 
 `render_gallery.py` starts Blender and calls them.
 """
@@ -18,15 +18,15 @@ from scripts.assets import plans, surfaces
 from scripts.gallery import scene
 
 WEIGHTS = (1e-4, 1e-3, 1e-2)
-# the wavy disc, so that its rim is seen to rise
+# of the wavy disc, so that its rim is seen to rise
 TURNED = np.radians(25.0)
-# the direction from which the cultural centre is seen
+# direction to the camera, for the cultural centre
 FROM = -1.25
 RUST, WHITE, BLUE = (0.55, 0.13, 0.05), (0.80, 0.78, 0.74), (0.07, 0.20, 0.45)
 
 
 def approximation() -> None:
-    """Paper, Figure 10: a wavy disc and its approximations for three λ, with a conformal checker, and coloured by H."""
+    """Paper, Figure 10: a wavy disc and its approximations for three λ, with a conformal checker and coloured by H."""
     disc = shapes.disc(2500)
     given = surfaces.wavy_disc(disc.positions, disc.domain.faces)
     domain = Domain.from_positions(given.points, given.faces)
@@ -49,7 +49,7 @@ def approximation() -> None:
 
 
 def centre(count: int = 2500) -> None:
-    """Paper, Figure 11: a cultural centre as it was drawn, and its approximation by a surface of constant H."""
+    """Paper, Figure 11: a cultural centre as drawn, and its approximation by a surface of constant H."""
     disc = shapes.disc(count)
     given = surfaces.cultural_centre(disc.positions, disc.domain.faces)
     domain = Domain.from_positions(given.points, given.faces)
@@ -84,7 +84,7 @@ def ring(disc: np.ndarray, inwards: int) -> np.ndarray:
 
 
 def curtain(top: np.ndarray, material: bpy.types.Material) -> bpy.types.Object:
-    """A wall from a closed line (n, 3) down into the ground."""
+    """A wall from a closed polyline (n, 3) down into the ground."""
     n = len(top)
     foot = np.column_stack([top[:, :2], np.full(n, -2.0)])
     faces = [(i, (i + 1) % n, n + (i + 1) % n, n + i) for i in range(n)]
@@ -92,7 +92,7 @@ def curtain(top: np.ndarray, material: bpy.types.Material) -> bpy.types.Object:
 
 
 def hall() -> None:
-    """The L-shaped hall with its rim on the outline it was drawn with."""
+    """The L-shaped hall, its rim fitted to the drawn outline."""
     sketch = plans.hall()
     hall = shapes.polygon(sketch.outline, max_edge=sketch.edge_length, corner_radius=sketch.corner_radius)
     fit = fit_outline(hall.domain, hall.positions, rise=0.35)
@@ -117,7 +117,7 @@ def tell(name: str, fit: Fit) -> None:
 
 
 def outward(fit: Fit) -> np.ndarray:
-    """The unit normals of the sheet that was fitted, on the side from which it is drawn."""
+    """Unit normals of the fitted sheet, on the side that is drawn."""
     return fit.surface.normals if fit.sheet == "f+" else -fit.surface.normals
 
 
@@ -131,7 +131,7 @@ def textured(name: str, points, faces, uv, material) -> bpy.types.Object:
 
 
 def painted(attribute: str) -> bpy.types.Material:
-    """A dull material that takes its colour from an attribute of the mesh."""
+    """A matte material coloured by an attribute of the mesh."""
     material = scene.matte(attribute, WHITE)
     nodes = material.node_tree.nodes
     colour = nodes.new("ShaderNodeAttribute")
@@ -153,9 +153,9 @@ def colour_by_curvature(mesh: bpy.types.Mesh, points, faces, normals, most: floa
 
 
 def conformal_coordinates(points, faces) -> np.ndarray:
-    """(V, 2) coordinates in which a surface is drawn without distortion of angles, in its own size, about (0, 0).
+    """A conformal parametrisation (V, 2) of a surface, in its own size, about (0, 0).
 
-    The least squares of the Cauchy-Riemann equations, with the two vertices farthest apart along x held.
+    Least squares of the Cauchy-Riemann equations; the two vertices farthest apart along x are held.
     """
     a, b, c = (points[faces[:, k]] for k in range(3))
     x = (b - a) / np.linalg.norm(b - a, axis=1, keepdims=True)

@@ -1,4 +1,4 @@
-"""Pictures of docs/combinatorics.md that show surfaces: the complexes, the identity of the sphere, a disc of needles.
+"""Pictures of surfaces for docs/combinatorics.md: the complexes, the identity of the sphere, a disc of needles.
 
 `render_gallery.py` starts Blender and calls them.
 """
@@ -16,7 +16,7 @@ from cmc_formfinding.solver.gauss.energies import ENERGIES
 
 from scripts.gallery import plot, scene
 
-# the experiments of the tests, with the one copy of the solver that Blender has
+# so that the tests' experiments use the copy of the solver that Blender has
 sys.modules["solver"] = solver
 from tests.solver import figure20, meshes
 
@@ -54,7 +54,7 @@ def combinatorics() -> None:
 
 
 def energies() -> None:
-    """The energies of an edge and their stars, against the angle α between its two normals."""
+    """Edge energies and their Hodge stars over the angle α between two normals."""
     alpha = np.linspace(0.0, np.pi, 601)[1:-1]
     half = {"0": 0.0, "90°": np.pi / 2, "180°": np.pi}
     value = plot.Chart((0.0, 0.0), (3.4, 2.6), (0.0, np.pi), (0.0, 8.0))
@@ -81,13 +81,13 @@ def energies() -> None:
 
 
 def links(first: float, second: float) -> SimpleNamespace:
-    """A link across an edge with these opposite angles, in degrees."""
+    """A link across an edge with two opposite angles, in degrees."""
     angles = np.radians([[first, second]])
     return SimpleNamespace(angles=angles, weights=2.0 / np.sum(1.0 / np.tan(angles), axis=1))
 
 
 def identity() -> None:
-    """Paper, Figure 20: spheres of growing aspect ratio, and what minimising makes of the identity on their faces."""
+    """Paper, Figure 20: spheres of growing aspect ratio, and minimisers reached from the identity on their faces."""
     for column, aspect in enumerate(figure20.ASPECTS):
         points, faces = figure20.sphere(1200, aspect)
         octant = (np.sign(points).prod(axis=1) > 0).astype(int)
@@ -133,7 +133,7 @@ def stars(points, faces) -> list[np.ndarray]:
 
 
 def fitted(points, size: float):
-    """Points about the origin, their bounding box with a diagonal of sqrt(2) `size`."""
+    """Points centred at the origin and scaled so that the diagonal of their bounding box is sqrt(2) `size`."""
     points = points - 0.5 * (points.min(axis=0) + points.max(axis=0))
     return points * (size / np.linalg.norm(np.ptp(points, axis=0)) * np.sqrt(2.0))
 

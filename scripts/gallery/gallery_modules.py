@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from scripts.gallery import portrait, scene
+from scripts.gallery import scene, staging
 
 WARM, COOL = (0.78, 0.70, 0.60), (0.62, 0.68, 0.72)
 
@@ -24,7 +24,7 @@ def completed(name: str, **options: object) -> bpy.types.Object:
 def made(
     name: str, *, complete_as: str, ends: tuple[str, ...] = (), repeat=(1, 1, 1), **options: object
 ) -> bpy.types.Object:
-    """The plan of a module, solved and completed; `ends`: groups at which the completed shell stops."""
+    """The plan of a module, solved and completed. ends: groups at which the completed shell stops."""
     bpy.ops.cmc.add_module(module=name, **options)
     plan = bpy.context.object
     for group in ends:
@@ -32,13 +32,13 @@ def made(
     bpy.ops.cmc.solve()
     bpy.ops.cmc.complete(complete_as=complete_as, complete_repeat=repeat)
     plan.hide_render = True
-    told = json.loads(plan.cmc.complete_report)
-    print(f"{plan.name}: {told['copies']} copies, seams {told['relative_gap']:.1e} of the size.")
+    reported = json.loads(plan.cmc.complete_report)
+    print(f"{plan.name}: {reported['copies']} copies, seams {reported['relative_gap']:.1e} of the size.")
     return plan
 
 
 def hall(bays: tuple[int, int] = (4, 3)) -> None:
-    """A roof on a grid of columns, cut off in the middle of the bays, seen from among the people in front of it."""
+    """A roof on a grid of columns, cut in the middle of the bays, seen from eye level."""
     bpy.ops.cmc.add_module(module="CAPITAL", slenderness=0.55, edges=40, size=6.5)
     plan = bpy.context.object
     bpy.ops.cmc.solve()
@@ -51,7 +51,7 @@ def hall(bays: tuple[int, int] = (4, 3)) -> None:
     bpy.ops.cmc.complete(box=box.name)
     plan.hide_render = True
     roof = plan.cmc.completed
-    portrait.paint(roof, scene.matte("Plaster", scene.PLASTER))
+    staging.paint(roof, scene.matte("Plaster", scene.PLASTER))
     scene.thicken(roof, -0.2)
     bottom = extent(roof)[0][2]
     scene.add_ground(20.0, z=bottom)
@@ -66,13 +66,13 @@ def hall(bays: tuple[int, int] = (4, 3)) -> None:
 def honeycomb() -> None:
     """Three by three units of a honeycomb of tubes."""
     tubes = completed("HONEYCOMB", slenderness=0.35, edges=26, size=3.0, repeat=(3, 3, 1))
-    portrait.paint(tubes, scene.checker("Plaster", "Plan", cells=2.0))
+    staging.paint(tubes, scene.checker("Plaster", "Plan", cells=2.0))
     scene.thicken(tubes, 0.08)
-    points = portrait.world_points(tubes)
+    points = staging.world_points(tubes)
     ground = float(points[:, 2].min())
     scene.add_ground(20.0, z=ground)
     scene.light(sun=(-0.7, -0.35, 0.6), strength=4.0, sky=0.6)
-    eye = portrait.look_at(points, (-90.0, 0.8), 50.0, 2.1)
+    eye = staging.look_at(points, (-90.0, 0.8), 50.0, 2.1)
     middle = points.mean(axis=0)
     for x, y in ((-6.5, -0.4), (0.9, -4.2), (1.7, -4.0)):
         scene.add_person((middle[0] + x, middle[1] + y, ground), eye)
@@ -86,10 +86,10 @@ def nodoid() -> None:
     for ob in plan.cmc.copies.objects:
         if not ob.data.materials:
             ob.data.materials.append(colours[ob.data["cmc_piece"]])
-    points = np.concatenate([portrait.world_points(ob) for ob in plan.cmc.copies.objects])
+    points = np.concatenate([staging.world_points(ob) for ob in plan.cmc.copies.objects])
     scene.add_ground(12.0, z=float(points[:, 2].min()))
     scene.light(sun=(-0.35, -0.95, 0.75), strength=3.4, sky=0.75)
-    portrait.look_at(points, (-62.0, 0.24), 60.0, 2.3)
+    staging.look_at(points, (-62.0, 0.24), 60.0, 2.3)
 
 
 def family() -> None:
@@ -98,18 +98,18 @@ def family() -> None:
     places = []
     for k, slenderness in enumerate((0.2, 0.4, 0.6, 0.8, 1.0)):
         tube = completed("UNDULOID", slenderness=slenderness, edges=30, repeat=(3, 1, 1))
-        portrait.paint(tube, plaster)
+        staging.paint(tube, plaster)
         stand(tube, np.array([6.4 * k, 0.0, 0.0]))
-        places.append(portrait.world_points(tube))
+        places.append(staging.world_points(tube))
     points = np.concatenate(places)
     scene.add_ground(30.0)
     scene.light(sun=(-0.6, -0.75, 0.6), strength=3.6, sky=0.7)
-    portrait.look_at(points, (-75.0, 0.3), 60.0, 1.75)
+    staging.look_at(points, (-75.0, 0.3), 60.0, 1.75)
 
 
 def stand(tube: bpy.types.Object, place: np.ndarray) -> None:
     """Turn a tube upright, on the ground at `place`, four metres thick at its bellies and cut off at 16 m."""
-    points = portrait.world_points(tube)
+    points = staging.world_points(tube)
     low, high = points.min(axis=0), points.max(axis=0)
     scale = 4.0 / (high - low)[1]
     turn = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
@@ -122,5 +122,5 @@ def stand(tube: bpy.types.Object, place: np.ndarray) -> None:
 
 
 def extent(ob: bpy.types.Object) -> tuple[np.ndarray, np.ndarray]:
-    points = portrait.world_points(ob)
+    points = staging.world_points(ob)
     return points.min(axis=0), points.max(axis=0)

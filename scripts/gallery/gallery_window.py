@@ -1,10 +1,10 @@
-"""The pictures of the window in docs/: crops of what the window's tests have taken, build/gui/ → docs/images/window/.
+"""The pictures of the window in docs/: crops of those the window's tests took, build/gui/ → docs/images/window/.
 
     python -m scripts.gallery.gallery_window           # tells the stories first, where a window is possible
-    python -m scripts.gallery.gallery_window --taken   # from the pictures that are there
+    python -m scripts.gallery.gallery_window --taken   # uses the pictures at hand
 
-A picture is named STORY-NUMBER-NAME.png; here only story and name are, since a new station changes the numbers. Where
-there can be no window that is said, and the pictures stay as they are.
+Files are called STORY-NUMBER-NAME.png; here pictures go by story and name, since a new step changes the numbers. On a
+machine that can open no window a message says so, and the pictures stay as they are.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ LARGEST = 120_000  # bytes of a picture
 WINDOW = (0, 0, 1280, 900)
 VIEW = (60, 82, 925, 760)
 WIDE = (250, 82, 1030, 790)
-BESIDE = (420, 82, 860, 790)  # the sidebar, and of the viewport what is next to it
+BESIDE = (420, 82, 860, 790)  # the sidebar and the viewport beside it
 SIDEBAR = (988, 82, 292, 796)
 POPUP = (60, 560, 760, 335)
 MENU = (240, 180, 760, 460)
@@ -71,13 +71,13 @@ CROPS: dict[str, tuple[str, str, tuple[int, int, int, int]]] = {
 
 
 def taken(story: str, name: str) -> Path | None:
-    """The picture of that name, whatever its number."""
+    """The picture of this name, whatever its number."""
     found = sorted(TAKEN.glob(f"{story}-[0-9][0-9]-{name}.png"))
     return found[-1] if found else None
 
 
 def crop(source: Path, target: Path, part: tuple[int, int, int, int]) -> None:
-    """A part of a picture as a file of the kind that its name says."""
+    """Part of a picture as a file, in the format of its suffix."""
     image = bpy.data.images.load(str(source))
     width, height = image.size
     pixels = np.empty(4 * width * height, dtype=np.float32)
@@ -101,7 +101,7 @@ def main() -> int:
     if not parser.parse_args().taken:
         done = subprocess.run([str(RUN), *sorted({story for story, _, _ in CROPS.values()})])
         if done.returncode == IMPOSSIBLE:
-            print("The pictures of the window are left as they are: there can be no window here.")
+            print("No window can be opened here; the pictures of the window stay as they are.")
             return 0
         if done.returncode:
             return done.returncode

@@ -1,4 +1,4 @@
-"""Charts drawn in Blender, in the plane y = 0: a frame with ticks, lines, words beside them.
+"""Charts drawn in Blender, in the plane y = 0: a frame with ticks, curves, labels.
 
 Needs Blender (`blender_session.start()` first).
 """
@@ -17,7 +17,7 @@ GREY = (0.30, 0.30, 0.31)
 
 @dataclass(frozen=True)
 class Chart:
-    """A frame of `size` with its lower left corner at `corner` (x, z), and the ranges that it shows."""
+    """A frame of `size` with its lower left corner at `corner` (x, z), and the ranges it shows."""
 
     corner: tuple[float, float]
     size: tuple[float, float]
@@ -25,14 +25,14 @@ class Chart:
     y: tuple[float, float]
 
     def place(self, x, y) -> np.ndarray:
-        """Points (n, 3) of the chart's values."""
+        """Points (n, 3) of values in the chart."""
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
         across = self.corner[0] + (x - self.x[0]) / (self.x[1] - self.x[0]) * self.size[0]
         up = self.corner[1] + (y - self.y[0]) / (self.y[1] - self.y[0]) * self.size[1]
         return np.stack([across, 0 * across, up], axis=-1)
 
     def frame(self, title: str, ticks_x: dict[str, float], ticks_y: dict[str, float], size: float = 0.2) -> None:
-        """Two axes, ticks at the values of their labels, and a title above."""
+        """Draw two axes with ticks at their labels, and a title above."""
         low, right, high = self.place(self.x[0], self.y[0]), self.place(self.x[1], self.y[0]), self.place(*self._top)
         scene.add_line("axes", [high, low, right], 0.02, closed=False, colour=GREY)
         for label, x in ticks_x.items():
@@ -46,7 +46,7 @@ class Chart:
         scene.add_text(title, high + [0.5 * self.size[0], 0, 0.3], 1.15 * size)
 
     def line(self, x, y, colour: Sequence[float], width: float = 0.035, dashed: bool = False) -> None:
-        """A curve, as far as it lies within the frame."""
+        """A curve, clipped to the frame."""
         fine = np.linspace(0.0, 1.0, 600)
         own = np.linspace(0.0, 1.0, len(x))
         x, y = np.interp(fine, own, x), np.interp(fine, own, y)
@@ -60,7 +60,7 @@ class Chart:
                 line.data.materials[0] = scene.glow("curve", colour)
 
     def word(self, text: str, x: float, y: float, colour: Sequence[float], size: float = 0.2) -> None:
-        """Text that begins at a point of the chart."""
+        """Text that starts at a point of the chart."""
         scene.add_text(text, self.place(x, y), size, colour=0.5 * np.array(colour), align="LEFT")
 
     @property

@@ -21,7 +21,7 @@ import numpy as np
 from cmc_formfinding.solver import CmcSurface, conditions, shapes, solve_cmc
 
 from scripts.assets import make_assets
-from scripts.gallery import demo, gallery_bubbles, gallery_design, gallery_faces, gallery_modules, portrait, scene
+from scripts.gallery import demo, gallery_bubbles, gallery_design, gallery_faces, gallery_modules, scene, staging
 
 IMAGES = blender_session.ROOT / "docs" / "images"
 WIDTH = 1000
@@ -41,7 +41,7 @@ def figure3(samples: int) -> None:
     disc = shapes.disc(5000)
     uv = 6.0 * disc.positions
     f_look, g_look = looks()
-    turned = disc.positions @ [[0.5, 0.866], [-0.866, 0.5]]  # so that the openings are seen
+    turned = disc.positions @ [[0.5, 0.866], [-0.866, 0.5]]  # so that the openings face the camera
     for m in range(4):
         rim = conditions.twisted(disc.domain, turned, disc.sides["outer"], m)
         surface = solve_cmc(disc.domain, rim)
@@ -86,24 +86,24 @@ def plans_and_shells(samples: int) -> None:
         plan = make_assets.draw(plans.SKETCHES[name]())
         plan.location[:2] = place[:2]
         plan.rotation_euler.z = np.radians(place[2])
-        shell = portrait.form(plan)
-        portrait.paint(shell, plaster)
+        shell = staging.form(plan)
+        staging.paint(shell, plaster)
         scene.thicken(shell, 0.25)
         plan.hide_render = True
-        for loop in portrait.rims(plan):
+        for loop in staging.rims(plan):
             scene.add_line("Outline", loop + [0.0, 0.0, 0.02], width=0.22)
     scene.add_person((-17.0, -26.0, 0.0), (0.0, -100.0, 0.0))
     picture("plans", (8.0, -122.0, 74.0), (8.0, 5.0, 0.0), 45.0, 0.52, samples, sky=False)
 
 
 def combinatorics(samples: int) -> None:
-    """The complexes of Figures 5 and 6, on a coarse disc."""
+    """The complexes of a coarse disc (paper, Figures 5 and 6)."""
     gallery_faces.combinatorics()
     picture("combinatorics", (3.38, -30.0, 14.0), (3.38, 0.0, -0.72), 119.0, 0.42, samples, suffix=".jpg")
 
 
 def energies(samples: int) -> None:
-    """Edge energies and their stars, as curves."""
+    """Edge energies and their Hodge stars, as curves."""
     gallery_faces.energies()
     picture("energies", (5.9, -60.0, 1.3), (5.9, 0.0, 1.3), 164.0, 0.28, samples)
 
@@ -238,7 +238,7 @@ def show(name: str, points, faces, uv, material, place, size: float | None) -> b
 
 
 def drawn_normals(positions, rim, place) -> None:
-    """The plan disc and the normals prescribed along its rim, as hairs."""
+    """The plan disc and the prescribed normals of its rim, as lines."""
     flat = np.column_stack([positions, np.zeros(len(positions))])
     sites, normals = rim.resolve()
     order = np.argsort(np.arctan2(flat[sites, 1], flat[sites, 0]))
@@ -261,7 +261,7 @@ def picture(
     suffix: str = ".png",
     sun=(-0.5, -0.8, 0.9),
 ) -> Path:
-    """Render what is in the scene to docs/images/NAME.png (or .jpg); `height` as a part of the width."""
+    """Render the scene to docs/images/NAME.png (or .jpg). height: as a part of the width."""
     if sky:
         scene.light(sun=sun, strength=2.6, sky=0.8)
         paper = scene.matte("Paper", (0.83, 0.83, 0.82))

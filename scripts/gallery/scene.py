@@ -1,4 +1,4 @@
-"""A photographer's studio for plans and shells: ground, sun, sky, materials, a person for scale, a camera.
+"""The scene around plans and shells: ground, sun, sky, materials, a person for scale, a camera.
 
 Needs Blender (`blender_session.start()` first). Lengths are metres, z is up.
 """
@@ -23,7 +23,7 @@ INK = (0.05, 0.055, 0.06)
 
 
 def matte(name: str, colour: Sequence[float], roughness: float = 0.85) -> bpy.types.Material:
-    """A dull surface of one colour (linear RGB)."""
+    """A matte material of one colour (linear RGB)."""
     material = bpy.data.materials.new(name)
     if material.node_tree is None:  # before Blender 5.0
         material.use_nodes = True
@@ -35,7 +35,7 @@ def matte(name: str, colour: Sequence[float], roughness: float = 0.85) -> bpy.ty
 
 
 def glow(name: str, colour: Sequence[float]) -> bpy.types.Material:
-    """A colour that no light changes (linear RGB)."""
+    """An emissive material: its colour (linear RGB) does not depend on the light."""
     material = matte(name, (0.0, 0.0, 0.0), 1.0)
     surface = material.node_tree.nodes["Principled BSDF"]
     surface.inputs["Emission Color"].default_value = (*colour, 1.0)
@@ -56,7 +56,7 @@ def checker(
     nodes, links = material.node_tree.nodes, material.node_tree.links
     uv = nodes.new("ShaderNodeUVMap")
     uv.uv_map = uv_layer
-    shift = nodes.new("ShaderNodeMapping")  # squares meet at the plan's origin, not half a square beside it
+    shift = nodes.new("ShaderNodeMapping")  # a corner of the checker lies at the plan's origin, not half a square off
     shift.inputs["Location"].default_value = (0.0, 0.0, 0.5 / cells)
     squares = nodes.new("ShaderNodeTexChecker")
     squares.inputs["Color1"].default_value = (*light, 1.0)
@@ -72,7 +72,7 @@ def checker(
 
 
 def add_object(name: str, data: bpy.types.ID, material: bpy.types.Material | None = None) -> bpy.types.Object:
-    """A new object of the scene's own collection."""
+    """Link a new object to the scene's own collection."""
     ob = bpy.data.objects.new(name, data)
     if material is not None:
         data.materials.append(material)
@@ -81,14 +81,14 @@ def add_object(name: str, data: bpy.types.ID, material: bpy.types.Material | Non
 
 
 def mesh_object(name: str, points, faces, material: bpy.types.Material | None = None) -> bpy.types.Object:
-    """An object of points (V, 3) and faces, lists of vertices."""
+    """A mesh object from points (V, 3) and faces, lists of vertices."""
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata(np.asarray(points, dtype=float).tolist(), [], [[int(v) for v in face] for face in faces])
     return add_object(name, mesh, material)
 
 
 def add_ground(size: float, z: float = 0.0) -> bpy.types.Object:
-    """A plane below things of this size, which dissolves into the sky with the distance from the camera."""
+    """A ground plane for objects of this size; it fades into the sky with the distance from the camera."""
     s = 60.0 * size
     corners = [(-s, -s, z), (s, -s, z), (s, s, z), (-s, s, z)]
     material = matte("Ground", PAPER, 0.95)
@@ -121,7 +121,7 @@ def add_line(name: str, points, width: float, closed: bool = True, colour=INK) -
 def add_text(
     text: str, place: Sequence[float], size: float, turned: float = 0.0, colour=INK, align: str = "CENTER"
 ) -> bpy.types.Object:
-    """Text in the plane y = const, centred at `place`, to be read from -y; `turned` degrees counter-clockwise."""
+    """Text in a plane y = const, centred at `place`, read from -y, turned by `turned` degrees counter-clockwise."""
     curve = bpy.data.curves.new(text, "FONT")
     curve.body, curve.size, curve.align_x, curve.align_y = text, size, align, "CENTER"
     ob = add_object(text, curve, glow(text, colour))
@@ -143,7 +143,7 @@ _PERSON = [
 
 
 def add_person(place: Sequence[float], facing: Sequence[float], height: float = 1.74) -> bpy.types.Object:
-    """A cut-out person standing at `place`, turned towards the point `facing`."""
+    """A flat figure of a person at `place`, facing the point `facing`."""
     half = np.array(_PERSON) * height
     profile = np.concatenate([half, (half * [-1, 1])[-2:0:-1]])
     n, thick = len(profile), 0.02
@@ -158,7 +158,7 @@ def add_person(place: Sequence[float], facing: Sequence[float], height: float = 
 
 
 def thicken(ob: bpy.types.Object, thickness: float) -> None:
-    """Give a shell a thickness to the inside, and smooth shading, without touching its mesh."""
+    """Thicken a shell inwards by a modifier and shade it smooth; its mesh stays as it is."""
     ob.data.shade_smooth()
     solid = ob.modifiers.new("Thickness", "SOLIDIFY")
     solid.thickness = thickness
@@ -170,7 +170,7 @@ def thicken(ob: bpy.types.Object, thickness: float) -> None:
 
 
 def light(sun: Sequence[float] = (-0.85, -0.45, 0.62), strength: float = 3.6, sky: float = 0.55) -> None:
-    """A low, slightly veiled sun from the direction `sun`, and a sky that is bright at the horizon."""
+    """A low, soft sun from the direction `sun`, and a sky that is bright at the horizon."""
     lamp = bpy.data.lights.new("Sun", "SUN")
     lamp.energy, lamp.angle, lamp.color = strength, math.radians(3.0), (1.0, 0.95, 0.88)
     ob = add_object("Sun", lamp)
@@ -183,7 +183,7 @@ def light(sun: Sequence[float] = (-0.85, -0.45, 0.62), strength: float = 3.6, sk
 
 
 def _paint_sky(tree: bpy.types.NodeTree, strength: float) -> None:
-    """A gradient from the horizon up, which the camera sees brighter than it lights."""
+    """A gradient from the horizon up, brighter to the camera than as a light."""
     nodes, links = tree.nodes, tree.links
     background = nodes["Background"]
     direction, height = nodes.new("ShaderNodeTexCoord"), nodes.new("ShaderNodeSeparateXYZ")
@@ -201,7 +201,7 @@ def _paint_sky(tree: bpy.types.NodeTree, strength: float) -> None:
 
 
 def aim(eye: Sequence[float], target: Sequence[float], lens: float = 40.0) -> bpy.types.Object:
-    """The scene's camera, at `eye`, looking at `target`; lens in millimetres on 36 mm film."""
+    """Put the camera at `eye`, looking at `target`; focal length in millimetres on 36 mm film."""
     camera = bpy.data.cameras.new("Camera")
     camera.lens, camera.clip_end = lens, 5000.0
     ob = add_object("Camera", camera)
@@ -212,9 +212,9 @@ def aim(eye: Sequence[float], target: Sequence[float], lens: float = 40.0) -> bp
 
 
 def render(path: Path, width: int, height: int, samples: int = 64, dither: float = 0.0) -> Path:
-    """Render the scene with Cycles on the CPU; the picture is moved to its place when it is complete.
+    """Render the scene with Cycles on the CPU into a temporary file, then move that to its place.
 
-    dither: 1 hides the steps in a plain sky, and makes the file three times as large.
+    dither: 1 hides banding in a plain sky and triples the size of the file.
     """
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"

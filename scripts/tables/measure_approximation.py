@@ -1,4 +1,4 @@
-"""The tables of docs/approximation.md, measured: how near surfaces of constant mean curvature come to given ones.
+"""The tables of docs/approximation.md, measured: the distance of CMC surfaces from given ones.
 
     make gallery                                            # measures, writes the tables, draws the pictures
     .venv/bin/python -m scripts.tables.measure_approximation cmc   # some of them, printed only
@@ -17,7 +17,7 @@ from scripts.assets import surfaces
 from scripts.tables.measured_page import Tables, measure
 from solver import Domain, Fit, conformal_distortion, fit_gauss_map, mean_curvature_of, shapes
 from solver.fitting.closest_point import Triangles
-from tests.solver.exact import rates
+from tests.solver.exact_surfaces import rates
 from tests.solver.fitting.test_gauss_map_fit import SADDLES, cap, off, over_the_disc, size_of, unduloid
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -43,14 +43,14 @@ def spread_of_curvature(found: Fit) -> float:
 
 
 def distortion(domain: Domain, found: Fit) -> tuple[float, float]:
-    """½ (Q + 1/Q) - 1 in the mean over the surface given, and the largest."""
+    """½ (Q + 1/Q) - 1: the mean over the given surface, and the largest."""
     Q = conformal_distortion(domain, found.points())
     energy = 0.5 * (Q + 1 / Q) - 1
     return float(np.average(energy, weights=domain.face_areas)), float(energy.max())
 
 
 def distances(domain: Domain, points: np.ndarray, found: Fit) -> tuple[float, float, float]:
-    """From the surface given, in % of its diagonal: root mean square, largest, largest of the rim."""
+    """Distances from the given surface in % of its diagonal: root mean square, largest, largest along the rim."""
     away = 100 * Triangles(points, domain.faces).closest(found.points()).distances / size_of(points)
     mean = np.sqrt(np.average(away**2, weights=domain.vertex_areas))
     return float(mean), float(away.max()), float(away[domain.boundary_vertices].max())
@@ -78,7 +78,7 @@ def figure10() -> list[str]:
 
 
 def cmc() -> list[str]:
-    """Surfaces that have constant mean curvature: how far what is found is from them, λ = 0."""
+    """Surfaces of constant mean curvature: the distance of their approximations, λ = 0."""
     sizes = (200, 800, 3200, 12800)
     rows = [f"| surface | {' | '.join(str(n) for n in sizes)} | order |", "|---" * (len(sizes) + 2) + "|"]
     for name, make in (("cap of a sphere", cap), ("patch of an unduloid", unduloid)):
@@ -112,7 +112,7 @@ def saddles() -> list[str]:
 
 
 def places() -> list[str]:
-    """What the weight of nearness does."""
+    """The effect of the weight of nearness."""
     rows = [
         "| surface | near | N - N_φ | distance, mean | largest | largest of the rim | H, deviation | evaluations |",
         "|---" * 8 + "|",

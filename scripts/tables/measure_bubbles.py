@@ -36,7 +36,7 @@ from solver.measure import self_intersections
 from tests.solver import closing_plans
 from tests.solver.catalogue.test_wente_torus import curvature_error
 from tests.solver.closing_plans import LENGTH, spoke_of
-from tests.solver.wente import jittered_cylinder, nearby
+from tests.solver.wente_cylinders import jittered_cylinder, nearby
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -56,7 +56,7 @@ def table(*names) -> list[str]:
 
 
 def order(errors: list[float], sizes: list[float]) -> str:
-    """Between the last mesh and the one before; sizes are the numbers of columns."""
+    """The order between the last mesh and the one before. sizes: numbers of columns."""
     if len(errors) < 2:
         return ""
     return f"{np.log(errors[-2] / errors[-1]) / np.log(sizes[-1] / sizes[-2]):.2f}"
@@ -83,7 +83,7 @@ def family() -> list[str]:
 
 
 def heights() -> list[str]:
-    """From 10 % above the exact height."""
+    """Heights found from 10 % above the exact one."""
     rows = table("angle", "columns", "steps", "gap", "height", "error", "order", "E", "error", "order")
     for angle, meshes in {120: (16, 32, 64, 128), 60: (40, 80, 160)}.items():
         exact, sizes, off, energies = wente_height(np.radians(angle)), [], [], []
@@ -105,7 +105,7 @@ def heights() -> list[str]:
 
 
 def tori() -> list[str]:
-    """Completed: closed, of genus 1; errors of H in L² as parts of ½, before welding the largest gap."""
+    """The completed tori: closedness, genus, relative L² error of H, and the largest gap before welding."""
     head = ("angle", "columns", "copies", "vertices", "genus", "boundary", "largest gap", "order", "H", "order")
     rows = table(*head)
     for angle, meshes in {120: (24, 48, 96, 192), 90: (40, 80, 160)}.items():
@@ -129,7 +129,7 @@ def tori() -> list[str]:
 
 
 def wholes() -> list[str]:
-    """The map of the whole torus moved by 0.05, and found again."""
+    """The map of the whole torus, perturbed by 0.05 and recovered."""
     head = ("angle", "cylinders", "vertices", "residual at the start", "steps", "residual", "E")
     rows = table(*head, "imbalance before", "after", "index, null")
     for angle, columns in ((120, 12), (90, 14), (60, 29)):
@@ -151,7 +151,7 @@ def wholes() -> list[str]:
 
 
 def seeds() -> list[str]:
-    """Whole cylinders on meshes moved at random, from `wente_start`."""
+    """Whole cylinders on jittered meshes, from `wente_start`."""
     head = ("angle", "columns around", "found", "steps", "index", "lowest λ", "E")
     rows = table(*head)
     for angle, columns in ((120, 64), (90, 80)):
@@ -180,7 +180,7 @@ def span(values: list, form: str) -> str:
 
 
 def rings() -> list[str]:
-    """Rings of three kinds, necks, and what 3 × 3 of them are."""
+    """Three kinds of rings: their necks, and the topology of 3 × 3 of them."""
     head = ("tubes", "length", "edge", "copies", "χ", "loops", "longest period", "residual", "index", "neck", "spacing")
     rows = table(*head, "3 × 3")
     cases = [(3, length, 0.2) for length in (1.6, 2.0, 2.4, 2.8)] + [(3, 2.4, 0.1), (4, 2.4, 0.2), (6, 4.0, 0.3)]
@@ -203,7 +203,7 @@ def rings() -> list[str]:
 
 
 def pentagon() -> list[str]:
-    """Closed from a spoke 12.5 % too long: the length found, and the necks as on the quadrilateral of the same mesh."""
+    """Closing from a spoke 12.5 % too long: the length found, and the necks beside those of the quadrilateral."""
     rows = table("edge", "vertices", "gap", "steps", "gap after", "index", "spoke", "error", "necks", "quadrilateral")
     for edge in (0.2, 0.14, 0.1, 0.07):
         plan = closing_plans.pentagon(1.125 * LENGTH, edge)
@@ -221,7 +221,7 @@ def pentagon() -> list[str]:
 
 
 def shells() -> list[str]:
-    """Two shells with the same normals along a circle, which together are a sphere of radius 2."""
+    """Two shells with the same normals along a circle; together they are a sphere of radius 2."""
     rows = table("tilt", "vertices", "shell", "steps", "degree", "exact", "E / π", "exact", "negative modes")
     for tilt in (20, 45, 70):
         part = 0.5 * (1.0 - np.sin(np.radians(tilt)))

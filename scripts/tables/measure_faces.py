@@ -1,4 +1,4 @@
-"""The tables of docs/combinatorics.md, measured: what converges, what survives poor triangles.
+"""The tables of docs/combinatorics.md, measured: convergence, and robustness to poor triangles.
 
     make gallery                                                # measures, writes the tables, draws the pictures
     .venv/bin/python -m scripts.tables.measure_faces recovery needles  # some of them, printed only
@@ -16,10 +16,10 @@ import numpy as np
 from scripts.tables.measured_page import Tables, measure
 from solver import Domain, conditions, shapes, solve_cmc
 from tests.solver import figure20, meshes
-from tests.solver.exact import disc, hemisphere, rates
-from tests.solver.measured import Errors, errors_of, hausdorff
+from tests.solver.exact_surfaces import disc, hemisphere, rates
 from tests.solver.surface.test_convergence import immersed_sheet, jittered_but_at_the_rim, solved
 from tests.solver.surface.test_figure19 import dome
+from tests.solver.surface_errors import Errors, errors_of, hausdorff
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -31,7 +31,7 @@ KINDS = {
     "faces, Möbius": ("faces", "mobius"),
     "faces and rim, Möbius": ("faces_and_rim", "mobius"),
 }
-# what is irregular: how to make the disc, and whether its Delaunay triangulation is used
+# irregular discs: how to make one, and whether to use its Delaunay triangulation
 IRREGULAR = {
     "inside, Delaunay": (jittered_but_at_the_rim, True),
     "to the rim, Delaunay": (lambda n: disc(n, jitter=0.2), True),
@@ -40,7 +40,7 @@ IRREGULAR = {
 
 
 def recovery() -> list[str]:
-    """Figure 20: mean angle to the identity of the sphere, for all energies on faces."""
+    """Paper, Figure 20: mean angle to the identity of the sphere, for all energies on faces."""
     rows = ["| aspect ratio | vertices | not Delaunay | Möbius | dual cotangent | shell | tangent |", "|---" * 7 + "|"]
     for aspect in figure20.ASPECTS:
         mesh = figure20.sphere(1200, aspect)
@@ -55,7 +55,7 @@ def in_words(found: figure20.Recovery) -> str:
 
 
 def discs() -> list[str]:
-    """Section 6: errors on regular discs, the mean over m = 1, 2, 3 as in the paper's Figure 17."""
+    """Paper, Section 6: errors on regular discs, averaged over m = 1, 2, 3 as in Figure 17."""
     rows = header("normals", "error", SIZES)
     for name, kind in KINDS.items():
         each = [[errors(disc(n, jitter=0.0), m, *kind) for n in SIZES] for m in (1, 2, 3)]
@@ -66,12 +66,12 @@ def discs() -> list[str]:
 
 
 def irregular() -> list[str]:
-    """H for m = 1 on discs whose triangles are irregular."""
+    """Errors of H for m = 1 on discs of irregular triangles."""
     first, last = SIZES[0], SIZES[2]
     rows = [f"| irregular | normals | L², {first} | {last} | order | L∞, {first} | {last} | order |", "|---" * 8 + "|"]
     for where, (make, delaunay) in IRREGULAR.items():
         for name, kind in KINDS.items():
-            if delaunay or kind[1] != "dual_cotan":  # which has no minimum to find elsewhere
+            if delaunay or kind[1] != "dual_cotan":  # elsewhere it has no minimum
                 found = [errors(make(n), 1, *kind, delaunay=delaunay) for n in SIZES[:3]]
                 cells = [f"| {where} | {name}"]
                 for values in ([e.l2 for e in found], [e.linf for e in found]):
@@ -86,7 +86,7 @@ def header(first: str, second: str, sizes) -> list[str]:
 
 
 def row(first: str, second: str, values) -> str:
-    """Errors at growing sizes, and the order of the last refinement."""
+    """Errors on finer and finer meshes, and the order of the last refinement."""
     return f"| {first} | {second} | {' | '.join(f'{x:.1e}' for x in values)} | {rates(list(values))[-1]:.1f} |"
 
 
@@ -96,7 +96,7 @@ def errors(mesh, m: int, sites: str, energy: str, **options) -> Errors:
 
 
 def averages() -> list[str]:
-    """Which averages are consistent, on irregular Delaunay discs: H for m = 1, positions for the hemisphere (m = 0)."""
+    """Consistency of averages on irregular Delaunay discs: H for m = 1, positions for the hemisphere (m = 0)."""
     rows = header("normals, average", "error", SIZES[:3])
     for sites, energy, names in (
         ("vertices", "cotan", ("galerkin", "linear", "area")),
@@ -116,7 +116,7 @@ def averages() -> list[str]:
 
 
 def off_the_hemisphere(plan, complex_name: str, **options) -> float:
-    """Root mean square distance of f+ over the unit disc from where it is exactly, on the sphere of radius two."""
+    """Root mean square error of f+ over the unit disc; it lies on the sphere of radius 2."""
     domain, points = plan
     mesh = solve_cmc(domain, conditions.binormal(domain, points, domain.boundary_edges), **options).as_mesh(
         "f+", complex_name
@@ -128,7 +128,7 @@ def off_the_hemisphere(plan, complex_name: str, **options) -> float:
 
 
 def needles() -> list[str]:
-    """Figure 19: Hausdorff distance to the surface of a regular disc, in parts of its diagonal."""
+    """Paper, Figure 19: Hausdorff distance to the surface of a regular disc, as a part of its diagonal."""
     plan = shapes.disc(12_000)
     regular = dome(plan.positions, plan.domain.faces)
     diagonal = np.linalg.norm(np.ptp(regular[0], axis=0))

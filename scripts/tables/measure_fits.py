@@ -1,4 +1,4 @@
-"""The tables of docs/fitting.md, measured: how near shells come to an outline, and what it takes.
+"""The tables of docs/fitting.md, measured: the distance of shells from an outline, and the work it takes.
 
     make gallery                                       # measures, writes the tables, draws the pictures
     .venv/bin/python -m scripts.tables.measure_fits outlines  # some of them, printed only
@@ -46,7 +46,7 @@ def size_of(points: Array) -> float:
 
 
 def outlines() -> list[str]:
-    """The largest distance between the rim and the drawn line, and that away from the corners, in % of the span."""
+    """Largest distance between rim and drawn line, everywhere and away from the corners, in % of the span."""
     rows = [f"| outline | vertices | {HEAD} |", "|---|---|" + "---|" * len(RISES)]
     for name in OUTLINES:
         for vertices in SIZES:
@@ -65,7 +65,7 @@ def cell(name: str, points: Array, found: Fit) -> str:
 
 
 def away_from_corners(name: str, points: Array, found: Fit) -> float:
-    """The largest distance of rim vertices from the line, at more than two radii from the corners before rounding."""
+    """Largest distance of rim vertices from the line, more than two radii away from the sharp corners."""
     outline, radius, _ = OUTLINES[name]
     rim = found.points()[found.surface.domain.boundary_loops[0]]
     corners = np.array(outline, dtype=np.float64)
@@ -77,7 +77,7 @@ def away_from_corners(name: str, points: Array, found: Fit) -> float:
 
 
 def height_parameters() -> list[str]:
-    """Parts by which the wanted height and volume are missed, and of circles the caps of a sphere."""
+    """Relative errors of height and volume, and for circles the distance from the spherical cap."""
     rows = [f"| wish | vertices | {HEAD} |", "|---|---|" + "---|" * len(RISES)]
     for name in OUTLINES:
         shape = plan(name, 5000)
@@ -95,7 +95,7 @@ def height_parameters() -> list[str]:
 
 
 def cap(disc: shapes.Shape, rise: float) -> tuple[float, float]:
-    """Part of the volume that is missed, and the largest distance from the sphere, the disc's radius being one."""
+    """Relative error of the volume, and the largest distance from the sphere over a disc of radius 1."""
     volume = np.pi * rise * (3 + rise**2) / 6
     found = fit_outline(disc.domain, disc.positions, volume=volume)
     radius = (1 + rise**2) / (2 * rise)
@@ -104,7 +104,7 @@ def cap(disc: shapes.Shape, rise: float) -> tuple[float, float]:
 
 
 def raised() -> list[str]:
-    """A circle whose heights go up and down twice, by 20 % of its span: distance in % of the span, or why not."""
+    """A circle whose heights rise and fall twice by 20 % of its span: distance in % of the span, or the reason."""
     line = np.column_stack([np.cos(CIRCLE), np.sin(CIRCLE), 0.2 * np.cos(2 * CIRCLE)])
     rows = [f"| vertices | {HEAD} |", "|---|" + "---|" * len(RISES)]
     for vertices in SIZES:
@@ -116,7 +116,7 @@ def raised() -> list[str]:
 
 
 def courtyards() -> list[str]:
-    """Plans with holes: the longest gap and the largest distance of the rims from their lines, in % of the span."""
+    """Plans with holes: longest gap, and largest distance of the rims from their lines, in % of the span."""
     circle = np.column_stack([np.cos(CIRCLE), np.sin(CIRCLE)])[::4]
     square = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
     plans = {

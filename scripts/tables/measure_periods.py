@@ -1,10 +1,10 @@
-"""The tables of docs/periods.md, measured: two ways to a period, and what it takes to close one.
+"""The tables of docs/periods.md, measured: two ways to compute a period, and the work to close it.
 
     make gallery                                         # measures, writes the tables, draws the pictures
     .venv/bin/python -m scripts.tables.measure_periods planes   # some of them, printed only
     .venv/bin/python -m scripts.tables.measure_periods --write  # all of them, into the page
 
-Needs no Blender. Times are those of the processor, so that others at work do not count; the least of three.
+Needs no Blender. Times are processor times, the least of three.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from solver.domain.topology import Homology
 from solver.surface.periods import harmonic_forms, integrals
 from tests.solver.closing.test_closing import rows_from, seams
 from tests.solver.closing_plans import courtyard, half_tube
-from tests.solver.pieces import unduloid_period
+from tests.solver.fundamental_pieces import unduloid_period
 from tests.solver.surface.test_periods import CASES, C, forms_of, tau_of
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -50,7 +50,7 @@ WAYS: dict[str, Callable[[shapes.Shape], dict]] = {
 
 
 def agreement() -> list[str]:
-    """Differences between loop sums and integrals, as parts of the longest period; for tori also from the exact one."""
+    """Differences of loop sums and integrals, as parts of the longest period; for tori also from the exact one."""
     rows = ["| domain | vertices | edge form | P1 form | from the exact period |", "|---|---|---|---|---|"]
     for name, (make, _) in CASES.items():
         for n in (14, 28, 56):
@@ -67,7 +67,7 @@ def agreement() -> list[str]:
 
 
 def courtyards() -> list[str]:
-    """One courtyard closed in every way: gaps as parts of the size, changes, the area, the time in cold solves."""
+    """One courtyard closed in every way: relative gaps, changes, area, time in cold solves."""
     rows = [
         "| by | vertices | steps | gap: loop form | P1 form | largest / rms turn | hole: x, y, twist | area | time |",
         "|---|---|---|---|---|---|---|---|---|",
@@ -98,7 +98,7 @@ def courtyard_row(way: str, options: Callable[[shapes.Shape], dict], edge: float
 
 
 def fresh(shape: shapes.Shape) -> Domain:
-    """The same domain with nothing kept."""
+    """A copy of the domain without its caches."""
     return Domain.from_positions(shape.positions, shape.domain.faces)
 
 
@@ -123,7 +123,7 @@ def size_of(points: Array) -> float:
 
 
 def seam() -> list[str]:
-    """Root mean square error of H, in % of H, along six cuts of the closed courtyard and in the rows beside them."""
+    """Root mean square error of H in %, along six cuts of the closed courtyard and in the rows beside them."""
     rows = ["| by | vertices | at the seam | beside it | ratio |", "|---|---|---|---|---|"]
     for way in ("normals", "the hole's place and twist", "both, κ = 1"):
         for edge in (0.05, 0.025):
@@ -143,7 +143,7 @@ def seam() -> list[str]:
 
 
 def holes() -> list[str]:
-    """A plan with three holes: the lengths of its periods as parts of the size, and closing by normals."""
+    """A plan with three holes: relative lengths of its periods, and closing by normals."""
     rows = ["| by | vertices | periods | steps | largest / rms turn | area |", "|---|---|---|---|---|---|"]
     for way in ("normals", "tilts only"):
         for edge in (0.08, 0.03):
@@ -160,7 +160,7 @@ def holes() -> list[str]:
 
 
 def planes() -> list[str]:
-    """Two sides on one mirror: their distance as a part of the size, before and after, and the error of the stretch."""
+    """Two sides on one mirror: their relative distance before and after, and the error of the stretch."""
     rows = ["| columns | distance before | after | steps | error of the stretch |", "|---|---|---|---|---|"]
     for columns in (8, 16, 32, 64):
         plan = half_tube(columns)

@@ -1,4 +1,4 @@
-"""The tables of docs/symmetry.md, measured: surfaces between mirrors and planes, and what they make when completed.
+"""The tables of docs/symmetry.md, measured: surfaces between mirrors and planes, and their completions.
 
     make gallery                                               # measures, writes the tables, draws the pictures
     .venv/bin/python -m scripts.tables.measure_symmetry vaults gaps   # some of them, printed only
@@ -19,9 +19,9 @@ from solver import HarmonicSolver, complete, conditions, mean_curvature_of, side
 from solver.catalogue import modules
 from solver.domain.gluing import doubled as double
 from solver.measure import self_intersections
-from tests.solver import pieces
-from tests.solver.exact import rates
-from tests.solver.mirrored import half_disc
+from tests.solver import fundamental_pieces as pieces
+from tests.solver.exact_surfaces import rates
+from tests.solver.mirror_images import half_disc
 from tests.solver.surface import test_figure9
 from tests.solver.symmetry import test_capital
 from tests.solver.symmetry.test_symmetry import radii
@@ -38,7 +38,7 @@ LENGTHS = (1.5, 1.9, 2.3, 2.7, 3.1)
 
 
 def order(errors) -> str:
-    """The mean order from the coarsest to the finest mesh, of which each is twice as fine as the one before."""
+    """The mean order of convergence; each mesh is twice as fine as the one before."""
     return f"{rates(list(errors)).mean():.1f}"
 
 
@@ -56,7 +56,7 @@ def crossings(mesh) -> str:
 
 
 def curvature(points, faces, normals, keep) -> float:
-    """L² of H - ½ over ½, in per cent, on the faces to `keep`."""
+    """Relative L² error of H, in per cent, on the faces to `keep`."""
     a, b, c = (points[faces[:, k]] for k in range(3))
     areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)[keep]
     H = mean_curvature_of(points, faces, normals)[keep]
@@ -64,7 +64,7 @@ def curvature(points, faces, normals, keep) -> float:
 
 
 def delaunay(make, axis: int, wanted) -> tuple[list[float], list[float]]:
-    """Exact neck, belly and period, and the largest error of the three at each number of columns."""
+    """Exact neck, belly and period, and the largest of their errors for each number of columns."""
     errors = []
     for columns in COLUMNS:
         piece = make(columns)
@@ -76,7 +76,7 @@ def delaunay(make, axis: int, wanted) -> tuple[list[float], list[float]]:
 
 
 def nodoids() -> list[str]:
-    """Constant normals ±e₁ at the ends of a cylinder, f+ and f- glued (Fig. 14)."""
+    """Nodoids: normals ±e₁ at the ends of a cylinder, f+ and f- glued (paper, Figure 14)."""
     rows = table("c", "height", "neck", "belly", "period", *(f"error, {n} columns" for n in COLUMNS), "order")
     for c in NODOIDS:
         root = np.sqrt(1 + c)
@@ -88,7 +88,7 @@ def nodoids() -> list[str]:
 
 
 def unduloids() -> list[str]:
-    """Between latitude circles, both mirrors; and half of that, from a mirror to a free side."""
+    """Unduloids between two mirrors at latitude circles, and half of each from a mirror to a free side."""
     head = ("c", "neck", "belly", "period", "sides", *(f"error, {n} columns" for n in COLUMNS), "order")
     rows = table(*head)
     for c in UNDULOIDS:
@@ -115,7 +115,7 @@ def modulus(module, start: str, end: str) -> float:
 
 
 def honeycombs() -> list[str]:
-    """Modules of three tubes at a node (Fig. 16) at five moduli."""
+    """Modules of three tubes at a node (paper, Figure 16), for five moduli."""
     rows = table(
         "length", "modulus", "neck", "between nodes", *(f"H, edge {h}" for h in EDGES), "order", "neck, order",
         "largest gap", "off plane", "ring of 72", "3 × 3 cells",
@@ -145,7 +145,7 @@ def honeycombs() -> list[str]:
 
 
 def corners() -> list[str]:
-    """The plan with 60° at the node, and one with 90° there: H on a node, and on the faces that touch its top."""
+    """Plans with 60° and 90° at the node: errors of H on a node, and on the faces at its top."""
     rows = table(
         "corner", "copies go around", *(f"H, edge {h}" for h in EDGES), "order", *(f"at the top, {h}" for h in EDGES)
     )
@@ -170,7 +170,7 @@ def gap(whole) -> float:
 
 
 def gaps() -> list[str]:
-    """Largest distance of vertices that become one, as a part of the size, before they do."""
+    """Largest distance of vertices before they are welded, as a part of the size."""
     rows = table("piece", "sides", "coarse", "", "fine", "order")
     for name, sides, make, sizes in (
         ("nodoid, c = ½, 32 to 128 columns", "two tangent", lambda n: pieces.nodoid(0.5, n), (32, 64, 128)),
@@ -186,7 +186,7 @@ def gaps() -> list[str]:
 
 
 def free() -> list[str]:
-    """How constant g is along a free side, and f+ on the sphere about it, in units of 1/(2H)."""
+    """Spread of g along a free side, and of f+ about the sphere around it, in units of 1/(2H)."""
     rows = table("piece", "largest, of g from its mean", "", "", "order", "of f+ from the sphere", "", "", "order")
     tube = lambda n: (pieces.unduloid(-0.5, n, True), "top")  # noqa: E731
     eye = lambda h: (  # noqa: E731
@@ -209,8 +209,10 @@ def free() -> list[str]:
 
 
 def doubled() -> list[str]:
-    """Half a disc with a mirror along its diameter, and the domain glued to its mirror image, both minimised: the
-    whole from the half's normals moved at random."""
+    """Minimisers on half a disc with a mirror along its diameter, and on the disc glued from it and its image.
+
+    The second starts from the normals of the first, perturbed at random.
+    """
     random = np.random.default_rng(4)
     rows = table("vertices", "tilt of the arc", "largest difference of normals", "of energies")
     for n, tilt in ((600, 0.4), (2400, 0.4), (2400, -0.6)):
@@ -240,7 +242,7 @@ def doubled() -> list[str]:
 
 
 def vaults() -> list[str]:
-    """Figure 9: walls touched, feet orthogonal to the floor; three meshes each."""
+    """Paper, Figure 9: vaults that touch walls, with feet orthogonal to the floor; three meshes each."""
     rows = table("plan", "edge", "vertices", "off plane", "H", "away from the rim", "at it", "wall", "feet differ by")
     for label, openings, foot, length in (
         ("three walls", 3, 0.6, 1.0), ("four walls", 4, 0.5, 1.0), ("four, 1.6 × as long", 4, 0.4, 1.6),
@@ -265,7 +267,7 @@ def vaults() -> list[str]:
 
 
 def capitals() -> list[str]:
-    """A mirror in the floor at the column, and what the middle of the bay may be."""
+    """Capitals with a mirror in the floor at the column, for each condition in the middle of the bay."""
     rows = table(
         "foot", "radius", "middle", "its radius", "bay", "height", "foot's ring", "tension / pressure", "grid crosses"
     )

@@ -1,4 +1,4 @@
-"""Tables of a page in docs/, written between `<!-- table: NAME -->` and `<!-- end -->`."""
+"""Write tables into a page of docs/, between `<!-- table: NAME -->` and `<!-- end -->`."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ Tables = dict[str, Callable[[], list[str]]]
 
 
 def measure(page: Path, tables: Tables) -> None:
-    """A command line: which of the tables are measured, and whether they are written into the page."""
+    """The command line of a page: names of tables to measure, and --write."""
     parser = argparse.ArgumentParser(description=f"Measure the tables of docs/{page.name}.")
     parser.add_argument("names", nargs="*", choices=[*tables, []], help="which of them (all)")
-    parser.add_argument("--write", action="store_true", help="into the page")
+    parser.add_argument("--write", action="store_true", help="write them into the page")
     arguments = parser.parse_args()
     for name in arguments.names or tables:
         rows = tables[name]()
@@ -27,5 +27,5 @@ def _written(page: Path, name: str, rows: list[str]) -> str:
     place = re.compile(rf"(<!-- table: {name} -->\n).*?(<!-- end -->)", flags=re.DOTALL)
     text = page.read_text(encoding="utf-8")
     if not place.search(text):
-        raise SystemExit(f"{page.name} has no place for the table {name}.")
+        raise SystemExit(f"{page.name} has no place for the table {name}; add <!-- table: {name} --> and <!-- end -->.")
     return place.sub(lambda found: found[1] + "\n".join(rows) + "\n" + found[2], text)

@@ -1,4 +1,4 @@
-"""Plans to solve, and the scene's data as plain values, to compare before and after a call."""
+"""Plans to solve, and the scene's data as plain values, which show what a call has changed."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def quad_disc(name: str = "Disc", rings: int = 5, columns: int = 24, radius: flo
 
 
 def jittered(plan: bpy.types.Object, amount: float = 0.12) -> bpy.types.Object:
-    """The vertices inside moved at random in the plan's plane, so that no two triangles lie on one circle."""
+    """Move the inside vertices at random in the plan's plane, so that no four lie on one circle."""
     rim = {v for e in boundary_edges(plan.data) for v in plan.data.edges[e].vertices}
     moves = np.random.default_rng(7).uniform(-amount, amount, (len(plan.data.vertices), 2))
     for vertex, (x, y) in zip(plan.data.vertices, moves.tolist(), strict=True):
@@ -56,7 +56,7 @@ def jittered(plan: bpy.types.Object, amount: float = 0.12) -> bpy.types.Object:
 
 
 def quad_ring(name: str = "Ring", rings: int = 5, columns: int = 24, inner: float = 1.5, outer: float = 4.0):
-    """A plan with a hole, of quads: its surface does not close by itself when the hole is off the centre."""
+    """A plan of quads with a hole off its centre, so that its surface does not close."""
     points, faces = [], []
     for k in range(rings + 1):
         part = k / rings

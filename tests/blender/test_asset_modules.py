@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 import pytest
 
-from .completions import COPIES, FINISHED, told
+from .solved_modules import COPIES, FINISHED, completion_report
 from .test_assets import ASSETS, catalogue, opened
 
 MODULES = {file.stem: file for file in sorted((ASSETS / "modules").glob("*.blend"))}
@@ -31,7 +31,8 @@ def test_the_module_is_an_asset_that_completes_itself(name):
     assert bpy.ops.cmc.solve() == FINISHED
     assert bpy.ops.cmc.complete() == FINISHED
     units = int(np.prod(list(plan.cmc.complete_repeat)))
-    assert told(plan)["copies"] == units * COPIES[name.upper()] and told(plan)["relative_gap"] < 1e-3
+    report = completion_report(plan)
+    assert report["copies"] == units * COPIES[name.upper()] and report["relative_gap"] < 1e-3
 
 
 @pytest.mark.parametrize("name", MODULES)

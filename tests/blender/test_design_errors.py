@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from .designs import approximated, fitted, raised_loop, small_disc
+from .design_scenes import approximated, fitted, raised_loop, small_disc
 from .scenes import activate, mesh_object, positions, quad_ring, snapshot
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from .designs import FINISHED, fitted, report, small_disc
+from .design_scenes import FINISHED, fitted, report, small_disc
 from .scenes import activate, positions
 
 

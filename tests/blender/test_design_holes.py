@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from .designs import fitted, off_line, report
+from .design_scenes import fitted, off_line, report
 from .scenes import activate, positions, quad_ring, values
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from .designs import FEET, empties, fitted, nearest, off_line, raised_loop, report, rim_of, small_disc
+from .design_scenes import FEET, empties, fitted, nearest, off_line, raised_loop, report, rim_of, small_disc
 from .scenes import positions, quad_disc, values
 
 # --- the height_parameters ---

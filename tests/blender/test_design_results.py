@@ -13,7 +13,19 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from .designs import CANCELLED, FINISHED, approximated, cap, fitted, hand_for, raised_loop, small_disc, wavy
+from .design_scenes import (
+    CANCELLED,
+    FINISHED,
+    approximated,
+    cap,
+    fitted,
+    hand_for,
+    raised_loop,
+    report,
+    rim_of,
+    small_disc,
+    wavy,
+)
 from .scenes import activate, positions, snapshot, values
 
 # --- results are results ---
@@ -216,3 +228,27 @@ def test_a_curve_deleted_meanwhile(hand):
     while result == {"RUNNING_MODAL"}:
         result = hand.tick()
     assert result == FINISHED and plan.cmc.fit_curve is None
+
+
+def test_a_fitted_shell_carries_the_distance_of_its_rim_from_the_outline():
+    """Elsewhere it is not known; an approximation has its distance from the surface at every vertex instead."""
+    plan = small_disc()
+    points = fitted(plan)
+    deviation = np.array(values(plan.cmc.fit.data.attributes["cmc_deviation"]))
+    rim = np.isin(np.arange(len(points)), rim_of(plan))
+    assert (deviation[~rim] == -1.0).all() and (deviation[rim] >= 0.0).all()
+    assert deviation.max() == pytest.approx(report(plan)["sheets"]["f+"]["outline"]["max"], rel=1e-4)
+    surface = cap()
+    approximated(surface)
+    assert min(values(surface.cmc.nearest.data.attributes["cmc_deviation"])) >= 0.0
+
+
+def test_a_fit_parks_the_shell_of_solve_and_an_approximation_does_not():
+    """Both would be over one plan; an approximated surface is no plan."""
+    plan, surface = small_disc(), cap()
+    for ob, design in ((plan, fitted), (surface, approximated)):
+        activate(ob)
+        assert bpy.ops.cmc.solve() == FINISHED and not ob.cmc.f_plus.hide_viewport
+        design(ob)
+        shell, is_fit = ob.cmc.f_plus, design is fitted
+        assert (shell.hide_viewport, shell.hide_render, shell.cmc.parked) == (is_fit,) * 3

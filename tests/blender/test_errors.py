@@ -253,3 +253,28 @@ def test_errors_in_edit_mode(name):
     if name == "Loose":
         bm.verts.new((9.0, 9.0, 9.0))
     fails("closed" if name == "Closed" else r"[Vv]ertex 121 belongs to no face")
+
+
+def test_errors_are_in_the_plans_numbers(addon):
+    """Triangles become their polygons, edges those of the mesh; an edge inside a polygon is named by its vertices."""
+    numbering, bridge = addon.cmc_addon.bridges.numbering, addon.cmc_addon.bridges.mesh_bridge
+    errors = import_module(f"{addon.__name__}.solver.errors")
+    plan = bridge.read_plan(mesh_object("Grid", *grid(3)))
+    triangles = np.array([t for a, b, c, d in grid(3)[1] for t in ((a, b, c), (a, c, d))], dtype=np.int32)
+    owners = np.repeat(np.arange(9, dtype=np.int32), 2)
+    pairs = np.unique(np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0).tolist()
+    side, diagonal = pairs.index([5, 6]), pairs.index([5, 10])
+    ours = next(k for k, pair in enumerate(plan.edges.tolist()) if set(pair) == {5, 6})
+    assert ours != side, "else the number could not tell"
+
+    def renumbered(text, **offenders):
+        return numbering.in_plan_numbers(errors.MeshError(text, **offenders), plan, triangles, owners)
+
+    error = renumbered("Faces 8, 9, 17 have no area; face 3 is fine.", faces=[8, 9, 17])
+    assert str(error) == "Faces 4, 8 have no area; face 1 is fine."
+    assert list(error.faces) == [4, 8] and isinstance(error, errors.MeshError)
+    error = renumbered(f"Edges {side}, {diagonal} are bad at vertex 5.", edges=[side, diagonal], vertices=[5])
+    assert str(error) == f"Edges {ours}, from vertex 5 to 10 are bad at vertex 5."
+    assert list(error.edges) == [ours] and list(error.vertices) == [5]
+    error = renumbered("Faces 8, 9 have no area.", faces=[8, 9])
+    assert str(error) == "Face 4 has no area."

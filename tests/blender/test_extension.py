@@ -18,13 +18,13 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-DRIVER = Path(__file__).with_name("installed.py")
+DRIVER = Path(__file__).with_name("install_and_solve.py")
 BUILD = ROOT / "scripts" / "build" / "build_extension.py"
 MANIFEST = tomllib.loads((ROOT / "blender_manifest.toml").read_text(encoding="utf-8"))
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 BLENDERS = ("4.5", "5.0", "5.2")
 WITHOUT_ENVIRONMENT = {"5.2": "no Python 3.13 was found on PATH or in ~/.pyenv/versions"}
-GRID_VERTICES, GRID_FACES, GRID_SIZE = 81, 64, 2.0  # the plan of installed.py
+GRID_VERTICES, GRID_FACES, GRID_SIZE = 81, 64, 2.0  # the plan of install_and_solve.py
 
 
 @pytest.fixture(autouse=True)

@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 import pytest
 
-from .live_hands import EXACT, catch_up, live_disc, move, off_by, settle, state_of
+from .live_driver import EXACT, catch_up, live_disc, move, off_by, settle, state_of
 from .scenes import add_group, boundary_edges, positions, quad_ring
 
 
@@ -243,3 +243,28 @@ def test_colours_go_along(addon, live, plan):
     assert "cmc_mean_curvature" in mesh.attributes and "cmc_gauss_curvature" not in mesh.attributes
     settle(live)
     assert "cmc_gauss_curvature" in mesh.attributes
+
+
+OTHER_SHELLS = {
+    "sites": "VERTICES", "energy": "MOBIUS", "delaunay": True, "averaging": "AREA", "method": "FLOW", "side": "BACK",
+    "shell": "BUBBLE", "sheet": "F_MINUS", "combinatorics": "CORNER", "want_twin": True,
+}
+"""Settings that say which shell is meant, and another value of each."""
+
+
+@pytest.mark.parametrize("name", OTHER_SHELLS)
+def test_another_shell_begins_anew(addon, live, plan, monkeypatch, name):
+    """Not from the map at hand, though that of another energy, say, could be continued."""
+    plan.cmc.sites = "FACES"
+    settle(live)
+    continued, update = [], addon.cmc_addon.live.update.update
+    spy = lambda *args, **options: continued.append(name) or update(*args, **options)  # noqa: E731
+    monkeypatch.setattr(addon.cmc_addon.live.update, "update", spy)
+    setattr(plan.cmc, name, OTHER_SHELLS[name])
+    catch_up(live)
+    assert not continued
+    plan.cmc.combinatorics = "PRIMAL"
+    settle(live)
+    group(plan).tilt = 0.5
+    catch_up(live)
+    assert continued

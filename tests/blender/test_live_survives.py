@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from .live_hands import EXACT, catch_up, live_disc, move, off_by, settle, state_of
+from .live_driver import EXACT, catch_up, live_disc, move, off_by, settle, state_of
 from .scenes import activate, add_group, boundary_edges, link, positions
 
 

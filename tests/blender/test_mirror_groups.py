@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from .completions import FINISHED, module, solved
 from .scenes import activate, positions
+from .solved_modules import FINISHED, module, solved
 from .test_panels import draw, said
 
 

@@ -292,3 +292,18 @@ def test_results_and_periods_of_a_gap_and_of_a_closed_shell(plan):
     closed = draw("CMC_PT_periods")
     assert closed.operators == ["cmc.close_periods"] and "Closed" in closed.texts and "Normals turned" in closed.texts
     assert "The surface closes" in " ".join(draw("CMC_PT_results").texts)
+
+
+def test_a_plan_that_cannot_be_moved_any_more(plan, addon):
+    """Shape keys added while the work runs: the shell is refused, and nothing has changed."""
+    tasks, settings = addon.cmc_addon.tasks.close_periods, addon.cmc_addon.properties.periods_settings
+    wanted = SimpleNamespace(**{name: getattr(plan.cmc, name) for name in settings.CLOSE_SETTINGS})
+    wanted.close_by = "HOLE"
+    order = tasks.take_closing(bpy.context, plan, wanted)
+    outcome = order.work(lambda *_: True)
+    assert outcome.converged and outcome.moved is not None
+    plan.shape_key_add(name="Basis")
+    before = snapshot()
+    with pytest.raises(tasks.CmcError, match="has shape keys"):
+        order.deliver(bpy.context, plan, outcome)
+    assert snapshot() == before

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from .completions import farthest, is_oriented, matrices, told
 from .scenes import activate, positions, quad_disc, snapshot, values
+from .solved_modules import completion_report, farthest, is_oriented, matrices
 from .test_periods import FINISHED, court, report, seams, uv_corners
 
 
@@ -35,7 +35,7 @@ def test_three_periods_as_one_mesh(plan):
     count, seam = len(shell), len(shell) - len(plan.data.vertices)
     assert len(p) == 3 * count - 2 * seam, "each vertex of a cut is welded to its neighbour's"
     assert is_oriented(whole.data)
-    done = told(plan)
+    done = completion_report(plan)
     assert done["copies"] == 3 and done["relative_gap"] < 1e-9, "the seam joins by itself"
     assert plan.cmc.f_plus.hide_viewport and not whole.hide_viewport
     assert tuple(plan.cmc.tile_repeat) == (3, 1, 1) and plan.cmc.tile_as == "MESH"
@@ -194,7 +194,7 @@ def test_a_cylinder_is_a_long_strip():
     told_period = period(plan)
     assert np.linalg.norm(told_period) > 0.2 * report(plan)["sheets"]["f+"]["span"]
     assert bpy.ops.cmc.tile_periods(tile_repeat=(3, 1, 1)) == FINISHED
-    assert told(plan)["relative_gap"] < 1e-9 and told(plan)["copies"] == 3
+    assert completion_report(plan)["relative_gap"] < 1e-9 and completion_report(plan)["copies"] == 3
     points = positions(plan.cmc.completed)
     assert np.ptp(points, axis=0).max() > 2.0 * np.linalg.norm(told_period)
 

@@ -10,8 +10,8 @@ import pytest
 from mathutils.bvhtree import BVHTree
 from numpy.testing import assert_allclose
 
-from .completions import FINISHED, faces_of, farthest, is_oriented, module, solved, told
 from .scenes import activate, add_group, mesh_object, positions, snapshot, values
+from .solved_modules import FINISHED, completion_report, faces_of, farthest, is_oriented, module, solved
 
 # --- one mesh ----------------------------------------------------------------------------------
 
@@ -85,7 +85,7 @@ def test_quads_stay_quads():
         add_group(plan, name, np.flatnonzero(inside[name].all(axis=1)), "MIRROR", normal=normal)
     assert bpy.ops.cmc.complete() == FINISHED
     whole = plan.cmc.completed.data
-    assert told(plan)["copies"] == 8 and len(whole.polygons) == 8 * len(quads)
+    assert completion_report(plan)["copies"] == 8 and len(whole.polygons) == 8 * len(quads)
     assert {len(polygon.vertices) for polygon in whole.polygons} == {4} and is_oriented(whole)
     assert len(whole.vertices) == (2 * columns + 1) * 4 * rows
 
@@ -144,7 +144,7 @@ def test_plans_that_are_turned_and_shells_that_hang(turned):
 def test_a_number_a_box_or_units():
     plan = solved("CAPITAL")
     assert bpy.ops.cmc.complete(complete_count=7) == FINISHED
-    assert told(plan)["copies"] == 7 and plan.cmc.complete_extent == "COUNT"
+    assert completion_report(plan)["copies"] == 7 and plan.cmc.complete_extent == "COUNT"
     bpy.ops.mesh.primitive_cube_add(size=1.0)
     box = bpy.context.object
     whole = plan.cmc.f_plus
@@ -152,11 +152,11 @@ def test_a_number_a_box_or_units():
     box.location, box.scale = 0.5 * (low + high), 3.0 * (high - low)
     activate(plan)
     assert bpy.ops.cmc.complete(box=box.name) == FINISHED
-    assert told(plan)["copies"] == 9 and plan.cmc.complete_box == box and plan.cmc.complete_extent == "BOX"
+    assert completion_report(plan)["copies"] == 9 and plan.cmc.complete_box == box and plan.cmc.complete_extent == "BOX"
     assert bpy.ops.cmc.complete() == FINISHED
-    assert told(plan)["copies"] == 9, "what was chosen is kept with the plan"
+    assert completion_report(plan)["copies"] == 9, "what was chosen is kept with the plan"
     assert bpy.ops.cmc.complete(complete_extent="UNIT") == FINISHED
-    assert told(plan)["copies"] == 36
+    assert completion_report(plan)["copies"] == 36
 
 
 def test_the_panel_knows_the_counts_before_it_runs():
@@ -178,7 +178,7 @@ def test_the_panel_knows_the_counts_before_it_runs():
     activate(plan)
     inside, more = counts(plan, wanted_of(plan))
     assert bpy.ops.cmc.complete() == FINISHED
-    assert not more and inside == told(plan)["copies"] > 10
+    assert not more and inside == completion_report(plan)["copies"] > 10
     plan.cmc.complete_box.scale = (20.0, 20.0, 20.0)
     bpy.context.view_layer.update()
     assert counts(plan, wanted_of(plan)) == (400, True)
@@ -194,7 +194,7 @@ def test_a_finite_group_has_no_more_copies_than_it_has():
     plan.cmc.complete_extent, plan.cmc.complete_count = "COUNT", 5000
     assert counts(plan, wanted_of(plan)) == (8, False)
     assert bpy.ops.cmc.complete() == FINISHED
-    assert told(plan)["copies"] == 8
+    assert completion_report(plan)["copies"] == 8
 
 
 def test_a_side_that_ends_the_shell():
@@ -202,7 +202,7 @@ def test_a_side_that_ends_the_shell():
     plan.data.cmc.groups["End"].across = "OFF"
     plan.data.cmc.groups["Bisector"].across = "OFF"
     assert bpy.ops.cmc.complete() == FINISHED
-    assert told(plan)["copies"] == 4, "the tube ends after half a period"
+    assert completion_report(plan)["copies"] == 4, "the tube ends after half a period"
 
 
 # --- together with Solve -----------------------------------------------------------------------

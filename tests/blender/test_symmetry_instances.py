@@ -6,8 +6,8 @@ import bpy
 import numpy as np
 from numpy.testing import assert_allclose
 
-from .completions import COPIES, FINISHED, farthest, matrices, solved, told
 from .scenes import activate, positions
+from .solved_modules import COPIES, FINISHED, completion_report, farthest, matrices, solved
 
 
 def test_instances_meet_and_are_where_the_mesh_is():
@@ -19,7 +19,7 @@ def test_instances_meet_and_are_where_the_mesh_is():
         assert bpy.ops.cmc.complete(complete_as="INSTANCES", complete_repeat=(2, 1, 1)) == FINISHED
         assert plan.cmc.completed is None or not plan.cmc.completed.users_scene
         copies = plan.cmc.copies
-        assert len(copies.objects) == told(plan)["copies"] == 2 * COPIES[name]
+        assert len(copies.objects) == completion_report(plan)["copies"] == 2 * COPIES[name]
         assert copies.name in plan.cmc.collection.children
         found = np.concatenate([positions(ob) for ob in copies.objects])
         size = np.linalg.norm(np.ptp(whole, axis=0))

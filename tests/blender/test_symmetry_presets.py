@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from .completions import COPIES, FINISHED, is_oriented, module, solved, told
 from .scenes import positions, snapshot, values
+from .solved_modules import COPIES, FINISHED, completion_report, is_oriented, module, solved
 
 
 @pytest.mark.parametrize("name", COPIES)
@@ -24,9 +24,9 @@ def test_solve_and_complete_need_nothing_else(name):
     assert bpy.ops.cmc.complete() == FINISHED
     whole = plan.cmc.completed
     units = int(np.prod(list(plan.cmc.complete_repeat)))
-    assert units > 1 and told(plan)["copies"] == COPIES[name] * units
-    assert len(whole.data.polygons) == told(plan)["copies"] * len(plan.data.polygons)
-    assert is_oriented(whole.data) and told(plan)["relative_gap"] < 2e-3
+    assert units > 1 and completion_report(plan)["copies"] == COPIES[name] * units
+    assert len(whole.data.polygons) == completion_report(plan)["copies"] * len(plan.data.polygons)
+    assert is_oriented(whole.data) and completion_report(plan)["relative_gap"] < 2e-3
     assert whole.name == f"{plan.name} completed" and whole.users_collection[0] == plan.cmc.collection
     assert plan.cmc.f_plus.hide_viewport and not whole.hide_viewport
 
@@ -95,4 +95,4 @@ def test_the_stockiest_and_the_slenderest_work(name, slenderness):
     plan = solved(name, slenderness=slenderness, edges=14)
     assert json.loads(plan.cmc.report)["converged"]
     assert bpy.ops.cmc.complete(complete_repeat=(1, 1, 1)) == FINISHED
-    assert told(plan)["copies"] == COPIES[name] and told(plan)["relative_gap"] < 2e-3
+    assert completion_report(plan)["copies"] == COPIES[name] and completion_report(plan)["relative_gap"] < 2e-3

@@ -1,4 +1,4 @@
-"""Plans whose surfaces do not close by themselves: courtyards, three holes, half a tube between mirrors, a pentagon."""
+"""Plans whose surfaces have a gap to close: courtyards, three holes, half a tube between mirrors, a pentagon."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from solver import CmcSurface, Conditions, Domain, Side, close_periods, conditio
 from solver.catalogue import modules
 from solver.closing.close import ClosingResult
 from solver.closing.moduli import tube
-from tests.solver.pieces import unduloid_normals
+from tests.solver.fundamental_pieces import unduloid_normals
 
 COURTYARDS = {
     "one hole": (1.2, [(0.4, (0.25, 0.1))], (50, 35)),
@@ -24,7 +24,7 @@ def ring(radius: float, centre: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
 
 
 def courtyard(edge: float, name: str = "one hole") -> tuple[shapes.Shape, Conditions]:
-    """A round plan with holes off its centre, and tilts, in degrees, that are unequal and slope by 10° a unit."""
+    """A round plan with holes off its centre; the tilts of its rims differ and vary by 10° a unit."""
     radius, holes, degrees = COURTYARDS[name]
     shape = shapes.polygon(ring(radius), holes=[ring(*hole) for hole in holes], max_edge=edge)
     held = Conditions()
@@ -38,7 +38,7 @@ def courtyard(edge: float, name: str = "one hole") -> tuple[shapes.Shape, Condit
 
 @dataclass(frozen=True, eq=False)
 class HalfTube:
-    """Half of an unduloid between the two halves of a plane, which part of its domain is stretched (see `half_tube`).
+    """Half of an unduloid, cut along a plane through its axis, with part of its domain stretched (see `half_tube`).
 
     corners: (F, 3, 2) of the faces. tube: those of the half that is `stretch` times too long, along x. held: normals of
     the unduloid along the lower and the upper side, mirrors along the left and the right one.
@@ -53,10 +53,10 @@ class HalfTube:
 
 
 def half_tube(columns: int = 16, stretch: float = 1.35, c: float = -0.4, height: float = 2.0) -> HalfTube:
-    """A rectangle of angles t from 0 to π, those in the first half stretched, by lengths s along an unduloid (MATH §7).
+    """A rectangle of angles t from 0 to π, those in the first half stretched, by lengths s along an unduloid.
 
-    Its left and right side lie in the plane through the axis exactly where the stretch is undone, on every mesh, since
-    that is symmetric then. Columns are even in number.
+    With the stretch undone the mesh is symmetric, so that its left and right side lie exactly in the plane through the
+    axis. The number of columns is even.
     """
     rows = max(2, round(height * columns / np.pi))
     i, j = (a.ravel() for a in np.meshgrid(np.arange(columns), np.arange(rows), indexing="ij"))
@@ -86,7 +86,7 @@ _BEGIN = 1.3  # of the tube, beyond the arc of its floor
 
 @dataclass(frozen=True, eq=False)
 class Pentagon:
-    """Half a tube of a honeycomb ring and a quarter of its spoke, whose length is to bring the floors to one height."""
+    """Half a tube of a honeycomb ring and a quarter of its spoke; the right length puts their floors at one height."""
 
     module: modules.Module
     spoke: float
@@ -110,7 +110,7 @@ def pentagon(spoke: float, max_edge: float) -> Pentagon:
 
 
 def spoke_of(closing: ClosingResult, plan: Pentagon) -> float:
-    """The length that closing has found."""
+    """The length of the spoke after closing."""
     return _BEGIN + (plan.spoke - _BEGIN) * float(np.exp(closing.moduli[0]))
 
 
@@ -122,6 +122,6 @@ def necks(closing: ClosingResult, plan: Pentagon) -> tuple[float, float]:
 
 
 def neck(surface: CmcSurface, edges: np.ndarray, normal: np.ndarray) -> float:
-    """How wide the end of a tube is, in the plane with that normal and level: of a quarter of a tube the radius."""
+    """Width of the end of a tube in the plane with that normal, measured level; the radius for a quarter of a tube."""
     rim = surface.f_plus[np.unique(surface.domain.edges[edges])]
     return float(np.ptp(rim @ np.cross(normal, [0.0, 0.0, 1.0])))

@@ -1,8 +1,8 @@
 """The experiment of the paper's Figure 20: is the identity of the sphere recovered on poor triangles?
 
-Measured fairly it has to hold on to something. Harmonic maps of degree one are the Möbius transformations of the sphere
-and all have the same energy; on a mesh the energies differ a little, the identity is a saddle among them, and whatever
-only minimises slides away to a constant (paper, Sec. 5.3.4). So four faces, the corners of a tetrahedron, keep their
+A fair measurement has to hold some normals. Harmonic maps of degree one are the Möbius transformations of the sphere
+and all have the same energy; on a mesh the energies differ a little, the identity is a saddle among them, and a plain
+minimiser slides away to a constant (paper, Sec. 5.3.4). So four faces, the corners of a tetrahedron, keep their
 normals: three already tell one Möbius transformation from all others. The start is the identity at the circumcentres of
 the faces, their own normals; the error is the angle to it, without any alignment, averaged over the area.
 """
@@ -26,7 +26,7 @@ PINS = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) / np.sqrt(3.
 
 @dataclass(frozen=True)
 class Recovery:
-    """A sphere, its own normals (F, 3), and what has become of them; errors (F,) and their mean, in degrees."""
+    """A sphere, its own normals (F, 3), and the map found from them; errors (F,) and their mean, in degrees."""
 
     points: Array
     domain: Domain
@@ -48,7 +48,7 @@ class Recovery:
 
     @property
     def not_delaunay(self) -> float:
-        """The part of the edges that are not Delaunay."""
+        """The share of edges that are not Delaunay."""
         return float(np.mean(self.domain.cotan_weights < 0.0))
 
 

@@ -82,7 +82,7 @@ def four_times(quarter: Points) -> Points:
 
 
 def torus(columns: int, rows: int, jitter: float = 0.2, seed: int = 1) -> tuple[Points, Faces]:
-    """A torus of radii 2 and 0.8, its grid jittered and its diagonals drawn by lot."""
+    """A torus of radii 2 and 0.8, its grid jittered and its diagonals at random."""
     random = np.random.default_rng(seed)
     i, j = (a.ravel() for a in np.meshgrid(np.arange(columns), np.arange(rows), indexing="ij"))
     u = (i + jitter * random.uniform(-1, 1, len(i))) * 2 * np.pi / columns
@@ -95,7 +95,7 @@ def torus(columns: int, rows: int, jitter: float = 0.2, seed: int = 1) -> tuple[
 
 
 def genus_two(cells: int = 2, jitter: float = 0.12, seed: int = 1) -> tuple[Points, Faces]:
-    """A block of 5 × 3 × 1 cubes with two tunnels, `cells` voxels to a cube; smoothed, jittered, diagonals by lot."""
+    """A block of 5 × 3 × 1 cubes with two tunnels, `cells` voxels to a cube; smoothed, jittered, diagonals random."""
     block = np.ones((5, 3, 1), dtype=bool)
     block[1, 1], block[3, 1] = False, False
     random = np.random.default_rng(seed)
@@ -111,7 +111,7 @@ def genus_two(cells: int = 2, jitter: float = 0.12, seed: int = 1) -> tuple[Poin
 
 
 def voxel_boundary(solid: NDArray[np.bool_]) -> tuple[Points, Faces]:
-    """Corners and outward quads of the surface of a set of voxels; no two voxels may touch along an edge only."""
+    """Corners and outward quads of the surface of a set of voxels; no two voxels may share just an edge."""
     padded = np.pad(solid, 1)
     quads = []
     for axis in range(3):
@@ -128,7 +128,7 @@ def voxel_boundary(solid: NDArray[np.bool_]) -> tuple[Points, Faces]:
 
 
 def split(quads: Faces, random: np.random.Generator) -> Faces:
-    """Two triangles a quad, along the diagonal that the lot decides."""
+    """Two triangles a quad, along a random diagonal."""
     a, b, c, d = quads.T
     turned = (random.random(len(quads)) < 0.5)[:, None]
     first = np.where(turned, np.column_stack([a, b, d]), np.column_stack([a, b, c]))

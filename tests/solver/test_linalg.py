@@ -11,7 +11,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from solver import Status, conditions, linalg, solve_cmc
-from tests.solver.exact import disc
+from tests.solver.exact_surfaces import disc
 
 
 def laplacian(n=400):

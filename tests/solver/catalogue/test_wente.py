@@ -11,7 +11,7 @@ from scipy.special import ellipj, ellipk
 from solver import ConditionError, complete, side_plane, wente
 from solver.catalogue import wente_heights
 from solver.catalogue.wente_heights import wente_height
-from tests.solver.exact import rates
+from tests.solver.exact_surfaces import rates
 
 EXACT = {60: (2.0891548753, 25.2087), 120: (1.6248255393, 26.8240)}  # degrees → height, energy of the whole cylinder
 

@@ -22,8 +22,8 @@ from solver import (
 from solver.gauss.balance import imbalance, moment_gradients
 from solver.gauss.modes import flat_axis, problem_of
 from solver.gauss.sphere import exp, inner
-from tests.solver.exact import rates
-from tests.solver.wente import jittered_cylinder, nearby
+from tests.solver.exact_surfaces import rates
+from tests.solver.wente_cylinders import jittered_cylinder, nearby
 
 
 def completed(angle, columns):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 
 from solver import (
     CmcSolver,
@@ -291,3 +291,14 @@ def test_progress_and_cancelling():
     closing = close_periods(shape.domain, rim, progress=progress)
     assert closing.status is ClosingStatus.CANCELLED and seen == closing.gaps
     assert isinstance(closing.domain, Domain)
+
+
+@pytest.mark.parametrize("way", ["normals", "tilts"])
+def test_turned_is_the_angle_between_the_normals_before_and_after(way):
+    shape, rim = courtyard(0.2)
+    closing = close_periods(shape.domain, rim, **WAYS[way](shape))
+    (fixed, before), (still_fixed, after) = rim.resolve(), closing.conditions.resolve()
+    assert_array_equal(fixed, still_fixed)
+    angle = np.arctan2(np.linalg.norm(np.cross(before, after), axis=1), np.einsum("ij,ij->i", before, after))
+    assert_allclose(closing.turned, angle, rtol=1e-9, atol=1e-12)
+    assert f"turned by {np.degrees(angle.max()):.1f}° at most" in closing.message

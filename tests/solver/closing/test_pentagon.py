@@ -10,7 +10,7 @@ from solver import ConditionError, HarmonicSolver, MeshError, modes_of, side_pla
 from solver.catalogue import modules
 from solver.closing.close import ClosingStatus
 from tests.solver.closing_plans import LENGTH, neck, necks, pentagon, spoke_of
-from tests.solver.pieces import between_mirrors
+from tests.solver.fundamental_pieces import between_mirrors
 
 
 def test_the_pentagon_closes_over_the_length_of_its_spoke():

@@ -18,7 +18,7 @@ from solver.domain.trees import Tree
 from solver.shells.form import form
 from solver.shells.plan import Plan, Settings
 from solver.surface import averaging
-from tests.solver import coarse, meshes
+from tests.solver import meshes, tiny_domains
 
 WITH_HOLES = (
     [(0, 0), (4, 0), (4, 3), (0, 3)],
@@ -76,13 +76,13 @@ DOMAINS = {name: lambda make=make: Domain.from_positions(*make()) for name, make
     ),
     "a twisted sphere": lambda: Domain.from_positions(*_twisted_sphere()),
     "a torus in space": lambda: Domain.from_positions(*meshes.torus(20, 8, 0.8, 14)),
-    "a torus of one vertex": lambda: coarse.small_torus(1, 1, (1.0, 0.0), (5.3, 1.0)),
-    "a torus of nine vertices": lambda: coarse.small_torus(3, 3, (1.0, 0.0), (5.3, 1.0)),
-    "seven vertices": lambda: coarse.seven_vertex_torus((1.0, 0.0), (2.03, 0.1)),
-    "a cylinder of one column": lambda: coarse.small_cylinder(1, (1.0, 0.0), (3.3, 1.0)),
-    "a cylinder of two columns": lambda: coarse.small_cylinder(2, (1.0, 0.0), (3.3, 1.0)),
-    "a cylinder of three columns": lambda: coarse.small_cylinder(3, (1.0, 0.0), (3.3, 1.0)),
-    "a tube": lambda: coarse.helix(9, (0.4, 1.0), (1.8, 2.0)),
+    "a torus of one vertex": lambda: tiny_domains.small_torus(1, 1, (1.0, 0.0), (5.3, 1.0)),
+    "a torus of nine vertices": lambda: tiny_domains.small_torus(3, 3, (1.0, 0.0), (5.3, 1.0)),
+    "seven vertices": lambda: tiny_domains.seven_vertex_torus((1.0, 0.0), (2.03, 0.1)),
+    "a cylinder of one column": lambda: tiny_domains.small_cylinder(1, (1.0, 0.0), (3.3, 1.0)),
+    "a cylinder of two columns": lambda: tiny_domains.small_cylinder(2, (1.0, 0.0), (3.3, 1.0)),
+    "a cylinder of three columns": lambda: tiny_domains.small_cylinder(3, (1.0, 0.0), (3.3, 1.0)),
+    "a tube": lambda: tiny_domains.helix(9, (0.4, 1.0), (1.8, 2.0)),
 }
 
 
@@ -210,7 +210,7 @@ def test_is_the_delaunay_triangulation_of_the_plane():
 def test_a_lattice_has_its_shortest_vectors_for_edges(vertices):
     """(1, 0), (5.3, 1) generate the same lattice as (1, 0), (0.3, 1)."""
     n = round(vertices**0.5)
-    new = intrinsic_delaunay(coarse.small_torus(n, n, (1.0, 0.0), (5.3, 1.0))).domain
+    new = intrinsic_delaunay(tiny_domains.small_torus(n, n, (1.0, 0.0), (5.3, 1.0))).domain
     lengths = np.sort(new.edge_lengths).reshape(3, -1)
     assert_allclose(lengths, np.repeat([[1.0], [1.09**0.5], [1.49**0.5]], vertices, axis=1), rtol=1e-12, atol=0)
 
@@ -218,14 +218,14 @@ def test_a_lattice_has_its_shortest_vectors_for_edges(vertices):
 def test_an_edge_may_join_a_vertex_to_itself():
     """Around a tube whose vertices are further apart along it than around it."""
     u, v = (0.4, 1.0), (1.8, 2.0)
-    domain = coarse.helix(12, u, v)
+    domain = tiny_domains.helix(12, u, v)
     new = intrinsic_delaunay(domain).domain
     closed = new.edges[:, 0] == new.edges[:, 1]
     assert not (domain.edges[:, 0] == domain.edges[:, 1]).any()
     assert_allclose(new.edge_lengths[closed], 1.0, rtol=1e-12, atol=0)  # v - 2 u, the circumference
     assert closed.sum() >= 6
     # height along the tube is linear, and so harmonic: an edge from a vertex to itself weighs nothing
-    height = coarse.helix_height(12, u, v)
+    height = tiny_domains.helix_height(12, u, v)
     inside = np.setdiff1d(np.arange(12), new.boundary_vertices)
     assert_allclose((new.laplacian @ height)[inside], 0, rtol=0, atol=1e-12)
     assert_allclose(new.laplacian.sum(axis=1), 0, rtol=0, atol=1e-12)
@@ -256,7 +256,7 @@ def test_contradicting_tables_of_libigl_are_rejected(name):
 @pytest.mark.parametrize("height", [0.1, 0.31, 0.7])
 def test_squares_are_not_flipped_back_and_forth(shear, height):
     """Sheared rectangles come to stand upright in `shear` rounds; which diagonal they have then is left at that."""
-    domain = coarse.small_torus(3, 3, (0.7, 0.0), (shear * 0.7, height))
+    domain = tiny_domains.small_torus(3, 3, (0.7, 0.0), (shear * 0.7, height))
     assert len(Flips(domain).history) // 3 == 9 * shear
 
 
@@ -362,11 +362,11 @@ def test_the_conjugate_of_a_cone_has_no_load():
 
 
 LATTICES = {
-    "tube": lambda: (coarse.helix(12, *TUBE), TUBE),
-    "seven vertices": lambda: (coarse.seven_vertex_torus(*FLAT_SEVEN), FLAT_SEVEN),
-    "one vertex": lambda: (coarse.small_torus(1, 1, *SHEARED), SHEARED),
-    "one column": lambda: (coarse.small_cylinder(1, *SHEARED), SHEARED),
-    "nine vertices": lambda: (coarse.small_torus(3, 3, *SHEARED), SHEARED),
+    "tube": lambda: (tiny_domains.helix(12, *TUBE), TUBE),
+    "seven vertices": lambda: (tiny_domains.seven_vertex_torus(*FLAT_SEVEN), FLAT_SEVEN),
+    "one vertex": lambda: (tiny_domains.small_torus(1, 1, *SHEARED), SHEARED),
+    "one column": lambda: (tiny_domains.small_cylinder(1, *SHEARED), SHEARED),
+    "nine vertices": lambda: (tiny_domains.small_torus(3, 3, *SHEARED), SHEARED),
 }
 TUBE, FLAT_SEVEN, SHEARED = ((0.4, 1.0), (1.8, 2.0)), ((1.0, 0.0), (2.03, 0.1)), ((1.0, 0.0), (5.3, 1.0))
 
@@ -376,7 +376,7 @@ def test_a_form_is_carried_through_the_flips(name):
     """The vector along each edge: on the new edges it is as long as the edge, and sums to zero around faces."""
     domain, basis = LATTICES[name]()
     result = intrinsic_delaunay(domain)
-    new, vectors = result.domain, result.flips.carry(coarse.edge_vectors(domain, *basis))
+    new, vectors = result.domain, result.flips.carry(tiny_domains.edge_vectors(domain, *basis))
     assert_allclose(np.linalg.norm(vectors, axis=1), new.edge_lengths, rtol=1e-9, atol=0)
     sign = np.where(new.edge_faces[new.face_edges, 0] == np.arange(len(new.faces))[:, None], 1, -1)
     one_sided = (new.edge_faces[:, 0] == new.edge_faces[:, 1]).any()
@@ -442,7 +442,7 @@ def test_turns_about_holes_are_carried_back():
 def test_unrolled_positions_are_carried_back(name):
     domain, basis = LATTICES[name]()
     result = intrinsic_delaunay(domain)
-    vectors = coarse.edge_vectors(domain, *basis)
+    vectors = tiny_domains.edge_vectors(domain, *basis)
     assert_carried(domain, result, vectors, result.flips.carry(vectors))
 
 
@@ -451,7 +451,7 @@ def test_nothing_is_carried_on_a_disc_or_where_nothing_changed():
     result = intrinsic_delaunay(domain)
     cut = carried_cut(domain, result, Homology.of(result.domain))
     assert_array_equal(cut.faces, domain.faces)
-    domain = intrinsic_delaunay(coarse.helix(12, *TUBE)).domain
+    domain = intrinsic_delaunay(tiny_domains.helix(12, *TUBE)).domain
     homology = Homology.of(domain)
     cut = carried_cut(domain, intrinsic_delaunay(domain), homology)
     assert_array_equal(cut.offsets, homology.sheets.offsets)

@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from solver import Domain, MeshError, shapes
-from tests.solver.exact import disc
+from tests.solver.exact_surfaces import disc
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 SQUARE_FACES = [[0, 1, 2], [0, 2, 3]]

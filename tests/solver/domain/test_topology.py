@@ -10,7 +10,7 @@ from solver import shapes
 from solver.domain.delaunay import intrinsic_delaunay
 from solver.domain.topology import Homology
 from solver.domain.trees import accumulate
-from tests.solver import coarse
+from tests.solver import tiny_domains
 
 SQUARE_WITH_HOLES = (
     [(0, 0), (4, 0), (4, 3), (0, 3)],
@@ -24,10 +24,10 @@ DOMAINS = {
     "torus": (lambda: shapes.torus(3.0, 2.0, 16).domain, 2),
     "sphere": (lambda: shapes.sphere(200).domain, 0),
     # edges that join the same two vertices, or a vertex to itself; faces that have a vertex twice or three times
-    "tube of loops": (lambda: intrinsic_delaunay(coarse.helix(12, (0.4, 1.0), (1.8, 2.0))).domain, 1),
-    "cylinder of one column": (lambda: coarse.small_cylinder(1, (1.0, 0.0), (0.3, 1.0)), 1),
-    "torus of loops": (lambda: intrinsic_delaunay(coarse.seven_vertex_torus((1.0, 0.0), (2.03, 0.1))).domain, 2),
-    "torus of one vertex": (lambda: coarse.small_torus(1, 1, (1.0, 0.0), (0.3, 1.0)), 2),
+    "tube of loops": (lambda: intrinsic_delaunay(tiny_domains.helix(12, (0.4, 1.0), (1.8, 2.0))).domain, 1),
+    "cylinder of one column": (lambda: tiny_domains.small_cylinder(1, (1.0, 0.0), (0.3, 1.0)), 1),
+    "torus of loops": (lambda: intrinsic_delaunay(tiny_domains.seven_vertex_torus((1.0, 0.0), (2.03, 0.1))).domain, 2),
+    "torus of one vertex": (lambda: tiny_domains.small_torus(1, 1, (1.0, 0.0), (0.3, 1.0)), 2),
 }
 
 

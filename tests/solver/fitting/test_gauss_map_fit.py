@@ -7,12 +7,13 @@ from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
 from solver import ConditionError, Domain, conformal_distortion, fit_gauss_map, mean_curvature_of, shapes
+from solver.fitting import gauss_map
 from solver.fitting.closest_point import Triangles
-from solver.fitting.fit import FitStatus
+from solver.fitting.fit import FitStatus, fit
 from solver.fitting.gauss_map import vertex_normals
 from solver.fitting.shape_similarity import LEAST, ShapeSimilarity, bending, cosine, dirichlet_matrix
 from solver.fitting.target import Shape
-from tests.solver.exact import rates
+from tests.solver.exact_surfaces import rates
 
 
 def over_the_disc(n, height):
@@ -245,3 +246,20 @@ def test_wrong_goals_are_refused():
     flat, level = over_the_disc(100, lambda x, y: 0.3 * x + 0.1)
     with pytest.raises(ConditionError, match="flat"):
         fit_gauss_map(flat, level)
+
+
+def test_of_a_saddle_both_sides_get_a_quarter_of_the_evaluations(monkeypatch):
+    """And the better one what is left."""
+    limits, fits = [], []
+
+    def spy(*arguments, **options):
+        limits.append(options["max_evaluations"])
+        fits.append(fit(*arguments, **options))
+        return fits[-1]
+
+    monkeypatch.setattr(gauss_map, "fit", spy)
+    domain, points = over_the_disc(200, SADDLES["saddle"])
+    found = fit_gauss_map(domain, points, 1e-3, max_evaluations=20)
+    assert limits == [5, 5, 20 - len(fits[0].history) - len(fits[1].history)]
+    assert found.status is FitStatus.EVALUATION_LIMIT
+    assert found.history == [value for one in fits for value in one.history]

@@ -7,6 +7,7 @@ from numpy.testing import assert_allclose
 from solver import ConditionError, conditions, fit, mean_curvature_of, shapes
 from solver.fitting.curves import Curve
 from solver.fitting.fit import FitStatus, Start
+from solver.fitting.goals import Goals, OutlineOptions
 from solver.fitting.outline import fit_outline
 from solver.fitting.targets import Anchors, Crown, SmoothRim
 
@@ -160,3 +161,16 @@ def test_wrong_goals_are_refused():
     with pytest.raises(ConditionError, match="without handles"):
         torus = shapes.torus(1.0, 1.0, 8)
         fit_outline(torus.domain, np.zeros((torus.domain.vertex_count, 3)))
+
+
+@pytest.mark.parametrize(
+    ("wanted", "height"),
+    [({"rise": 0.3}, 0.3), ({"height": 0.3}, 0.3), ({"volume": 0.5}, 1.0 / np.pi), ({"mean_curvature": 0.4}, 0.2)],
+)
+def test_the_height_of_the_start_is_that_of_a_soap_film_under_pressure(wanted, height):
+    """Over the unit disc the film of pressure one is (1 - r²) / 4: for a curvature H the pressure is 2 H."""
+    disc = shapes.disc(2000)
+    points = np.column_stack([disc.positions[:, :2], np.zeros(disc.domain.vertex_count)])
+    goals = Goals.of(disc.domain, points, OutlineOptions(**wanted))
+    film = 0.25 * (1.0 - np.sum(points**2, axis=1))
+    assert_allclose(goals.height_of(film, disc.domain.vertex_areas), height, rtol=2e-3, atol=0)

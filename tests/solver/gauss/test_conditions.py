@@ -207,3 +207,18 @@ def test_no_edges_are_no_condition(strip):
 def test_arrays_that_are_not_numbers_are_condition_errors(strip, make):
     with pytest.raises(ConditionError, match=r"must be|not finite"):
         make(strip)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_parameters_left_out_have_their_declared_defaults(kind, disc):
+    parameters = {p.name: p.default for p in KINDS[kind].parameters}
+    edges = disc.domain.boundary_edges
+    graph = SiteGraph.of(disc.domain, "vertices")
+    bare, full = (
+        resolved(build(kind, disc.domain, disc.positions, edges, **given), graph) for given in ({}, parameters)
+    )
+    for name in ("fixed", "data"):
+        assert_array_equal(getattr(bare, name), getattr(full, name))
+    assert_array_equal(bare.mirrors.normals, full.mirrors.normals)
+    if kind == "plane":
+        assert_array_equal(full.data, np.tile([0.0, 0.0, 1.0], (len(full.fixed), 1)))

@@ -5,14 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from scipy.optimize import brentq
 
 from solver import ConditionError, HarmonicSolver, Status, conditions, linalg, shapes
 from solver.gauss import sphere
 from solver.gauss.admissible import resolved
 from solver.gauss.energies import ENERGIES
 from solver.gauss.initial_map import wound_start
+from solver.gauss.newton import line_search, longest
 from solver.gauss.problem import EnergyProblem
-from tests.solver.exact import Nodoid, cylinder, disc, hemisphere, rates
+from tests.solver.exact_surfaces import Nodoid, cylinder, disc, hemisphere, rates
 
 L_PLAN = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
 PLANS = {
@@ -393,3 +395,57 @@ def test_a_bubble_is_grafted_where_normals_point_to_all_sides():
     wound = wound_start(dirichlet, flat, degree + 1.0)
     assert_allclose(sphere.degree(wound, shape.domain.faces), degree + 1.0, rtol=0, atol=1e-9)
     assert_allclose(wound[dirichlet.fixed], flat[dirichlet.fixed], rtol=0, atol=0)
+
+
+def test_a_step_that_does_not_lower_the_energy_is_halved():
+    """Armijo's rule: a full step to the far side of the valley, at equal height, is not taken."""
+    domain, points = disc(300)
+    condition = rim(domain, points, 0.3)
+    solver = HarmonicSolver(domain)
+    admissible = resolved(condition, solver.graph)
+    problem = EnergyProblem(solver.graph, solver.energy, solver.dirichlet(admissible.fixed))
+    tilted = np.random.default_rng(5).uniform(-0.05, 0.05, points.shape[:1] + (3,))
+    point = problem.at(admissible.pin(sphere.normalize(solver.solve(condition).normals + tilted)))
+    downhill = -problem.project(point.N, problem.dirichlet.precondition(point.tangent))
+
+    def change(length):
+        return problem.change(point, problem.at(sphere.exp(point.N, length * downhill)))
+
+    across = brentq(change, 0.5, 4.0)
+    slope = across * sphere.inner(point.tangent, downhill)
+    assert longest(across * downhill) < 0.5 and abs(change(across)) < 1e-6 * abs(slope)
+    step = line_search(problem, point, across * downhill, 0)
+    assert step.length == 0.5
+    assert problem.change(point, step.point) < 0.2 * slope
+
+
+@pytest.mark.parametrize(("angle", "status"), [(89.0, Status.ITERATION_LIMIT), (91.0, Status.UNDER_RESOLVED)])
+def test_a_map_is_torn_where_neighbouring_normals_are_more_than_90_degrees_apart(angle, status):
+    shape = shapes.disc(61)
+    centre = int(np.linalg.norm(shape.positions, axis=1).argmin())
+    initial = np.tile([0.0, 0.0, 1.0], (shape.domain.vertex_count, 1))
+    initial[centre] = [np.sin(np.radians(angle)), 0.0, np.cos(np.radians(angle))]
+    up = conditions.fixed(shape.domain, shape.domain.boundary_edges, [0, 0, 1])
+    result = HarmonicSolver(shape.domain).solve(up, initial, max_iterations=0)
+    assert_allclose(result.normals, initial, rtol=0, atol=1e-12)
+    assert result.status is status
+
+
+@pytest.mark.parametrize(("part", "status"), [(0.99, Status.COLLAPSED), (1.01, Status.ITERATION_LIMIT)])
+def test_a_map_of_hardly_any_energy_counts_as_collapsed(part, status):
+    """Below 10⁻¹² of the 4π of the whole sphere."""
+    shape = shapes.disc(61)
+    solver = HarmonicSolver(shape.domain)
+    up = conditions.fixed(shape.domain, shape.domain.boundary_edges, [0, 0, 1])
+    centre = int(np.linalg.norm(shape.positions, axis=1).argmin())
+
+    def solved(angle):
+        initial = np.tile([0.0, 0.0, 1.0], (shape.domain.vertex_count, 1))
+        initial[centre] = [np.sin(angle), 0.0, np.cos(angle)]
+        return solver.solve(up, initial, max_iterations=0, tolerance=0.0)
+
+    limit = 4.0 * np.pi * 1e-12
+    # the energy is quadratic in small angles
+    found = solved(1e-3 * np.sqrt(part * limit / solved(1e-3).energy))
+    assert found.energy == pytest.approx(part * limit, rel=1e-3)
+    assert found.status is status

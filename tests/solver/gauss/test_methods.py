@@ -114,3 +114,14 @@ def test_units_do_not_matter_to_any_method(sites, method):
         result.append(solver.solve(Conditions(), start, method=method, max_iterations=8))
     assert result[0].iterations == result[1].iterations
     assert_allclose(result[0].normals, result[1].normals, rtol=0, atol=1e-6)
+
+
+def test_the_reference_halves_steps_that_would_raise_the_residual():
+    shape = shapes.disc(150)
+    twice = conditions.twisted(shape.domain, shape.positions, shape.domain.boundary_edges, 2)
+    found = HarmonicSolver(shape.domain).solve(twice, method="lagrange", tolerance=1e-9)
+    steps, residuals = ([getattr(line, name) for line in found.history] for name in ("step", "residual"))
+    assert found.status is Status.CONVERGED
+    assert 0.0 < steps[0] < 0.5 and steps[-2] == 1.0, "far away a part of the step, near the map all of it"
+    assert np.log2(steps[0]) == round(np.log2(steps[0]))
+    assert (np.diff(residuals) < 0.0).all()

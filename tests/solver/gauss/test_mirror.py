@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
@@ -14,9 +16,10 @@ from solver.gauss.conditions import build
 from solver.gauss.dirichlet import Dirichlet
 from solver.gauss.energies import ENERGIES
 from solver.gauss.methods import METHODS
+from solver.gauss.mirror_start import side_normals
 from solver.gauss.newton import newton
 from solver.gauss.problem import EnergyProblem
-from tests.solver.mirrored import doubled, doubled_graph, half_disc, jittered_strip, reflect
+from tests.solver.mirror_images import doubled, doubled_graph, half_disc, jittered_strip, reflect
 
 SITES_AND_ENERGIES = [(sites, name) for name, energy in ENERGIES.items() for sites in energy.sites]
 E_X, E_Y, E_Z = np.eye(3)
@@ -405,3 +408,17 @@ def test_the_registry_builds_mirrors(strip):
     assert_array_equal(made.windings, [1, 1, 1, 1])
     with pytest.raises(ConditionError, match="no parameter tilt"):
         build("mirror", strip.domain, strip.positions, strip.sides["left"], tilt=0.1)
+
+
+def test_a_start_along_a_mirror_takes_the_long_way_only_to_be_on_the_right_side(strip):
+    """With data that lean away, ends 90° apart turn the short way if the middle is level, the long way if below."""
+    side = replace(mirrors(strip, bottom=E_X), up=E_Z)
+    graph = SiteGraph.of(strip.domain, "vertices")
+    middle = int(np.argmin(np.linalg.norm(strip.positions - [1.0, 0.0], axis=1)))
+    for lean, expected in ((0.0, E_Y), (np.radians(20), -np.cos(np.radians(20)) * E_Y + np.sin(np.radians(20)) * E_Z)):
+        held = side
+        for name, angle in (("left", np.pi / 4 - lean), ("right", -np.pi / 4 - lean)):
+            normal = [0.0, np.cos(angle), np.sin(angle)]
+            held = held + conditions.fixed(strip.domain, strip.sides[name], normal)
+        at, normals = side_normals(resolved(held, graph), held, graph, 1, leans=True)
+        assert_allclose(normals[np.searchsorted(at, middle)], expected, rtol=0, atol=1e-12)

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from solver import ConditionError, Conditions, HarmonicSolver, MeshError, Status, conditions, shapes
 from solver.gauss.modes import flat_axis, index_of, modes_of, problem_of, saddle
-from solver.gauss.null_directions import free_rotations, translations
+from solver.gauss.null_directions import drifts, free_rotations, translations
 from solver.gauss.tangent import TangentSystem
 
 E_X, E_Y, E_Z = np.eye(3)
@@ -111,3 +111,14 @@ def test_two_solutions_for_one_boundary():
     assert_allclose([small.degree, large.degree], [parts[0], -parts[1]], rtol=0, atol=2e-3)
     assert_allclose([small.energy, large.energy], 4 * np.pi * np.array(parts), rtol=0.02, atol=0)
     assert modes_of(solver, held, large.normals).negative == 0
+
+
+def test_translations_of_a_cylinder_are_null_directions_if_its_ends_are_constant():
+    shape = shapes.cylinder(2 * np.pi, 2.0, 12)
+    solver, rim = HarmonicSolver(shape.domain), shape.domain.boundary_vertices
+    turning = np.column_stack([f(shape.positions[rim, 0]) for f in (np.cos, np.sin, np.zeros_like)])
+    for normals, is_null in ((np.tile(E_X, (len(rim), 1)), True), (turning, False)):
+        N = np.tile(E_Z, (shape.domain.vertex_count, 1))
+        N[rim] = normals
+        problem = problem_of(solver, conditions.fixed_at(shape.domain, rim, normals))
+        assert (drifts(problem, N) is not None) == is_null

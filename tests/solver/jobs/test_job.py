@@ -364,6 +364,7 @@ def test_a_courtyard_with_a_gap_is_written_cut_open(folder):
         uvs=mesh.uvs,
         uv_corners=[mesh.uv_corners[k] for k in keep],
         materials=[mesh.materials[k] for k in keep],
+        edge_groups={"bottom": mesh.edge_groups["bottom"]},
     )
     write_mesh(folder / "court.obj", hole)
     text = """
@@ -379,6 +380,7 @@ def test_a_courtyard_with_a_gap_is_written_cut_open(folder):
     assert not shell.ok
     written, uv = read_mesh(folder / "shell.obj"), mesh.uvs
     assert len(written.positions) == len(shell.source) > len(used)
+    assert list(read_mesh(folder / "court.obj").edge_groups) == ["bottom"] and not written.edge_groups
     for polygon, rows, material in zip(written.polygons, written.uv_corners, written.materials, strict=True):
         flat = hole.positions[shell.source[polygon]][:, :2]
         assert_allclose((uv[rows] - [2.0 if material == "oak" else 0.0, 0.0]) * 9, flat, atol=1e-12)

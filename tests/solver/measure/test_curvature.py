@@ -17,7 +17,7 @@ from solver.measure import (
     shape_operator,
     vertex_mean_curvature,
 )
-from tests.solver.measure_surfaces import (
+from tests.solver.sampled_surfaces import (
     NODOID,
     NODOID_TWIN,
     UNDULOID,

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 from solver import conditions, shapes, solve_cmc, vertex_principal_curvatures
 from solver.errors import MeshError
 from solver.measure import gauss_curvature_of, principal_curvatures, vertex_gauss_curvature, vertex_mean_curvature
-from tests.solver.measure_surfaces import NODOID, NODOID_TWIN, UNDULOID, UNDULOID_TWIN, Sample, cylinder, sample, sphere
+from tests.solver.sampled_surfaces import NODOID, NODOID_TWIN, UNDULOID, UNDULOID_TWIN, Sample, cylinder, sample, sphere
 
 DELAUNAY = {"nodoid": NODOID, "nodoid f-": NODOID_TWIN, "unduloid": UNDULOID, "unduloid f-": UNDULOID_TWIN}
 

@@ -10,7 +10,7 @@ from solver import shapes
 from solver.domain.domain import Domain
 from solver.errors import MeshError
 from solver.measure import conformal_distortion, distortion_energy, distortion_of_layout
-from tests.solver.measure_surfaces import NODOID, UNDULOID_TWIN, cylinder, grid, sample, sphere
+from tests.solver.sampled_surfaces import NODOID, UNDULOID_TWIN, cylinder, grid, sample, sphere
 
 
 def rotation(random, n):

@@ -11,7 +11,7 @@ from solver.domain.domain import Domain
 from solver.errors import MeshError
 from solver.measure import boundary_sides, face_normals, leans, overhanging_faces
 from solver.measure.outline import distance_to_segments, outline_segments
-from tests.solver.measure_surfaces import grid
+from tests.solver.sampled_surfaces import grid
 
 SQUARE = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
 

@@ -9,7 +9,7 @@ from solver.catalogue import shapes
 from solver.measure import self_intersections
 from solver.measure.height_field import is_graph
 from solver.measure.intersections import _search
-from tests.solver.measure_surfaces import grid
+from tests.solver.sampled_surfaces import grid
 
 TURN = np.linalg.qr(np.random.default_rng(9).normal(size=(3, 3)))[0]
 

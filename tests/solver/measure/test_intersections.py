@@ -12,7 +12,7 @@ from numpy.testing import assert_array_equal
 from solver.errors import MeshError
 from solver.measure import self_intersections
 from solver.measure.aabb_tree import overlapping_boxes
-from tests.solver.measure_surfaces import NODOID, UNDULOID, grid, sample
+from tests.solver.sampled_surfaces import NODOID, UNDULOID, grid, sample
 
 FLAT = [(0, 0, 0), (4, 0, 0), (0, 4, 0)]
 

@@ -13,9 +13,9 @@ from numpy.testing import assert_allclose
 from solver import CmcSurface, Domain, conditions, solve_cmc
 from solver.catalogue import shapes
 from solver.errors import CmcError, MeshError, Status
-from solver.measure import report
+from solver.measure import mean_curvature_of, report
 from solver.measure.report import to_plain
-from tests.solver.measure_surfaces import Delaunay
+from tests.solver.sampled_surfaces import Delaunay
 
 
 def solved_disc(n, m=0, **options):
@@ -290,3 +290,14 @@ def nodoid_on(domain: Domain, positions) -> CmcSurface:
         source=np.arange(domain.vertex_count, dtype=np.int32),
         periods=np.zeros((0, 3)),
     )
+
+
+def test_figures_inside_leave_out_the_faces_at_the_rim(open_ring):
+    domain = open_ring.domain
+    is_inside = ~np.isin(domain.faces, domain.boundary_vertices).any(axis=1)
+    error = np.abs(mean_curvature_of(open_ring.f_plus, open_ring.faces, open_ring.normals) - 0.5)
+    H = report(open_ring, intersections=False).sheets["f+"].mean_curvature
+    assert H.inside_linf == pytest.approx(error[is_inside].max(), rel=1e-9)
+    assert H.linf == pytest.approx(error.max(), rel=1e-9)
+    assert H.inside_linf < 0.9 * H.linf
+    assert H.inside_l2 < 0.9 * H.l2

@@ -23,7 +23,7 @@ from solver.fitting.targets import (
 )
 from solver.gauss import sphere
 from solver.surface.adjoint import AdjointSolver
-from tests.solver.exact import rates
+from tests.solver.exact_surfaces import rates
 
 PLANS = {
     "disc": lambda: shapes.disc(250),

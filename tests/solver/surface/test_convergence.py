@@ -9,8 +9,8 @@ import pytest
 from scipy.spatial import KDTree
 
 from solver import Domain, conditions, shapes, solve_cmc
-from tests.solver.exact import disc, moved, rates
-from tests.solver.measured import errors_of
+from tests.solver.exact_surfaces import disc, moved, rates
+from tests.solver.surface_errors import errors_of
 
 KINDS = [
     ("vertices", "cotan"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from solver import ConditionError, Domain, conditions, shapes, solve_cmc
 from solver.domain.topology import Homology
 from solver.surface.cmc_surface import COMBINATORICS
 from solver.surface.dual_mesh import CornerValues, corner_mesh, dual_mesh
-from tests.solver.exact import disc, hemisphere, moved, rates
+from tests.solver.exact_surfaces import disc, hemisphere, moved, rates
 
 HOLES = (
     [(0, 0), (4, 0), (4, 3), (0, 3)],
@@ -447,3 +448,16 @@ def test_faces_of_the_corner_complex_turn_with_the_gauss_map():
     turned = area_vectors(mesh.vertices, mesh.polygons[: len(faces)])
     assert (gauss > 0).any() and (gauss < 0).any()
     assert_array_equal(np.einsum("ij,ij->i", turned, a + b + c) > 0, gauss > 0)
+
+
+@pytest.mark.parametrize("builder", BUILDERS)
+def test_normals_that_cancel_are_left_zero(builder):
+    """Where a vertex averages opposite normals there is no unit normal; the others have length one."""
+    domain = DOMAINS["disc"]()
+    corners, _ = random_corners(domain, "vertices")
+    complex_ = BUILDERS[builder](corners)
+    normals = complex_.normals.copy()
+    normals[3] = 0.0
+    lengths = np.linalg.norm(replace(complex_, normals=normals).mesh(complex_.conjugate).normals, axis=1)
+    assert lengths[3] == 0.0
+    assert_allclose(np.delete(lengths, 3), 1.0, rtol=1e-12, atol=0)

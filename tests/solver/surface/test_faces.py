@@ -18,7 +18,7 @@ from solver import (
 )
 from solver.domain.sites import SiteGraph
 from solver.gauss.energies import ENERGIES
-from tests.solver.exact import rates
+from tests.solver.exact_surfaces import rates
 
 ON_FACES = [name for name, energy in ENERGIES.items() if "faces" in energy.sites]
 

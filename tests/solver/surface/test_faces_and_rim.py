@@ -16,7 +16,7 @@ from solver import (
 )
 from solver.domain.sites import SiteGraph
 from solver.gauss import sphere
-from tests.solver.exact import disc, hemisphere, rates
+from tests.solver.exact_surfaces import disc, hemisphere, rates
 
 SITES = "faces_and_rim"
 

@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 
 from solver import Domain, Status, conditions, shapes, solve_cmc
 from tests.solver import meshes
-from tests.solver.measured import distances, hausdorff
+from tests.solver.surface_errors import distances, hausdorff
 
 TILT = 0.3
 

@@ -9,8 +9,8 @@ from numpy.testing import assert_allclose
 from solver import Domain, complete, mean_curvature_of
 from solver.catalogue import modules
 from solver.measure import self_intersections
-from tests.solver import pieces
-from tests.solver.exact import rates
+from tests.solver import fundamental_pieces as pieces
+from tests.solver.exact_surfaces import rates
 
 MESHES = (0.2, 0.1, 0.05)
 

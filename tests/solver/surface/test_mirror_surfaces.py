@@ -9,10 +9,15 @@ from scipy.integrate import solve_ivp
 from scipy.special import ellipe
 
 from solver import HarmonicSolver, Status, conditions, mean_curvature_of, shapes, solve_cmc
+from solver.catalogue import modules
 from solver.domain.sites import SITES
+from solver.surface import mirror_galerkin
 from solver.surface.averaging import _galerkin_load
-from tests.solver.exact import Nodoid, hemisphere, rates
-from tests.solver.mirrored import half_disc, jittered_strip
+from solver.surface.mirror_galerkin import MirrorGalerkin
+from solver.surface.plane_projection import VertexPlanes
+from tests.solver.exact_surfaces import Nodoid, hemisphere, rates
+from tests.solver.fundamental_pieces import between_mirrors
+from tests.solver.mirror_images import half_disc, jittered_strip
 
 E_X, E_Y, E_Z = np.eye(3)
 
@@ -227,3 +232,19 @@ def test_a_closed_surface_has_a_conjugate_too():
     surface = solve_cmc(ball.domain, conditions.Conditions(), initial=ball.positions)
     sizes = sorted(np.ptp(points, axis=0).max() for points in (surface.f_plus, surface.f_minus))
     assert sizes[0] < 0.1 and abs(sizes[1] - 4.0) < 0.1
+
+
+def test_g_settles_along_mirrors_in_few_steps(monkeypatch):
+    """Conjugate gradients: a disturbance of g within its planes is taken back in the 15 to 25 steps promised."""
+    surface = between_mirrors(modules.node(3, 2.3, max_edge=0.16)).surface
+    domain, admissible = surface.domain, surface.harmonic.admissible
+    galerkin = MirrorGalerkin(domain, admissible, HarmonicSolver(domain).dirichlet(admissible.fixed))
+    load = domain.laplacian @ surface.g
+    noise = np.random.default_rng(0).normal(size=surface.g.shape)
+    kept = VertexPlanes.of(domain, admissible.sides.planes)
+    noise[kept.vertices] = kept.nearest(noise[kept.vertices], np.zeros(len(kept.places)))
+    monkeypatch.setattr(mirror_galerkin, "_MOST_STEPS", 25)
+    settled = galerkin.run(load, surface.g + noise)
+    assert np.linalg.norm(settled - surface.g) < 0.01 * np.linalg.norm(noise)
+    monkeypatch.setattr(mirror_galerkin, "_MOST_STEPS", 500)
+    assert np.array_equal(settled, galerkin.run(load, surface.g + noise)), "it ends by its residual, not by the limit"

@@ -10,8 +10,8 @@ from scipy.special import ellipk
 from solver import CmcSolver, Domain, HarmonicSolver, Status, conditions, periods, shapes
 from solver.domain.topology import Homology
 from solver.surface.periods import harmonic_forms, integrals, path_across
-from tests.solver.exact import rates
-from tests.solver.pieces import unduloid_normals, unduloid_period
+from tests.solver.exact_surfaces import rates
+from tests.solver.fundamental_pieces import unduloid_normals, unduloid_period
 
 C = -0.4  # of the unduloid
 

@@ -276,6 +276,7 @@ def test_span_is_seen_along_the_normal():
     assert_allclose(span(points, np.array([1.0, 0, 0])), np.hypot(3, 59), rtol=1e-14)
     t = np.linspace(0, 2 * np.pi, 5000)
     assert_allclose(span(np.column_stack([7 * np.cos(t), np.sin(t), t]), E_Z), 14, rtol=1e-6)
+    assert span(points[:1], E_Z) == span(points[:0], E_Z) == 0.0
 
 
 def test_similarity_defaults_to_the_identity():

@@ -23,7 +23,7 @@ from solver.gauss.energies import ENERGIES
 from solver.surface.averaging import AVERAGINGS
 from solver.surface.conjugate import Conjugation, solve_dual_poisson
 from solver.surface.vertex_fit import fit_weights
-from tests.solver.exact import Nodoid, cylinder, disc, hemisphere, rates
+from tests.solver.exact_surfaces import Nodoid, cylinder, disc, hemisphere, rates
 
 CONSISTENT = [name for name in AVERAGINGS if name != "area"]
 COURTYARD = ([(0, 0), (4, 0), (4, 3), (0, 3)], [[(0.7, 0.7), (1.7, 0.7), (1.7, 1.7), (0.7, 1.7)]])
@@ -194,6 +194,8 @@ def test_boundary_points_complete_the_dual_polygons():
     faces = domain.edge_faces[domain.boundary_edges, 0]
     across = conjugate.g[faces] - conjugate.boundary_points
     assert_allclose(across, conjugate.tau[domain.boundary_edges], rtol=0, atol=1e-14)
+    on_faces = solve_cmc(domain, once_twisted(domain, points), sites="faces", energy="dual_cotan").conjugate
+    assert on_faces.boundary_points.shape == (0, 3), "with normals on faces g is at the vertices already"
 
 
 @pytest.mark.parametrize("mean_curvature", [0.05, 0.5, 3.0])

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 from solver import complete
 from solver.catalogue import modules
 from solver.measure import self_intersections
-from tests.solver import pieces
+from tests.solver import fundamental_pieces as pieces
 
 UPRIGHT = ("front", "right", "back", "left", "diagonal")
 

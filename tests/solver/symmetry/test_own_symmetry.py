@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 from solver import CmcSolver, Side, complete, ring
 from solver.catalogue import modules
 from solver.symmetry.own_symmetry import translation_seams
-from tests.solver.pieces import between_mirrors
+from tests.solver.fundamental_pieces import between_mirrors
 
 
 @pytest.fixture(scope="module")

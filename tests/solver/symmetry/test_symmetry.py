@@ -8,8 +8,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from solver import Domain, Side, complete, conditions, shapes, side_plane, solve_cmc
 from solver.measure import self_intersections
-from tests.solver import pieces
-from tests.solver.measure_surfaces import Delaunay
+from tests.solver import fundamental_pieces as pieces
+from tests.solver.sampled_surfaces import Delaunay
 
 MESHES = (20, 40, 80)
 

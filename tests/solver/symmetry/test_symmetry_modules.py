@@ -10,7 +10,7 @@ from scipy.special import ellipe, ellipk
 from solver import Domain, MeshError, Side, complete, conditions, mean_curvature_of, shapes, solve_cmc
 from solver.catalogue import modules
 from solver.measure import self_intersections
-from tests.solver import pieces
+from tests.solver import fundamental_pieces as pieces
 
 MESHES = (0.24, 0.12, 0.06)
 NODE = ("axis", "bisector", "floor")

@@ -21,7 +21,7 @@ from solver import (
 from solver.domain.gluing import check_glued, doubled, glue, glued_domain
 from solver.symmetry.isometries import Isometry, across, cell, generate, lattice, translation
 from solver.symmetry.sides import SidePlane, SymmetryError
-from tests.solver import pieces
+from tests.solver import fundamental_pieces as pieces
 
 
 def plane(normal, offset: float, kind: str = "mirror") -> SidePlane:

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from solver import complete
 from solver.catalogue import modules
-from tests.solver import pieces
+from tests.solver import fundamental_pieces as pieces
 
 
 def open_sides(whole) -> set[str]:

@@ -90,7 +90,7 @@ class Delaunay:
     sign: int = 1
 
     def profile(self, s: Array) -> tuple[Array, Array, Array]:
-        """ψ, ψ' and the height ∫ sin²ψ at s: ψ'' = sin ψ cos ψ, which has no trouble at turning points."""
+        """ψ, ψ' and the height ∫ sin²ψ at s: ψ'' = sin ψ cos ψ, which is regular at turning points."""
         slope = np.sqrt(self.c + np.sin(self.start) ** 2)
         knots, back = np.unique(s, return_inverse=True)
         solution = solve_ivp(

@@ -1,4 +1,4 @@
-"""How exact a surface is: errors of H, distortion, and the distance between two surfaces. For tests and for tables."""
+"""Errors of a surface: of H, distortion, and the distance to another surface. For tests and for tables."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ BRANCH = 0.01
 
 @dataclass(frozen=True)
 class Errors:
-    """Errors of a sheet: |H - ½| over its area in L² and L∞, mean of ½ (Q + 1/Q) - 1; branch points left out."""
+    """Errors of a sheet: |H - ½| in L² and L∞, mean of ½ (Q + 1/Q) - 1; without branch points."""
 
     l2: float
     linf: float
@@ -45,7 +45,7 @@ def errors_of(surface: CmcSurface, sheet: str = "f+") -> Errors:
 
 
 def hausdorff(points: Array, faces: Array, other_points: Array, other_faces: Array) -> float:
-    """Hausdorff distance between two triangle meshes, seen from densely sampled points of each."""
+    """Hausdorff distance between two triangle meshes, from dense samples of each."""
     spacing = 0.01 * np.linalg.norm(np.ptp(points, axis=0))
     one, other = sampled(points, faces, spacing)[0], sampled(other_points, other_faces, spacing)[0]
     there = distances(one, other_points, other_faces, spacing)

@@ -1,4 +1,4 @@
-"""Whole Wente cylinders whose meshes have no symmetry, and maps moved a little, for tests of saddles."""
+"""Whole Wente cylinders on meshes without symmetry, and perturbed maps, for tests of saddles."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from solver.catalogue.wente import wente_start
 from solver.catalogue.wente_heights import wente_height
 from solver.gauss.modes import problem_of
 from solver.gauss.sphere import normalize
-from tests.solver import exact
-from tests.solver.pieces import edges_where
+from tests.solver import exact_surfaces
+from tests.solver.fundamental_pieces import edges_where
 
 
 def jittered_cylinder(angle: float, columns: int, seed: int):
-    """A cylinder of the height that closes, its conditions, and the start that is told in docs/bubbles.md. Radians."""
+    """A cylinder of the height that closes, its conditions, and the start of docs/bubbles.md. angle in radians."""
     height = wente_height(angle)
-    domain, points = exact.cylinder(height, columns, seed=seed)
+    domain, points = exact_surfaces.cylinder(height, columns, seed=seed)
     bottom, top = (edges_where(domain, points, lambda p, y=y: np.abs(p[:, 1] - y) < 1e-9) for y in (0.0, height))
     held = conditions.fixed(domain, bottom, [1, 0, 0])
     held += conditions.fixed(domain, top, [np.cos(angle), np.sin(angle), 0.0])

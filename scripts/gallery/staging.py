@@ -1,4 +1,4 @@
-"""The shell over a plan, staged for a picture: checker, ground, drawn outline, people, sun, camera.
+"""Stage a plan and its shell for a picture: checker, ground, drawn outline, people, sun, camera.
 
 Used for the previews of the assets, for the demo and for the pictures of docs/. Needs Blender and the add-on
 (`blender_session.start()` first).
@@ -37,9 +37,9 @@ def stage(
     aspect: float = 1.6,
     people: bool = True,
 ) -> None:
-    """Light the shell, draw its plan on the ground, and aim a camera at it.
+    """Light the shell, draw its plan on the ground, and aim the camera at it.
 
-    view: the direction in plan from which it is seen, in degrees, and the slope of the line of sight.
+    view: the direction in plan to the camera, in degrees, and the slope of the line of sight.
     """
     paint(shell, scene.checker("Plaster", plan.data.uv_layers[0].name, cells))
     scene.thicken(shell, thickness)
@@ -57,7 +57,7 @@ def stage(
 
 
 def paint(ob: bpy.types.Object, material: bpy.types.Material) -> None:
-    """Give all faces of an object one material, whatever its mesh has."""
+    """Give all faces of an object one material, whatever the mesh has."""
     slots = ob.material_slots
     if not len(slots):
         ob.data.materials.append(None)
@@ -92,7 +92,7 @@ def world_points(ob: bpy.types.Object) -> NDArray[np.float64]:
 
 
 def look_at(points: NDArray[np.float64], view: tuple[float, float], lens: float, aspect: float) -> NDArray[np.float64]:
-    """Aim a camera so that all points are in the picture with a margin; returns where it stands."""
+    """Aim the camera so that all points are in the picture, with a margin; returns its place."""
     angle, slope = math.radians(view[0]), view[1]
     back = np.array([math.cos(angle), math.sin(angle), slope])
     back /= np.linalg.norm(back)
@@ -113,7 +113,7 @@ def look_at(points: NDArray[np.float64], view: tuple[float, float], lens: float,
 
 
 def standing_places(plan: bpy.types.Object, towards: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Where three people (3, 3) show the size of a shell seen from the direction `towards`."""
+    """Places (3, 3) for people who give the scale of a shell seen from the direction `towards`."""
     rim = rims(plan)[0]
     centre = rim.mean(axis=0)
     side = np.array([-towards[1], towards[0], 0.0])

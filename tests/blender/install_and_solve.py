@@ -1,6 +1,6 @@
-"""What test_extension.py runs in each clean Blender: install the zip, enable, solve, disable.
+"""Run by test_extension.py in each clean Blender: install the zip, enable, solve, disable.
 
-    python installed.py ZIP FACTS.json
+    python install_and_solve.py ZIP FACTS.json
 
 Nothing is asserted here, since exit codes of Blender say little: the facts go into a file, which the
 test reads. Only bpy and its own dependencies are here, so this file imports nothing else.
@@ -28,7 +28,7 @@ def versions() -> dict:
 
 
 def install(archive: str) -> dict:
-    """Install and enable the zip; where the bundled packages are before and after."""
+    """Install and enable the zip; bundled packages that were there before, and the state of the add-on."""
     before = [name for name in BUNDLED if importlib.util.find_spec(name)]
     bpy.ops.extensions.package_install_files(
         filepath=archive, repo="user_default", enable_on_install=True, overwrite=True
@@ -38,7 +38,7 @@ def install(archive: str) -> dict:
 
 
 def solve() -> dict:
-    """A square plan of quads, with all settings as they come."""
+    """A square plan of quads with the default settings."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     addon_utils.enable(MODULE, default_set=True)
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=8, y_subdivisions=8, size=2.0)
@@ -94,7 +94,7 @@ def origins() -> dict:
 
 
 def disable() -> dict:
-    """Disable it; what is left of it in Blender."""
+    """Disable it; its remains in Blender."""
     addon_utils.disable(MODULE, default_set=True)
     left = [name for name in dir(bpy.types) if name.startswith("CMC_")]
     left += [f"{kind.__name__}.cmc" for kind in (bpy.types.Mesh, bpy.types.Object) if hasattr(kind, "cmc")]

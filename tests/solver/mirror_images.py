@@ -1,4 +1,4 @@
-"""Domains and graphs put together with their mirror images, for tests of mirrors."""
+"""Domains and graphs glued to their mirror images, for tests of mirrors."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from solver import Domain, shapes
 from solver.domain.sites import SiteGraph
-from tests.solver.exact import moved
+from tests.solver.exact_surfaces import moved
 
 
 def half_disc(n: int) -> tuple[Domain, np.ndarray, np.ndarray, np.ndarray]:
@@ -31,7 +31,7 @@ def doubled(points: np.ndarray, faces: np.ndarray, axis: int) -> tuple[np.ndarra
 
 
 def jittered_strip(width: float, height: float, columns: int, seed: int = 3) -> tuple[shapes.Shape, np.ndarray]:
-    """A strip whose inside vertices are moved at random; its sides keep their edges."""
+    """A strip with its inside vertices moved at random; its sides keep their edges."""
     strip = shapes.strip(width, height, columns)
     inside = np.ones(strip.domain.vertex_count, dtype=bool)
     inside[strip.domain.boundary_vertices] = False
@@ -40,7 +40,7 @@ def jittered_strip(width: float, height: float, columns: int, seed: int = 3) -> 
 
 
 def doubled_graph(graph: SiteGraph, shared: np.ndarray) -> tuple[SiteGraph, np.ndarray]:
-    """A graph and its copy, glued at the `shared` sites; and where each site of the copy is."""
+    """A graph and its copy, glued at the `shared` sites, and the number of each site of the copy."""
     off = np.setdiff1d(np.arange(graph.count), shared)
     image = np.arange(graph.count)
     image[off] = graph.count + np.arange(len(off))

@@ -1,4 +1,4 @@
-"""Flat domains of few vertices, in which an edge may join the vertices of another, or a vertex to itself.
+"""Flat domains of few vertices, in which two edges may join the same vertices, or an edge a vertex to itself.
 
 All are triangulations of a lattice with the basis u, v, rolled up: the triangles (p, p + u, p + u + v) and
 (p, p + u + v, p + v) for p in the lattice.
@@ -40,14 +40,14 @@ def helix(n: int, u: tuple[float, float], v: tuple[float, float]) -> Domain:
 
 
 def helix_height(n: int, u: tuple[float, float], v: tuple[float, float]) -> np.ndarray:
-    """(n,) how far along the axis of `helix` each vertex is."""
+    """The position (n,) of each vertex of `helix` along its axis."""
     around = np.subtract(v, np.multiply(2.0, u))
     axis = np.array([-around[1], around[0]]) / np.linalg.norm(around)
     return np.arange(n) * float(axis @ u)
 
 
 def edge_vectors(domain: Domain, u: tuple[float, float], v: tuple[float, float]) -> np.ndarray:
-    """(E, 2) the lattice vector along each edge of one of these domains."""
+    """The lattice vector (E, 2) along each edge of one of these domains."""
     a, b = np.array(u), np.array(v)
     sides = np.array([[b, -a - b, a], [-a, -b, a + b]])
     return sides.repeat(len(domain.faces) // 2, axis=0).reshape(-1, 2)[domain.half_edges[:, 0]]

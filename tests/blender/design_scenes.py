@@ -1,4 +1,4 @@
-"""Plans and surfaces for designs, the two calls that tests make, and their measures."""
+"""Plans, curves and surfaces to fit to, the calls of both fits, and measures of the results."""
 
 from __future__ import annotations
 

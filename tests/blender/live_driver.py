@@ -1,4 +1,4 @@
-"""What a user does with Live on, and the ticks that the timer makes in a window."""
+"""Drive Live as a user and the window's timer do: make a change, tick until the results follow."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def solved_anew(addon, plan) -> np.ndarray:
 
 
 def off_by(addon, plan) -> float:
-    """Distance of the shown sheet from that of a fresh solve, relative to its size."""
+    """Distance of the shown sheet from a solve of its plan, as a part of its size."""
     expected = solved_anew(addon, plan)
     found = positions(getattr(plan.cmc, plan.cmc.sheet.lower()))
     return float(np.abs(found - expected).max() / np.linalg.norm(np.ptp(expected, axis=0)))

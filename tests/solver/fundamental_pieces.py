@@ -1,4 +1,4 @@
-"""Solved pieces of exact surfaces between their planes, with named sides, for tests of completion."""
+"""Fundamental pieces of exact surfaces, solved between their mirrors and planes, with named sides."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from scipy.special import ellipe, ellipj, ellipk
 from solver import CmcSurface, Domain, Side, conditions, solve_cmc
 from solver.catalogue import modules
 from solver.meshing.mesher import mesh_plan
-from tests.solver import exact
+from tests.solver import exact_surfaces
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,20 +23,20 @@ class Piece:
 
 
 def edges_where(domain: Domain, points: np.ndarray, test) -> np.ndarray:
-    """Boundary edges of which both ends pass the test of positions (n, 2)."""
+    """Boundary edges whose two ends both pass the test of positions (n, 2)."""
     edges = domain.boundary_edges
     return edges[test(points[domain.edges[edges]].reshape(-1, 2)).reshape(-1, 2).all(axis=1)]
 
 
 def cylinder(height: float, columns: int):
     """A jittered cylinder, its unrolled points, and the edges of its two ends."""
-    domain, points = exact.cylinder(height, columns)
+    domain, points = exact_surfaces.cylinder(height, columns)
     ends = [edges_where(domain, points, lambda p, y=y: np.abs(p[:, 1] - y) < 1e-9) for y in (0.0, height)]
     return domain, points, *ends
 
 
 def nodoid(c: float, columns: int) -> Piece:
-    """Between the planes it touches, normals e₁ and -e₁ (paper, Fig. 14)."""
+    """A nodoid between the planes it touches, normals e₁ and -e₁ (paper, Fig. 14)."""
     domain, points, bottom, top = cylinder(nodoid_height(c), columns)
     ends = conditions.fixed(domain, bottom, (1, 0, 0)) + conditions.fixed(domain, top, (-1, 0, 0))
     surface = solve_cmc(domain, ends, degree=-1)
@@ -61,7 +61,7 @@ def unduloid_normals(c: float, points: np.ndarray) -> np.ndarray:
 
 
 def unduloid(c: float, columns: int, free: bool = False) -> Piece:
-    """From the neck's latitude circle to the belly's, both mirrors; or half of it, to the free circle in between."""
+    """An unduloid from neck to belly, both mirrors; or half of that, to a free circle in between."""
     height = ellipk(1.0 + c) * (1 if free else 2)
     domain, points, bottom, top = cylinder(height, columns)
     N = unduloid_normals(c, points)
@@ -76,12 +76,12 @@ def unduloid_period(c: float) -> float:
 
 
 def sphere_eighth(n: int) -> Piece:
-    """Over a quarter of a disc with n edges along the arc; radius 2."""
+    """An eighth of a sphere of radius 2, over a quarter of a disc with n edges along the arc."""
     angle = np.linspace(0.0, np.pi / 2, n + 1)
     plan = mesh_plan(np.vstack([[0.0, 0.0], np.column_stack([np.cos(angle), np.sin(angle)])]), max_edge=1.6 / n)
     domain, points = Domain.from_positions(plan.positions, plan.triangles), plan.positions
     rim = domain.boundary_vertices
-    surface = solve_cmc(domain, conditions.fixed_at(domain, rim, exact.hemisphere(points)[rim]))
+    surface = solve_cmc(domain, conditions.fixed_at(domain, rim, exact_surfaces.hemisphere(points)[rim]))
     left, front = (edges_where(domain, points, lambda p, k=k: np.abs(p[:, k]) < 1e-9) for k in (0, 1))
     floor = np.setdiff1d(domain.boundary_edges, np.concatenate([left, front]))
     sides = [Side("left", left, normal=(1, 0, 0)), Side("front", front, normal=(0, 1, 0))]
@@ -96,7 +96,7 @@ HELD = {
 
 
 def between_mirrors(module: modules.Module, kinds: dict[str, str] | None = None, **options) -> Piece:
-    """A module solved with a mirror on every side, but for those of other `kinds`."""
+    """A module solved with a mirror on every side, except sides with another kind in `kinds`."""
     domain, sides = module.shape.domain, []
     held = conditions.Conditions()
     for name, edges in module.shape.sides.items():

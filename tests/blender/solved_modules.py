@@ -1,4 +1,4 @@
-"""Coarse modules for Repeat by Symmetry, and measures of their copies."""
+"""Coarse plans of modules, solved, and measures of their completed copies."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def solved(name: str, **options) -> bpy.types.Object:
     return plan
 
 
-def told(plan: bpy.types.Object) -> dict:
+def completion_report(plan: bpy.types.Object) -> dict:
     return json.loads(plan.cmc.complete_report)
 
 

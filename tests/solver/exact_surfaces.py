@@ -9,7 +9,7 @@ from solver import Domain, shapes
 
 
 def moved(points: np.ndarray, inside: np.ndarray, amount: float, seed: int) -> np.ndarray:
-    """Points whose inside ones are moved at random by up to `amount` along each axis."""
+    """Points, those `inside` moved at random by up to `amount` along each axis."""
     random = np.random.default_rng(seed)
     return points + amount * random.uniform(-1, 1, points.shape) * inside[:, None]
 
