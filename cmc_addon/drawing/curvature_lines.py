@@ -10,21 +10,21 @@ Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
 # Distance between strokes as a part of the size of a surface, unless it is chosen.
-_USUAL = 1.0 / 40.0
+_DEFAULT = 1.0 / 40.0
 # Length of a stroke as a part of the distance.
 _LENGTH = 0.62
 # No more strokes than this, whatever distance is chosen.
 _MOST = 20000
 
 
-def usual_spacing(points: Array) -> float:
+def default_spacing(points: Array) -> float:
     """Distance between strokes that suits the size of a surface with these points (n, 3)."""
-    return usual_spacing_of(np.ptp(points, axis=0)) if len(points) else 0.0
+    return default_spacing_of(np.ptp(points, axis=0)) if len(points) else 0.0
 
 
-def usual_spacing_of(extent: ArrayLike) -> float:
+def default_spacing_of(extent: ArrayLike) -> float:
     """The same from the extent (3,) of the surface along the axes."""
-    return _USUAL * float(np.linalg.norm(extent))
+    return _DEFAULT * float(np.linalg.norm(extent))
 
 
 def spread(points: Array, spacing: float) -> Int:
@@ -46,7 +46,7 @@ def spread(points: Array, spacing: float) -> Int:
     return np.array(kept, dtype=np.int64)
 
 
-def strokes(points: Array, normals: Array, lines: Array, which: str, spacing: float) -> tuple[Array, Array]:
+def curvature_lines(points: Array, normals: Array, lines: Array, which: str, spacing: float) -> tuple[Array, Array]:
     """Ends (k, 2, 3) of strokes along the larger principal curvature and of those along the smaller one.
 
     points, normals and lines (m, 3): where strokes are, and there the unit normal and the direction of the larger

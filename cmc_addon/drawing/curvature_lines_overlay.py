@@ -16,7 +16,7 @@ from mathutils import Matrix
 from ..bridges.colour_bridge import points_and_lines
 from ..properties.colour_settings import watchers
 from ..properties.links import families, plan_to_solve
-from .curvature_lines import spread, strokes, usual_spacing
+from .curvature_lines import curvature_lines, default_spacing, spread
 
 # Along the larger and the smaller principal curvature; under both a dark edge, to be seen on any colour.
 _COLOURS = ((1.0, 0.62, 0.12, 1.0), (0.45, 0.85, 1.0, 1.0))
@@ -43,10 +43,10 @@ def lines_of(mesh: bpy.types.Mesh, which: str, spacing: float) -> tuple[np.ndarr
     key = (len(points), spacing)
     known = _places.get(mesh.session_uid)
     if known is None or known[0] != key:
-        known = key, spread(points, spacing or usual_spacing(points))
+        known = key, spread(points, spacing or default_spacing(points))
         _places[mesh.session_uid] = known
     at = known[1]
-    return strokes(points[at], normals[at], lines[at], which, spacing or usual_spacing(points))
+    return curvature_lines(points[at], normals[at], lines[at], which, spacing or default_spacing(points))
 
 
 def shown_results(context: bpy.types.Context, plan: bpy.types.Object) -> list[bpy.types.Object]:
@@ -62,7 +62,7 @@ def _draw() -> None:
     if not context.space_data.overlay.show_overlays:
         return
     plan = plan_to_solve(context)
-    if plan is None or plan.cmc.strokes == "NONE":
+    if plan is None or plan.cmc.curvature_lines == "NONE":
         return
     shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
     shader.bind()
@@ -103,10 +103,10 @@ def _draw_on(shader, ob: bpy.types.Object, settings, colours: tuple) -> None:
 
 
 def _batches_of(shader, mesh: bpy.types.Mesh, settings) -> list:
-    key = (settings.strokes, settings.stroke_spacing, len(mesh.vertices))
+    key = (settings.curvature_lines, settings.curvature_line_spacing, len(mesh.vertices))
     known = _batches.get(mesh.session_uid)
     if known is None or known[0] != key:
-        known = key, _made(shader, lines_of(mesh, settings.strokes, settings.stroke_spacing))
+        known = key, _made(shader, lines_of(mesh, settings.curvature_lines, settings.curvature_line_spacing))
         _batches[mesh.session_uid] = known
     return known[1]
 

@@ -1,7 +1,7 @@
 """What is to be seen in a viewport now: the active plan's rim, and what its results have to show.
 
 Everything comes as parts, layers with the matrix that places them in the world. They are kept from redraw to redraw,
-see `seeing_cache`; nothing here draws.
+see `overlay_cache`; nothing here draws.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from .overlay_cache import kept, version
 from .overlay_layers import Layer, Look, arrow_length, cut_layer, rim_layers
 from .palette import colour_of, other_colour
 from .result_layers import gap_layers, measured, plane_layers, shell_of
-from .rim import Drawn, Rim, see_rim
+from .rim import Drawn, Rim, prescribed_rim
 from .rim_strip import GroupState
 
 Array = NDArray[np.float64]
@@ -58,7 +58,7 @@ def frame(context: bpy.types.Context, view: bpy.types.SpaceView3D | None = None)
     for result in results_of(plan, [role for role in ROLES if role != "GAUSS"]).values():
         if _is_visible(result, context, view):
             parts += _result_parts(result, look, planes if result == shell else [], seen)
-    if report is not None and "show_periods" in look.shown:
+    if report is not None and "show_gaps" in look.shown:
         parts += _gap_parts(plan, report, shell, context, view, look)
     if "show_cut" in look.shown and seen is not None and shell is not None:
         parts += _plan_cut(plan, seen, shell, look)
@@ -89,7 +89,7 @@ def look_of(context: bpy.types.Context, plan: bpy.types.Object) -> Look:
         width=preferences.get("line_width"),
         editing=plan.data.is_editmode,
         ungrouped=other_colour("colour_ungrouped"),
-        periods=other_colour("colour_periods"),
+        gaps=other_colour("colour_gaps"),
         cut=other_colour("colour_cut"),
     )
 
@@ -134,7 +134,7 @@ def _seen(context: bpy.types.Context, plan: bpy.types.Object) -> Seen | None:
     with np.errstate(all="ignore"):  # of faces without area no more is known than that
         drawn = kept(("drawn", plan.session_uid), shape, draw)
         key = id(drawn), prescribed
-        seen = kept(("seen", plan.session_uid), key, lambda: drawn and Seen(drawn, see_rim(drawn, *prescribed)))
+        seen = kept(("seen", plan.session_uid), key, lambda: drawn and Seen(drawn, prescribed_rim(drawn, *prescribed)))
     return seen
 
 

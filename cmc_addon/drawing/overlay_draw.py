@@ -1,4 +1,4 @@
-"""Draws what `seeing` says is to be seen. The graphics card keeps the layers that it was sent as long as they are used.
+"""Draws the viewport overlay. The graphics card keeps the layers it was sent for as long as they are used.
 
 Lines have a dark edge, so that they can be read on light and on dark ground. What lies behind a face is drawn faintly:
 a shell usually stands over its rim. Everything is drawn a little nearer to the eye than it is, or the plan's own faces

@@ -61,7 +61,7 @@ class Look:
     width: float
     editing: bool
     ungrouped: Colour
-    periods: Colour
+    gaps: Colour
     cut: Colour
 
     def colour(self, uid: int) -> Colour:

@@ -44,7 +44,7 @@ def gaps(report: dict, origin: Array) -> tuple[Array, Array]:
 
 def gap_layers(report: dict, origin: Array, look: Look) -> Iterator[Layer]:
     """Arrows over the gaps."""
-    yield from arrows(*gaps(report, origin), look.periods)
+    yield from arrows(*gaps(report, origin), look.gaps)
 
 
 def measured(report: dict, groups: tuple[GroupState, ...], rotated: bool) -> list[tuple[int, Array, float]]:

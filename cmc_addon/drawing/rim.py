@@ -1,7 +1,7 @@
 """What the conditions of a plan prescribe along its rim, from arrays alone: what there is to see before a solve.
 
 It is the solver's own `plan_conditions` and `resolved` that say what holds, blended angles included. They are asked
-about the faces along the rim only (`seeing_strip`), so that it costs as much as the rim is long.
+about the faces along the rim only (`rim_strip`), so that it costs as much as the rim is long.
 """
 
 from __future__ import annotations
@@ -98,7 +98,7 @@ class Drawn:
             return bare
 
 
-def see_rim(drawn: Drawn, groups: Sequence[GroupState], blend: float = 0.0, side: int = 1) -> Rim:
+def prescribed_rim(drawn: Drawn, groups: Sequence[GroupState], blend: float = 0.0, side: int = 1) -> Rim:
     """What groups prescribe along the rim of a plan as it is drawn; never raises for what they do.
 
     Where the conditions contradict each other, groups that make no sense are left out, and after that single vertices.

@@ -58,7 +58,7 @@ SETTINGS = {
     "cmcobject.combinatorics": "blender#advanced",
     "cmcobject.live": "operators/live",
     "cmcobject.colour_": "operators/look",
-    "cmcobject.stroke": "operators/look",
+    "cmcobject.curvature_line": "operators/look",
     "cmcobject": "blender#shell",
     "cmcrun": "operators/solve",
     "cmcpreferences": "blender#preferences",

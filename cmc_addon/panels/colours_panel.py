@@ -2,7 +2,7 @@
 
 import bpy
 
-from ..drawing.curvature_lines import usual_spacing_of
+from ..drawing.curvature_lines import default_spacing_of
 from ..properties.colour_range import stored_range
 from ..properties.links import families, plan_to_solve
 from ..results import gauss_image
@@ -29,11 +29,11 @@ class CMC_PT_look(Tab, bpy.types.Panel):
         if plan.cmc.colour_by != "NONE":
             self._range(column, plan)
         column.separator()
-        column.prop(plan.cmc, "strokes")
-        if plan.cmc.strokes != "NONE":
-            column.prop(plan.cmc, "stroke_spacing")
-            if not plan.cmc.stroke_spacing:
-                automatic(column, usual_spacing_of(families(plan)[0].shell.dimensions))
+        column.prop(plan.cmc, "curvature_lines")
+        if plan.cmc.curvature_lines != "NONE":
+            column.prop(plan.cmc, "curvature_line_spacing")
+            if not plan.cmc.curvature_line_spacing:
+                automatic(column, default_spacing_of(families(plan)[0].shell.dimensions))
         column.separator()
         shown = gauss_image.is_shown(plan)
         column.operator("cmc.gauss_image", depress=shown, icon="SHADING_RENDERED")

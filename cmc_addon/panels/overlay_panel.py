@@ -3,12 +3,12 @@
 import bpy
 
 from ..properties.links import plan_to_solve
-from ..properties.overlay_settings import draw_seeing
+from ..properties.overlay_settings import draw_overlay
 from .tab import Tab
 
 
-class CMC_PT_show(Tab, bpy.types.Panel):
-    bl_idname = "CMC_PT_show"
+class CMC_PT_overlay(Tab, bpy.types.Panel):
+    bl_idname = "CMC_PT_overlay"
     bl_label = "Show"
     bl_options = {"DEFAULT_CLOSED"}
     bl_order = 5
@@ -21,11 +21,11 @@ class CMC_PT_show(Tab, bpy.types.Panel):
         self.layout.prop(context.scene.cmc, "show_all", text="")
 
     def draw(self, context):
-        draw_seeing(self.layout, context.scene.cmc)
+        draw_overlay(self.layout, context.scene.cmc)
 
 
-class CMC_PT_overlay(bpy.types.Panel):
-    bl_idname = "CMC_PT_overlay"
+class CMC_PT_overlay_popover(bpy.types.Panel):
+    bl_idname = "CMC_PT_overlay_popover"
     bl_space_type = "VIEW_3D"
     bl_region_type = "HEADER"
     bl_parent_id = "VIEW3D_PT_overlay"
@@ -36,10 +36,10 @@ class CMC_PT_overlay(bpy.types.Panel):
         layout = self.layout
         layout.active = context.space_data.overlay.show_overlays
         layout.prop(settings, "show_all", text="Plans and Shells")
-        draw_seeing(layout, settings, columns=True)
+        draw_overlay(layout, settings, columns=True)
 
 
-CLASSES = (CMC_PT_show, CMC_PT_overlay)
+CLASSES = (CMC_PT_overlay, CMC_PT_overlay_popover)
 
 
 def register() -> None:

@@ -26,7 +26,7 @@ class CMC_PT_periods(ResultPanel, bpy.types.Panel):
         return has_holes(context)
 
     def draw_header_preset(self, context):
-        self.layout.prop(context.scene.cmc, "show_periods", text="", icon="OVERLAY", emboss=False)
+        self.layout.prop(context.scene.cmc, "show_gaps", text="", icon="OVERLAY", emboss=False)
 
     def draw(self, context):
         layout, plan, report = self.layout, plan_to_solve(context), last_report(context)

@@ -1,6 +1,6 @@
 """What results are coloured by, and which strokes are drawn on them: on `Object.cmc` of a plan, in the panel.
 
-The settings themselves know nothing of meshes: `colours` and `strokes_overlay` are told by `watchers`.
+The settings themselves know nothing of meshes: `colours` and `curvature_lines_overlay` are told by `watchers`.
 """
 
 from collections.abc import Callable
@@ -40,7 +40,7 @@ QUANTITIES = {
 _COLOUR_BY = [("NONE", "None", "The results as they are")] + [
     (name, quantity.label, quantity.description) for name, quantity in QUANTITIES.items()
 ]
-_STROKES = [
+_LINES = [
     ("NONE", "None", "No strokes"),
     ("MAX", "Most Curved", "Along the larger principal curvature"),
     ("MIN", "Least Curved", "Along the smaller principal curvature"),
@@ -73,12 +73,12 @@ def stored_colour_annotations() -> dict:
         "colour_max": FloatProperty(
             name="Max", description="Number of the last colour", default=1.0, precision=4,
             update=_telling("colour_max")),
-        "strokes": EnumProperty(
-            name="Strokes", description="Short strokes on the results along their lines of curvature", items=_STROKES,
-            update=_telling("strokes")),
-        "stroke_spacing": FloatProperty(
+        "curvature_lines": EnumProperty(
+            name="Strokes", description="Short strokes on the results along their lines of curvature", items=_LINES,
+            update=_telling("curvature_lines")),
+        "curvature_line_spacing": FloatProperty(
             name="Spacing", description="Distance between strokes; 0 chooses a fortieth of the shell's size",
-            default=0.0, min=0.0, subtype="DISTANCE", update=_telling("stroke_spacing")),
+            default=0.0, min=0.0, subtype="DISTANCE", update=_telling("curvature_line_spacing")),
         # On a result: low, high, centre, and 0 or 1 for: has a centre, numbers below, numbers above.
         "colour_range": FloatVectorProperty(
             name="Range", description="Low, high, centre and what of it counts, as last fitted", size=6),

@@ -27,7 +27,7 @@ _SHOWN = {
         BoolProperty, name="Mirrors and Planes", default=False,
         description="Draw the planes of mirrors and constant planes: as the plan's edges suggest them, and after a "
         "solve where the shell has them"),
-    "show_periods": partial(
+    "show_gaps": partial(
         BoolProperty, name="Gaps", default=True,
         description="Draw the gap around each hole of the active plan as an arrow"),
     "show_cut": partial(
@@ -45,15 +45,15 @@ _SIZES = {
 SHOWN = tuple(name for name in _SHOWN if name != "show_all")
 """Names of the switches, without the one above them all."""
 
-SEEING_SETTINGS = (*_SHOWN, *_SIZES)
+OVERLAY_SETTINGS = (*_SHOWN, *_SIZES)
 
 
-def seeing_annotations() -> dict:
+def overlay_annotations() -> dict:
     """The settings as annotations of `Scene.cmc`; they are of the view, so that they are not animated."""
     return {name: make(options=set()) for name, make in (_SHOWN | _SIZES).items()}
 
 
-def draw_seeing(layout: bpy.types.UILayout, settings, columns: bool = False) -> None:
+def draw_overlay(layout: bpy.types.UILayout, settings, columns: bool = False) -> None:
     """Rows for `Scene.cmc`, in two columns as Blender's own popover of overlays has them, or in one."""
     body = layout.column()
     body.active = settings.show_all

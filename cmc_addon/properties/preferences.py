@@ -32,7 +32,7 @@ _PREFERENCES = {
     "colour_ungrouped": partial(
         _COLOUR, name="Edges in No Group", description="Colour of boundary edges that are in no group",
         default=(0.62, 0.62, 0.62)),
-    "colour_periods": partial(
+    "colour_gaps": partial(
         _COLOUR, name="Periods", description="Colour of the arrows across the gaps around holes",
         default=(1.0, 0.42, 0.1)),
     "colour_cut": partial(
@@ -45,7 +45,7 @@ _PREFERENCES = {
 }
 """Name → property: one added here can be read by `get` everywhere."""
 
-_LOOKS = ("line_width", "colour_ungrouped", "colour_periods", "colour_cut")
+_LOOKS = ("line_width", "colour_ungrouped", "colour_gaps", "colour_cut")
 
 
 def get(name: str) -> Any:

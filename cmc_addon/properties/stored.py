@@ -38,7 +38,7 @@ from .design_settings import stored_design_annotations
 from .export_settings import stored_export_annotations
 from .group_list import free_name
 from .live_settings import live_annotations
-from .overlay_settings import seeing_annotations
+from .overlay_settings import overlay_annotations
 from .periods_settings import stored_period_annotations
 from .settings import stored_setting_annotations
 from .symmetry_settings import stored_complete_annotations
@@ -231,7 +231,7 @@ class CmcScene(bpy.types.PropertyGroup):
 
     __annotations__ = {
         **plan_annotations(),
-        **seeing_annotations(),
+        **overlay_annotations(),
         "shading_before": StringProperty(
             name="Shading", description="What the viewports showed before results were coloured"),
     }

@@ -129,7 +129,7 @@ def test_directions_are_an_attribute_once_strokes_are_shown():
     plan = hall()
     result = solve(plan)
     assert "cmc_direction" not in result.data.attributes
-    plan.cmc.strokes = "BOTH"
+    plan.cmc.curvature_lines = "BOTH"
     found = np.array(values(result.data.attributes["cmc_direction"]))
     normals = np.array(values(result.data.attributes["cmc_normal"]))
     length = np.linalg.norm(found, axis=1)
@@ -145,7 +145,7 @@ def test_directions_are_an_attribute_once_strokes_are_shown():
         assert both.mean() > 0.9
         assert np.abs(np.einsum("ni,ni->n", told, again))[both].min() > 0.99
     assert not np.allclose(lines(result)[0], before)
-    plan.cmc.strokes = "NONE"
+    plan.cmc.curvature_lines = "NONE"
     solve(plan)
     assert "cmc_direction" not in result.data.attributes
 
@@ -153,7 +153,7 @@ def test_directions_are_an_attribute_once_strokes_are_shown():
 @pytest.mark.parametrize("combinatorics", ["DUAL", "CORNER"])
 def test_other_meshes_have_strokes_too(combinatorics):
     plan = hall()
-    plan.cmc.strokes = "MAX"
+    plan.cmc.curvature_lines = "MAX"
     first, _ = lines(solve(plan, combinatorics=combinatorics), "MAX")
     assert len(first) > 50
 

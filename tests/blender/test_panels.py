@@ -251,18 +251,18 @@ def test_every_setting_of_a_solve_can_be_reached(plan) -> None:
 
 
 def test_every_setting_of_the_view_can_be_reached(plan) -> None:
-    from cmc_formfinding.cmc_addon.properties.overlay_settings import SEEING_SETTINGS
+    from cmc_formfinding.cmc_addon.properties.overlay_settings import OVERLAY_SETTINGS
 
     layout = Layout()
-    cls = panel_class("CMC_PT_show")
+    cls = panel_class("CMC_PT_overlay")
     for part in (cls.draw_header, cls.draw):
         part(Drawn(cls, layout), bpy.context)
-    assert sorted(layout.record.props) == sorted(SEEING_SETTINGS)
-    popover = panel_class("CMC_PT_overlay")
+    assert sorted(layout.record.props) == sorted(OVERLAY_SETTINGS)
+    popover = panel_class("CMC_PT_overlay_popover")
     assert popover.bl_parent_id == "VIEW3D_PT_overlay" and popover.is_registered
     view = SimpleNamespace(overlay=SimpleNamespace(show_overlays=True))
     popover.draw(SimpleNamespace(layout=layout), SimpleNamespace(scene=bpy.context.scene, space_data=view))
-    assert sorted(layout.record.props) == sorted(2 * SEEING_SETTINGS)
+    assert sorted(layout.record.props) == sorted(2 * OVERLAY_SETTINGS)
 
 
 def test_every_setting_of_a_design_can_be_reached(plan) -> None:

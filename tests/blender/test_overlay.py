@@ -420,7 +420,7 @@ def test_a_shell_that_closes_has_no_cut(addon):
 
 def test_the_gap_is_an_arrow_that_goes_with_the_shell(addon):
     plan = court()
-    only("show_periods")
+    only("show_gaps")
     (part,) = [part for part in frame(addon) if part.layers]
     hole = json.loads(plan.cmc.report)["holes"][0]
     start = part.layers[0].points[0]
@@ -466,8 +466,8 @@ def test_a_result_that_is_active_shows_its_plan(addon):
 def looked(addon, monkeypatch):
     """How often a plan was worked out."""
     calls = []
-    original = addon.cmc_addon.drawing.overlay.see_rim
-    monkeypatch.setattr(addon.cmc_addon.drawing.overlay, "see_rim", lambda *a: calls.append(1) or original(*a))
+    original = addon.cmc_addon.drawing.overlay.prescribed_rim
+    monkeypatch.setattr(addon.cmc_addon.drawing.overlay, "prescribed_rim", lambda *a: calls.append(1) or original(*a))
     return calls
 
 
