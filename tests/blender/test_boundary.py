@@ -291,7 +291,7 @@ def test_messages(grid) -> None:
     with pytest.raises(RuntimeError, match="Add a boundary group first"):
         bpy.ops.cmc.group_assign()
     bpy.ops.cmc.group_add(name="rim")
-    with pytest.raises(RuntimeError, match=r"no boundary group 'rum'; the groups of this mesh are: 'rim'"):
+    with pytest.raises(RuntimeError, match=r"No boundary group is called 'rum'; the groups of this mesh are: 'rim'"):
         bpy.ops.cmc.group_select(group="rum")
     with pytest.raises(RuntimeError, match="None of the selected edges is in this group"):
         bpy.ops.cmc.group_remove_from()
