@@ -1,4 +1,4 @@
-"""Look: what the results are coloured by, strokes along their lines of curvature, the Gauss image."""
+"""Look: colours and curvature lines of the results, and their normals on a sphere."""
 
 import bpy
 
@@ -10,7 +10,7 @@ from .tab import Tab, automatic, properties_column
 
 
 class CMC_PT_look(Tab, bpy.types.Panel):
-    """Shown where there is a result, of Solve or of a design."""
+    """Shown once the plan has a result of Solve or of a design."""
 
     bl_idname = "CMC_PT_look"
     bl_label = "Look"
@@ -40,12 +40,12 @@ class CMC_PT_look(Tab, bpy.types.Panel):
 
     def _range(self, column, plan):
         column.prop(plan.cmc, "colour_fit")
-        found = [stored_range(family.shell) for family in families(plan)]
+        ranges = [stored_range(family.shell) for family in families(plan)]
         if not plan.cmc.colour_fit:
             both = column.column(align=True)
             both.prop(plan.cmc, "colour_min")
             both.prop(plan.cmc, "colour_max")
-        elif not any(found):
+        elif not any(ranges):
             column.label(text="Not measured: solve again", icon="INFO")
 
 

@@ -1,4 +1,4 @@
-"""Show: what the viewport draws of a plan, in the sidebar and among Blender's own overlays."""
+"""Overlay: what is drawn over the viewport, in the sidebar and in Blender's overlay popover."""
 
 import bpy
 
@@ -9,7 +9,7 @@ from .tab import Tab
 
 class CMC_PT_overlay(Tab, bpy.types.Panel):
     bl_idname = "CMC_PT_overlay"
-    bl_label = "Show"
+    bl_label = "Overlay"
     bl_options = {"DEFAULT_CLOSED"}
     bl_order = 5
 

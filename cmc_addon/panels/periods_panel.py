@@ -1,4 +1,4 @@
-"""Periods: under Complete, the gaps around the holes of a plan, and the two things to do about them."""
+"""Gaps, under Repeat: the gaps around the holes of a plan, to close them or to repeat the shell across them."""
 
 import bpy
 
@@ -17,7 +17,7 @@ from .tab import TALL, hint, properties_column
 
 class CMC_PT_periods(ResultPanel, bpy.types.Panel):
     bl_idname = "CMC_PT_periods"
-    bl_label = "Periods"
+    bl_label = "Gaps"
     bl_parent_id = "CMC_PT_complete"
     bl_order = 1
 
@@ -37,7 +37,7 @@ class CMC_PT_periods(ResultPanel, bpy.types.Panel):
         draw_close(column, plan.cmc)
         self._button(layout, "cmc.close_periods")
         if not report.get("is_open"):
-            hint(layout, "The shell closes: nothing", "to tile by")
+            hint(layout, "The shell is closed: it has", "no gap to repeat across")
             return
         layout.separator()
         column = properties_column(layout)
@@ -49,7 +49,7 @@ class CMC_PT_periods(ResultPanel, bpy.types.Panel):
             numbers(layout, completed_rows(last_completion(plan.cmc.complete_report)))
 
     def _counts(self, layout, context, plan, holes):
-        """How many copies there will be."""
+        """The number of copies to expect."""
         try:
             copies, faces = tile_counts(plan, holes, plan.cmc.tile_repeat)
         except CmcError as error:

@@ -6,10 +6,10 @@ import bpy
 
 
 def length_text(value: float, power: int = 1, digits: int = 4) -> str:
-    """A length or area in the scene's units."""
+    """A length or area in the units of the scene."""
     units = bpy.context.scene.unit_settings
     if units.system == "NONE":
-        return f"{value:.{digits}g}"
+        return f"{value:.{digits}g}" if abs(value) >= 1e-6 else "0"
     kind = {1: "LENGTH", 2: "AREA"}[power]
     value *= units.scale_length**power
     return bpy.utils.units.to_string(units.system, kind, value, precision=digits, split_unit=False)

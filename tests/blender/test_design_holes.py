@@ -53,7 +53,7 @@ def test_a_courtyard_closes(plan, addon):
     for rim, line in zip(rims(points), rims(drawn), strict=True):
         assert off_line(rim, line).max() < 0.05 * 8.0
     assert report(plan)["distances"]["period"] < 1e-3 * 8.0
-    assert "Period" in dict(addon.cmc_addon.panels.design_panel.design_rows(report(plan)))
+    assert "Gap" in dict(addon.cmc_addon.panels.design_panel.design_rows(report(plan)))
 
 
 def test_layers_stay(plan):

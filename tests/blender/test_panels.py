@@ -291,7 +291,7 @@ def test_a_design_in_numbers(plan) -> None:
     bpy.ops.cmc.fit_outline(limit_tilt=True)
     record = draw("CMC_PT_design")
     assert "follow" in record.props and "tilt_max" in record.props
-    for name in ("Span", "Rise", "Area", "Radius 1/H", "H", "Rim on curve", "Crown height", "Tilt bounds"):
+    for name in ("Span", "Rise", "Area", "Radius 1/H", "H", "Off Line", "Off Height", "Off Lean"):
         assert name in record.texts
     assert json.loads(plan.cmc.design_report)["message"].split()[0] in said(record)
     bpy.context.view_layer.objects.active = plan.cmc.fit
@@ -341,7 +341,7 @@ def test_results_in_numbers(plan) -> None:
     bpy.ops.cmc.solve()
     record = draw("CMC_PT_results", "CMC_PT_checks", "CMC_PT_solver")
     report = json.loads(plan.cmc.report)
-    assert report["message"].split()[0] in said(record)
+    assert "Done. Curvature is even to 1.5 %." in said(record)
     for name in (
         "Span", "Rise", "Area", "Rim", "Radius 1/H", "H", "Energy E", "Overhang", "Distortion", "Crossing",
     ):
@@ -412,3 +412,23 @@ def test_every_operator_has_a_tooltip_and_every_property_a_description() -> None
         for name, prop in kind.properties.items():
             if name != "rna_type" and not prop.is_hidden:
                 assert prop.name, f"{cls.bl_idname}.{name}"
+
+
+@pytest.mark.parametrize(
+    ("part", "text"),
+    [(0.0, "0 %"), (1.1e-10, "0 %"), (3e-7, "under 0.01 %"), (1e-4, "0.01 %"), (0.0062, "0.62 %"), (1.5, "150 %")],
+)
+def test_percentages_without_rounding_errors(part, text) -> None:
+    from cmc_formfinding.cmc_addon.properties.units import percent_text
+
+    assert percent_text(part) == text
+
+
+def test_a_solve_that_has_not_converged_says_so(plan) -> None:
+    from cmc_formfinding.cmc_addon.properties.reports import done_sentence
+
+    bpy.ops.cmc.solve()
+    report = json.loads(plan.cmc.report)
+    assert done_sentence({**report, "converged": False, "message": "It has stalled."}) == "It has stalled."
+    report["sheets"]["f+"]["mean_curvature"]["relative_l2"] = 1e-9
+    assert done_sentence(report) == "Done. Curvature is even to 0.01 %."

@@ -67,7 +67,7 @@ def test_solve_says_that_there_is_a_gap_and_what_to_press(plan, addon):
     assert_allclose(hole["length"], told["gap"], rtol=1e-9)
     text = addon.cmc_addon.panels.periods_text
     said = text.gap_sentence(told)
-    assert "has a gap of" in said and "Close Periods" in said and "Tile by Periods" in said
+    assert "is open by" in said and "Close Gaps" in said and "Repeat by Gaps" in said
     assert f"{100 * hole['relative']:.2g} %" in said
     rows = dict(text.gap_rows(told))
     assert f"{hole['length']:.4g}"[:4] in rows["Hole 1"]
@@ -132,8 +132,8 @@ def test_the_panel_tells_what_changed(plan, addon):
     assert bpy.ops.cmc.close_periods(close_by="BOTH", close_size=True) == FINISHED
     rows = dict(addon.cmc_addon.panels.periods_text.closing_rows(report(plan)))
     assert set(rows) == {
-        "Gap before", "Gap now", "Normals turned", "Hole x", "Hole y", "Hole twist", "Hole size", "Steps"}
-    assert "°" in rows["Normals turned"] and rows["Hole size"].startswith("×")
+        "Gap Before", "Gap Now", "Normals Turned", "Hole X", "Hole Y", "Hole Twist", "Hole Size", "Steps"}
+    assert "°" in rows["Normals Turned"] and rows["Hole Size"].startswith("×")
     assert dict(addon.cmc_addon.panels.periods_text.gap_rows(report(plan)))["Hole 1"] == "Closed"
     assert addon.cmc_addon.panels.periods_text.gap_sentence(report(plan)) == ""
 
@@ -176,7 +176,7 @@ def test_a_gap_that_is_left_is_said(plan, addon):
     assert not told["closing"]["closed"] and told["is_open"]
     assert len(plan.cmc.f_plus.data.vertices) > len(plan.data.vertices)
     said = addon.cmc_addon.panels.periods_text.gap_sentence(told)
-    assert said.startswith(told["closing"]["message"]) and "has a gap of" in said
+    assert said.startswith(told["closing"]["message"]) and "is open by" in said
     assert told["warnings"][0] == told["closing"]["message"]
 
 
@@ -281,7 +281,7 @@ def test_esc_leaves_everything_as_it_was(plan, addon):
 
 def test_results_and_periods_of_a_gap_and_of_a_closed_shell(plan):
     said = " ".join(draw("CMC_PT_results").texts)
-    assert "has a gap of" in said and "Close Periods" in said
+    assert "is open by" in said and "Close Gaps" in said
     open_panel = draw("CMC_PT_periods")
     assert open_panel.operators == ["cmc.close_periods", "cmc.tile_periods"]
     assert {"close_by", "tile_as", "tile_repeat"} <= set(open_panel.props) and "close_shift" not in open_panel.props
@@ -290,5 +290,5 @@ def test_results_and_periods_of_a_gap_and_of_a_closed_shell(plan):
     assert {"close_shift", "close_twist", "close_size", "close_weight"} <= set(draw("CMC_PT_periods").props)
     assert bpy.ops.cmc.close_periods() == FINISHED
     closed = draw("CMC_PT_periods")
-    assert closed.operators == ["cmc.close_periods"] and "Closed" in closed.texts and "Normals turned" in closed.texts
+    assert closed.operators == ["cmc.close_periods"] and "Closed" in closed.texts and "Normals Turned" in closed.texts
     assert "The surface closes" in " ".join(draw("CMC_PT_results").texts)
