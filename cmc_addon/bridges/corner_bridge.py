@@ -34,7 +34,8 @@ class Corner:
     def normal(self, mesh: bpy.types.Mesh) -> np.ndarray | None:
         """Which way the shell faces here, (3,); None where the two mirrors have one plane."""
         normals = {group.uid: np.array(group.normal) for group in mesh.cmc.groups}
-        product = np.cross(*(normals[uid] for uid in self.uids))
+        before, after = (normals[uid] for uid in self.uids)
+        product = np.cross(before, after)
         length = np.linalg.norm(product)
         return (-self.turn if self.flipped else self.turn) * product / length if length > 1e-6 else None
 

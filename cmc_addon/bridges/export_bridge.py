@@ -29,7 +29,7 @@ class RawMesh:
     normals: Array
     corners: Int
     starts: Int
-    uvs: Array | None
+    uvs: NDArray[np.float32] | None
     materials: list[str]
     own: bool
 

@@ -69,7 +69,8 @@ class PlanMesh:
 
     def as_plan(self, triangles: Int) -> Plan:
         """The plan without its groups, on triangles (T, 3). Raises `MeshError` on lengths that do not fit them."""
-        plan = Plan(self.positions, triangles, initial=self.initial)
+        initial = None if self.initial is None else self.initial.astype(np.float64)
+        plan = Plan(self.positions, triangles, initial=initial)
         if self.lengths is not None:
             plan.lengths = side_lengths(triangles, self.edges, self.lengths)
         return plan
@@ -143,7 +144,7 @@ def _own(mesh: bpy.types.Mesh, name: str, domain: str, kind: str) -> NDArray[np.
     if (attribute.domain, attribute.data_type) != (domain, kind):
         what = {"EDGE": "a Float on its edges", "POINT": "a Vector on its vertices"}[domain]
         raise MeshError(f"The attribute '{name}' of a plan must be {what}; convert it (Attributes), or remove it.")
-    values = attribute_values(attribute)
+    values = np.asarray(attribute_values(attribute))
     return values[:, 0] if kind == "FLOAT" else values
 
 

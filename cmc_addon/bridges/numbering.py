@@ -43,8 +43,9 @@ def _renumbered(match: re.Match, error: CmcError, number_of: dict[str, Callable[
     # a list cut short ("… and 3 more") stands for all that the error carries
     given = all_of_kind if numbers == listed(all_of_kind) else [int(n) for n in re.findall(r"\d+", numbers)]
     mapped = list(dict.fromkeys(number_of[noun.lower()](i) for i in given))
-    if all(isinstance(i, int) for i in mapped):
-        text = plural(noun.lower(), mapped)
+    numbered = [i for i in mapped if isinstance(i, int)]
+    if len(numbered) == len(mapped):
+        text = plural(noun.lower(), numbered)
     else:
         text = f"{noun.lower()}{'s' if len(mapped) > 1 else ''} {', '.join(map(str, mapped))}"
     if verb:

@@ -75,7 +75,7 @@ def find_cut(plan: PlanMesh, triangles: Int, owners: Int, rows: Int, source: Int
     )
 
 
-def corners_of(plan: PlanMesh, polygons: Int, vertices: Int) -> NDArray[np.int64]:
+def corners_of(plan: PlanMesh, polygons: NDArray[np.integer], vertices: NDArray[np.integer]) -> NDArray[np.int64]:
     """The corner of each polygon at which each vertex lies."""
     count = len(plan.positions)
     owner = np.repeat(np.arange(len(plan.starts) - 1), np.diff(plan.starts)).astype(np.int64)
@@ -123,7 +123,9 @@ def _cut_open(mesh: bpy.types.Mesh, plan: PlanMesh, cut: Cut) -> None:
     set_attribute(mesh, SOURCE_ATTRIBUTE, "INT", "POINT", cut.vertices)
 
 
-def build_polygons(mesh: bpy.types.Mesh, vertex_count: int, corners: Int, starts: Int) -> None:
+def build_polygons(
+    mesh: bpy.types.Mesh, vertex_count: int, corners: NDArray[np.integer], starts: NDArray[np.integer]
+) -> None:
     """Replace all that a mesh has by polygons: corners (C,) vertices, starts (P + 1,). Materials stay."""
     mesh.clear_geometry()
     mesh.vertices.add(vertex_count)

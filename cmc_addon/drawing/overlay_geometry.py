@@ -17,6 +17,7 @@ _HEAD, _SPREAD, _SIDES = 0.28, 0.32, 8
 # A vector shorter than this part of another has no direction.
 _TINY = 1e-6
 
+NOWHERE = np.zeros((0, 3))
 NO_LINES = np.zeros((0, 2, 3))
 NO_TRIANGLES = np.zeros((0, 3, 3))
 
@@ -33,7 +34,7 @@ def spread(walk: Walk, spacing: float) -> tuple[Array, Array, Array]:
     lengths = np.linalg.norm(steps, axis=1)
     total = float(lengths.sum())
     if not total > 0.0:
-        return tuple(np.zeros((3, 0, 3)))
+        return NOWHERE, NOWHERE, NOWHERE
     if len(steps) == 1:
         return 0.5 * (walk.points[:1] + walk.points[1:]), walk.middles, steps / total
     at = np.concatenate([[0.0], np.cumsum(lengths)])

@@ -91,7 +91,7 @@ def _own_lengths(mesh: PlanMesh, triangles: Int, place: Int) -> Array | None:
     return side_lengths(triangles, mesh.edges[near], mesh.lengths[near])
 
 
-def _as_domain(faces: Int, points: Array, sides: Array | None) -> Domain:
+def _as_domain(faces: NDArray[np.int32], points: Array, sides: Array | None) -> Domain:
     """No check for a surface in one piece: where the strip ends it may touch itself."""
     face_edges = connectivity.edges_by_vertex_pairs(faces, len(points))
     edges = connectivity.pair_half_edges(faces, face_edges)

@@ -23,6 +23,8 @@ class CMC_PT_look(Tab, bpy.types.Panel):
 
     def draw(self, context):
         plan = plan_to_solve(context)
+        if plan is None:
+            return
         self.layout.enabled = plan.is_editable
         column = properties_column(self.layout)
         column.prop(plan.cmc, "colour_by")

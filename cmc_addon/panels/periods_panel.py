@@ -7,7 +7,6 @@ from ..operators import add_bubble
 from ..operators.add_plan import first_in_add_menu, in_add_menu
 from ..properties.links import plan_to_solve
 from ..properties.periods_settings import draw_close, draw_tile
-from ..properties.reports import last_report
 from ..tasks.close_periods import tile_counts
 from .periods_text import closing_rows, gap_rows
 from .results_panel import ResultPanel, numbers, paragraph
@@ -28,8 +27,8 @@ class CMC_PT_periods(ResultPanel, bpy.types.Panel):
     def draw_header_preset(self, context):
         self.layout.prop(context.scene.cmc, "show_gaps", text="", icon="OVERLAY", emboss=False)
 
-    def draw(self, context):
-        layout, plan, report = self.layout, plan_to_solve(context), last_report(context)
+    def draw_report(self, context, report):
+        layout, plan = self.layout, plan_to_solve(context)
         numbers(layout, gap_rows(report))
         numbers(layout, closing_rows(report))
         column = properties_column(layout)

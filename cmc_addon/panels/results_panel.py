@@ -39,11 +39,16 @@ def numbers(layout: bpy.types.UILayout, rows: list[tuple[str, str]]) -> None:
 
 
 class ResultPanel(Tab):
-    """Shown once the plan was solved."""
+    """Shown once the plan was solved; draws from the report."""
 
     @classmethod
     def poll(cls, context):
         return last_report(context) is not None
+
+    def draw(self, context):
+        report = last_report(context)
+        if report is not None:
+            self.draw_report(context, report)
 
 
 class CMC_PT_results(ResultPanel, bpy.types.Panel):
@@ -51,8 +56,7 @@ class CMC_PT_results(ResultPanel, bpy.types.Panel):
     bl_label = "Results"
     bl_order = 3
 
-    def draw(self, context):
-        report = last_report(context)
+    def draw_report(self, context, report):
         done = report["converged"] and not report.get("is_open")
         sentence = gap_sentence(report) or done_sentence(report)
         paragraph(self.layout, context, sentence, "CHECKMARK" if done else "ERROR")
@@ -84,8 +88,7 @@ class CMC_PT_checks(ResultPanel, bpy.types.Panel):
     bl_parent_id = "CMC_PT_results"
     bl_order = 1
 
-    def draw(self, context):
-        report = last_report(context)
+    def draw_report(self, context, report):
         numbers(self.layout, check_rows(report))
 
 
@@ -117,8 +120,7 @@ class CMC_PT_solver(ResultPanel, bpy.types.Panel):
     bl_order = 2
     bl_options = {"DEFAULT_CLOSED"}
 
-    def draw(self, context):
-        report = last_report(context)
+    def draw_report(self, context, report):
         rows = [
             ("Energy E", f"{report['energy']:.6g}"),
             *map_rows(report),

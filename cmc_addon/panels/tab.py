@@ -134,11 +134,11 @@ class CMC_PT_shell(Tab, bpy.types.Panel):
     bl_order = 2
 
     def draw(self, context):
-        layout, plan = self.layout, plan_to_solve(context)
+        layout, plan, ob = self.layout, plan_to_solve(context), context.object
         if context.window_manager.cmc.running:
             running_row(layout, context)
             return
-        if plan is None:
+        if plan is None or ob is None:
             hint(layout, "Select a plan; from a curve", "Mesh Plan makes one")
             self._solve(layout)
             return
@@ -146,7 +146,7 @@ class CMC_PT_shell(Tab, bpy.types.Panel):
             hint(layout, "This mesh has no faces:", "Mesh Plan makes them")
             self._solve(layout)
             return
-        if plan == context.object and not plan.cmc.meshed and target(plan, "PLAN") is not None:
+        if plan == ob and not plan.cmc.meshed and target(plan, "PLAN") is not None:
             hint(layout, "This is the outline;", "Solve works on its plan")
             go_to_row(layout, plan, "PLAN")
             return
@@ -158,8 +158,8 @@ class CMC_PT_shell(Tab, bpy.types.Panel):
             layout.operator("cmc.solve_selection")
         for draw in BESIDE_SOLVE:
             draw(layout, context, plan)
-        go_to_row(layout, context.object, "SHELL")
-        go_to_row(layout, context.object, "FIT")
+        go_to_row(layout, ob, "SHELL")
+        go_to_row(layout, ob, "FIT")
 
     def _solve(self, layout):
         row = layout.split(factor=0.75, align=True)
@@ -219,6 +219,8 @@ class CMC_PT_advanced(Tab, bpy.types.Panel):
 
     def draw(self, context):
         plan = plan_to_solve(context)
+        if plan is None:
+            return
         column = properties_column(self.layout)
         column.enabled = plan.is_editable
         draw_advanced(column, plan.cmc)

@@ -20,9 +20,11 @@ def notify(owner, _context) -> None:
 def notifying(make: partial):
     """The property of this maker; it notifies the watchers after its own update callback."""
     own = make.keywords.get("update")
+    if own is None:
+        return make(update=notify)
 
     def both(owner, context) -> None:
         own(owner, context)
         notify(owner, context)
 
-    return make(update=notify if own is None else both)
+    return make(update=both)

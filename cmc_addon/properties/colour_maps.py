@@ -103,7 +103,8 @@ class Range:
         known = np.isfinite(numbers)
         if known.all() or not known.any():
             return colours
-        away, nearest = KDTree(places[known]).query(places[~known], distance_upper_bound=width)
+        query = KDTree(places[known]).query(places[~known], distance_upper_bound=width)
+        away, nearest = (np.asarray(each) for each in query)
         near = np.isfinite(away)
         share = (1.0 - away[near] / width)[:, None]
         rows = np.flatnonzero(~known)[near]

@@ -4,6 +4,7 @@ Height parameters come from the solver's registry: one added there appears here,
 """
 
 import math
+from collections.abc import Iterable
 from functools import partial
 from types import SimpleNamespace
 
@@ -155,11 +156,11 @@ POINTERS = {"curve": "fit_curve", "anchors": "fit_anchors"}
 """Objects to fit to: names on an operator, links on `Object.cmc`."""
 
 
-def approximate_annotations(options=frozenset()) -> dict:
+def approximate_annotations(options: Iterable[str] = ()) -> dict:
     return {name: make(options=set(options)) for name, make in _APPROXIMATE.items()}
 
 
-def fit_annotations(options=frozenset()) -> dict:
+def fit_annotations(options: Iterable[str] = ()) -> dict:
     return {name: make(options=set(options)) for name, make in (_FIT | _NAMES).items()}
 
 

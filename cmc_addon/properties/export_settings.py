@@ -1,5 +1,6 @@
 """Settings of Export, for `Object.cmc` and for the operator."""
 
+from collections.abc import Iterable
 from functools import partial
 
 import bpy
@@ -38,7 +39,7 @@ EXPORT_SETTINGS = tuple(_EXPORT)
 """Names of the settings of Export."""
 
 
-def export_annotations(options=frozenset()) -> dict:
+def export_annotations(options: Iterable[str] = ()) -> dict:
     return {name: make(options=set(options)) for name, make in _EXPORT.items()}
 
 

@@ -1,5 +1,6 @@
 """Settings of Close Gaps and Repeat by Gaps, for `Object.cmc` and for the operators."""
 
+from collections.abc import Iterable
 from functools import partial
 
 import bpy
@@ -43,11 +44,11 @@ TILE_SETTINGS = tuple(_TILE)
 """Names of the settings of Repeat by Gaps."""
 
 
-def close_annotations(options=frozenset()) -> dict:
+def close_annotations(options: Iterable[str] = ()) -> dict:
     return {name: make(options=set(options)) for name, make in _CLOSE.items()}
 
 
-def tile_annotations(options=frozenset()) -> dict:
+def tile_annotations(options: Iterable[str] = ()) -> dict:
     return {name: make(options=set(options)) for name, make in _TILE.items()}
 
 

@@ -4,6 +4,7 @@ Enums come from the solver's registries, which also say where an energy is defin
 sites consistent.
 """
 
+from collections.abc import Iterable
 from functools import partial
 from types import SimpleNamespace
 
@@ -206,7 +207,7 @@ SETTINGS = tuple(_SETTINGS)
 """Names of the settings shared by `Object.cmc` and the operators that solve."""
 
 
-def setting_annotations(options=frozenset()) -> dict:
+def setting_annotations(options: Iterable[str] = ()) -> dict:
     """The settings of a solve as property annotations; operators pass {'SKIP_SAVE'}, so that values of the last call
     on another plan are not reused silently."""
     return {name: make(options=set(options)) for name, make in _SETTINGS.items()}

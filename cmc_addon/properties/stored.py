@@ -16,6 +16,7 @@ solver's names in capitals. Lengths are Blender units, angles radians (shown as 
 be objects, not strings.
 """
 
+from collections.abc import Iterable
 from functools import partial
 
 import bpy
@@ -84,7 +85,7 @@ def _parameter_property(parameter, options: set, more: dict):
     return FloatProperty(**texts, default=parameter.default)
 
 
-def condition_annotations(options=frozenset(), **more) -> dict:
+def condition_annotations(options: Iterable[str] = (), **more) -> dict:
     """`kind` and the parameters of every kind, for a group or an operator; `more` is passed to each property."""
     options = set(options)
     annotations = {"kind": EnumProperty(
@@ -120,7 +121,7 @@ PLAN_SETTINGS = tuple(_PLAN_SETTINGS)
 """Names of the settings shared by `Scene.cmc` and Mesh Plan."""
 
 
-def plan_annotations(options=frozenset()) -> dict:
+def plan_annotations(options: Iterable[str] = ()) -> dict:
     """The settings of Mesh Plan as property annotations."""
     return {name: make(options=set(options)) for name, make in _PLAN_SETTINGS.items()}
 

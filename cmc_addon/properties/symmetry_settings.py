@@ -1,5 +1,6 @@
 """Settings of Repeat by Symmetry, for `Object.cmc` and for the operator."""
 
+from collections.abc import Iterable
 from functools import partial
 
 import bpy
@@ -33,7 +34,7 @@ COMPLETE_SETTINGS = tuple(_COMPLETE)
 _BOX = "Object with the bounding box that the centres of the copies lie in"
 
 
-def complete_annotations(options=frozenset()) -> dict:
+def complete_annotations(options: Iterable[str] = ()) -> dict:
     """For the operator, which takes the box as an object's name."""
     settings = {name: make(options=set(options)) for name, make in _COMPLETE.items()}
     return settings | {"box": StringProperty(name="Box", description=_BOX, options=set(options))}
