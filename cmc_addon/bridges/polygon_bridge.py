@@ -1,8 +1,7 @@
-"""The mesh of a result with faces of its own: the dual or the corner mesh of the shell.
+"""The mesh of a result on the dual or the corner mesh of the shell.
 
-It is a new mesh, with what the plan carries as far as that can be brought to it: layers of numbers on vertices and on
-corners (UVs, colours, weights) are interpolated, those of faces are taken over from the face below. Layers of edges
-have no counterpart.
+It is a new mesh with the layers of the plan: numbers on vertices and corners (UVs, colours, weights) are interpolated,
+those on faces are copied from the face below. Layers of edges are dropped.
 """
 
 from __future__ import annotations
@@ -39,7 +38,7 @@ def polygon_mesh(
 ) -> bpy.types.Mesh:
     """A new mesh with the polygons of `sheet`, shaded flat, its vertices not yet placed.
 
-    triangles (T, 3) and owners (T,), the polygon each is part of: those of the plan that the sheet was formed on.
+    triangles (T, 3) of the plan that the sheet was formed on; owners (T,): their polygons.
     """
     mesh = copy_mesh(ob, depsgraph)
     taken = mesh_layers(mesh, lambda name: name not in NOT_REFRESHED - {"material_index"} and name[0] != ".")
@@ -65,12 +64,12 @@ def polygon_mesh(
 
 
 def _within(kind: str, values: NDArray) -> NDArray:
-    """Rows may lie a little outside of their triangle; colours must not."""
+    """A vertex may lie a little outside its triangle, but a colour must stay within 0 and 1."""
     return values.clip(0.0, 1.0) if kind in _COLOURS else values
 
 
 def row_weights(sheet: PolygonSheet, weights: list[dict[int, float]], vertex_count: int) -> list[dict[int, float]]:
-    """The plan's vertex weights (a dictionary for each vertex group) on the rows of a sheet."""
+    """The plan's vertex weights (a dictionary for each vertex group) on the vertices of a sheet."""
     table = np.zeros((vertex_count, len(weights)))
     member = np.zeros_like(table)
     for group, given in enumerate(weights):

@@ -279,7 +279,7 @@ def whole_mesh(completed: Completed, plan, mesh) -> Cut:
         vertices=completed.source,
         corners=corners,
         faces=polygons.faces.astype(np.int32),
-        rows=rows.astype(np.int32),
+        corner_vertices=rows.astype(np.int32),
         starts=polygons.starts.astype(np.int32),
     )
 

@@ -303,7 +303,7 @@ def test_messages(grid) -> None:
 def test_a_foreign_attribute_of_the_same_name_is_left_alone(grid) -> None:
     grid.data.attributes.new(ATTRIBUTE, "FLOAT", "POINT")
     select(grid, on_side(grid, 0, -1.0))
-    with pytest.raises(RuntimeError, match="rename or remove that attribute"):
+    with pytest.raises(RuntimeError, match="rename or remove it"):
         bpy.ops.cmc.group_add(assign=True)
     assert not grid.data.cmc.groups
     assert grid.data.attributes[ATTRIBUTE].data_type == "FLOAT"

@@ -70,7 +70,7 @@ def test_it_says_that_something_was_not_measured():
     result = solve(plan)
     result.data.attributes.remove(result.data.attributes["cmc_distortion"])
     plan.cmc.colour_by = "DISTORTION"
-    assert legend().labels == [] and "Solve" in legend().subtitle
+    assert legend().labels == [] and "solve again" in legend().subtitle
 
 
 def test_the_legend_of_instances_is_that_of_the_shell():
