@@ -16,7 +16,7 @@ from itertools import count
 import bpy
 from bpy.app.handlers import persistent
 
-from ..properties.stored import kind_parameters
+from ..properties.group_settings import kind_parameters
 from . import edge_bridge
 
 

@@ -18,11 +18,12 @@ from numpy.typing import NDArray
 from ...solver.errors import CmcError
 from ..bridges.overlay_bridge import cut_of, points_of, seen_plan
 from ..properties import group_list, preferences
+from ..properties.group_settings import parameter_values
 from ..properties.links import plan_to_solve, results_of
 from ..properties.overlay_settings import SHOWN
 from ..properties.reports import last_report
 from ..properties.settings import SIDES
-from ..properties.stored import ROLES, parameter_values
+from ..properties.stored import ROLES
 from .overlay_cache import kept, version
 from .overlay_layers import Layer, Look, arrow_length, cut_layer, rim_layers
 from .palette import colour_of, other_colour

@@ -39,8 +39,9 @@ from ...solver.meshing.wires import (
 from ..background import worker
 from ..bridges import outline_bridge
 from ..properties import group_list
+from ..properties.group_settings import kind_parameters
 from ..properties.links import by_uid
-from ..properties.stored import PLAN_SETTINGS, kind_parameters, plan_annotations
+from ..properties.plan_settings import PLAN_SETTINGS, plan_annotations
 from .modal import Working
 from .poll import RUNNING
 

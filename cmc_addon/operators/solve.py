@@ -10,9 +10,9 @@ import bpy
 from ...solver.errors import CmcError
 from ..background import worker
 from ..drawing.viewport import redraw as redraw
+from ..properties.group_settings import condition_annotations, kind_parameters, parameter_values
 from ..properties.links import by_uid, plan_of
 from ..properties.settings import SETTINGS, SIZE_PROPERTY, energies_on, fitted_settings, setting_annotations
-from ..properties.stored import condition_annotations, kind_parameters, parameter_values
 from ..results.objects import check_writable
 from ..tasks.solve import settings_of, take_order
 from .modal import Working

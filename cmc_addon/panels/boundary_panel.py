@@ -9,8 +9,8 @@ from ..bridges.mesh_cache import boundary_counts
 from ..bridges.start_bridge import has_start
 from ..drawing.palette import icon_of
 from ..properties import group_list
+from ..properties.group_settings import kind_parameters
 from ..properties.links import plan_to_solve
-from ..properties.stored import kind_parameters
 from .symmetry_panel import draw_group
 from .tab import Tab, hint, properties_column
 

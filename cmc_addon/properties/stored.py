@@ -11,13 +11,9 @@
 `WindowManager.cmc`        the running task (`CmcRun`), never saved
 =========================  ==================================================================
 
-Kinds of boundary conditions come from the solver's registry: a kind added there appears here. Identifiers are the
-solver's names in capitals. Lengths are Blender units, angles radians (shown as degrees). Blender needs annotations to
-be objects, not strings.
+Identifiers are the solver's names in capitals. Lengths are Blender units, angles radians (shown as degrees). Blender
+needs annotations to be objects, not strings.
 """
-
-from collections.abc import Iterable
-from functools import partial
 
 import bpy
 from bpy.props import (
@@ -31,15 +27,16 @@ from bpy.props import (
     StringProperty,
 )
 
-from ...solver.gauss.conditions import KINDS
 from .changes import notify
 from .colour_settings import stored_colour_annotations
 from .design_settings import stored_design_annotations
 from .export_settings import stored_export_annotations
 from .group_list import free_name
+from .group_settings import condition_annotations
 from .live_settings import live_annotations
 from .overlay_settings import overlay_annotations
 from .periods_settings import stored_period_annotations
+from .plan_settings import plan_annotations
 from .settings import stored_setting_annotations
 from .symmetry_settings import stored_complete_annotations
 
@@ -54,79 +51,12 @@ DESIGN_ROLES = {"NEAREST": "nearest CMC surface", "FIT": "shell fitted to an out
 COMPLETED_ROLES = {"COMPLETED": "shell repeated by symmetry or by gaps"}
 """Role of a result of Repeat by Symmetry or Repeat by Gaps -> description."""
 
-
-# --- from the registry of kinds ------------------------------------------------------------
-
-def kind_items() -> list[tuple[str, str, str]]:
-    """(identifier, label, description) of every boundary condition, for an EnumProperty."""
-    return [(name.upper(), kind.label, kind.description) for name, kind in KINDS.items()]
-
-
-def kind_parameters(kind: str) -> tuple[str, ...]:
-    """Names of the parameters of a kind (an enum identifier)."""
-    return tuple(parameter.name for parameter in KINDS[kind.lower()].parameters)
-
-
-def parameter_values(kind: str, owner) -> dict:
-    """The parameters of a kind, read from a group or an operator, as the solver takes them."""
-    values = {}
-    for name in kind_parameters(kind):
-        value = getattr(owner, name)
-        values[name] = value if isinstance(value, (int, float)) else tuple(value)
-    return values
-
-
-def _parameter_property(parameter, options: set, more: dict):
-    texts = {**more, "name": parameter.label, "description": parameter.description, "options": options}
-    if isinstance(parameter.default, (tuple, list)):
-        return FloatVectorProperty(**texts, size=3, default=parameter.default, subtype="DIRECTION")
-    if parameter.unit in ("radians", "rad", "angle", "degrees"):
-        return FloatProperty(**texts, default=parameter.default, subtype="ANGLE", step=100)
-    return FloatProperty(**texts, default=parameter.default)
-
-
-def condition_annotations(options: Iterable[str] = (), **more) -> dict:
-    """`kind` and the parameters of every kind, for a group or an operator; `more` is passed to each property."""
-    options = set(options)
-    annotations = {"kind": EnumProperty(
-        name="Kind", description="Boundary condition of the shell along these edges",
-        items=kind_items(), default="BINORMAL", options=options, **more)}
-    for kind in KINDS.values():
-        for parameter in kind.parameters:
-            annotations[parameter.name] = _parameter_property(parameter, options, more)
-    return annotations
-
-
 _ACROSS = [
     ("AUTO", "Automatic", "The shell continues across mirrors and constant planes, not across free edges"),
     ("ON", "Yes", "The shell continues across these edges"),
     ("OFF", "No", "The repeated shell ends at these edges"),
 ]
 
-# --- how a plan is meshed ------------------------------------------------------------------
-
-_PLAN_SETTINGS = {
-    "edge_length": partial(
-        FloatProperty, name="Edge Length", description="Length of the edges; 0: a fortieth of the plan's size",
-        default=0.0, min=0.0, subtype="DISTANCE"),
-    "round_corners": partial(
-        BoolProperty, name="Round Corners", default=True,
-        description="Round sharp corners of the outline, where the rim normals would jump and the curvature diverge"),
-    "corner_radius": partial(
-        FloatProperty, name="Corner Radius",
-        description="Radius of rounded corners, less where space is short; 0: a tenth of the plan's size",
-        default=0.0, min=0.0, subtype="DISTANCE"),
-}
-PLAN_SETTINGS = tuple(_PLAN_SETTINGS)
-"""Names of the settings shared by `Scene.cmc` and Mesh Plan."""
-
-
-def plan_annotations(options: Iterable[str] = ()) -> dict:
-    """The settings of Mesh Plan as property annotations."""
-    return {name: make(options=set(options)) for name, make in _PLAN_SETTINGS.items()}
-
-
-# --- what is stored ------------------------------------------------------------------------
 
 def _keep_names_different(group, _context) -> None:
     """A name that is taken by another group gets a number, as in Blender."""

@@ -26,9 +26,10 @@ from ..bridges.mesh_bridge import PlanMesh, read_plan
 from ..bridges.numbering import in_plan_numbers
 from ..bridges.result_bridge import Cut, find_cut
 from ..properties.attributes import ATTRIBUTES, USUAL
+from ..properties.group_settings import parameter_values
 from ..properties.links import result_of, results_of, wanted_roles
 from ..properties.settings import SETTINGS, SIDES, SIZE_PROPERTY, fitted_settings
-from ..properties.stored import ROLES, parameter_values
+from ..properties.stored import ROLES
 from ..results import colours
 from ..results.measures import Measured, polygon_measures, sheet_measures
 from ..results.objects import Writer, delete_result, hide_completed, show_wanted, write_report
