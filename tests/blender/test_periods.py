@@ -11,7 +11,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from .scenes import activate, add_group, boundary_edges, positions, quad_ring, snapshot, values
-from .test_panels import draw
+from .sidebar import draw
 
 FINISHED = {"FINISHED"}
 COLUMNS = 32

@@ -12,7 +12,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from .scenes import activate, add_group, boundary_edges, mesh_object, positions, snapshot
-from .test_panels import draw
+from .sidebar import draw
 
 
 def wente_torus():
