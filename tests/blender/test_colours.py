@@ -1,4 +1,4 @@
-"""Results as colours: what is measured on them, over which range it is shown, and what becomes of that."""
+"""Colours of results: the measures, their range, and what later changes do to them."""
 
 from __future__ import annotations
 
@@ -220,7 +220,7 @@ def test_all_sheets_have_the_range_of_the_shell():
     assert_allclose(colours(plan.cmc.gauss), colours(plan.cmc.f_minus))
 
 
-def test_a_range_of_ones_own():
+def test_a_range_set_by_hand():
     """It begins with the fitted one, stays through the next solve, and is dropped for another quantity."""
     plan = hall()
     result = solve(plan)
@@ -239,7 +239,7 @@ def test_a_range_of_ones_own():
     assert module("results.colours").stored_range(result).low == 1.0
 
 
-def test_what_is_not_known_is_grey():
+def test_missing_values_are_grey():
     """An older result has no distortion until it is solved again."""
     plan = hall()
     result = solve(plan)

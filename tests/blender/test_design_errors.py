@@ -1,4 +1,4 @@
-"""What cannot be designed is said in a sentence, and the scene stays as it was."""
+"""Fits that are refused: one sentence, and an unchanged scene."""
 
 from __future__ import annotations
 

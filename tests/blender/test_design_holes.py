@@ -89,7 +89,7 @@ def test_more_splines_than_loops(plan):
     assert plan.cmc.fit is None
 
 
-def test_a_gap_that_is_left_is_said(addon, plan, monkeypatch):
+def test_a_remaining_gap_is_reported(addon, plan, monkeypatch):
     """And the layers go over the cut."""
     monkeypatch.setattr(addon.cmc_addon.tasks.fit_outline, "_FIRST_SLICE", 1)
     monkeypatch.setattr(addon.cmc_addon.tasks.fit_outline, "LIMIT", 1)

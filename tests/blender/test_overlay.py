@@ -14,7 +14,7 @@ from .scenes import activate, add_group, boundary_edges, mesh_object, quad_disc,
 
 @pytest.fixture
 def rim(addon):
-    """Rim of a plan as it is seen now; world directions, places measured from the plan's origin."""
+    """The rim of a plan now; world directions, positions relative to the origin of the plan."""
 
     def look(plan):
         bpy.context.view_layer.update()
@@ -185,7 +185,7 @@ def sides_of(plan):
 
 # --- what makes no sense --------------------------------------------------------------------
 
-def test_a_group_that_makes_no_sense_leaves_the_others(rim):
+def test_an_invalid_group_leaves_the_others(rim):
     plan = quad_disc()
     first, second = arcs(plan, 0, 90, 180)
     add_group(plan, "bad", first, "PLANE", normal=(0, 0, 0))
@@ -208,7 +208,7 @@ BAD = ["three faces", "flat", "not finite", "loose", "wire", "nothing", "all fre
 
 
 @pytest.mark.parametrize("what", BAD)
-def test_bad_plans_are_drawn_as_far_as_they_can_be(addon, what):
+def test_bad_plans_are_drawn_as_far_as_possible(addon, what):
     points, faces = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2, 3)]
     if what == "three faces":
         points, faces = [*points, (0, 0, 1), (0, 0, -1)], [(0, 1, 2), (0, 1, 4), (0, 1, 5)]
@@ -262,14 +262,14 @@ def test_a_result_that_is_active_shows_its_plan(addon):
 
 @pytest.fixture
 def looked(addon, monkeypatch):
-    """How often a plan was worked out."""
+    """Calls that compute a rim."""
     calls = []
     original = addon.cmc_addon.drawing.overlay.prescribed_rim
     monkeypatch.setattr(addon.cmc_addon.drawing.overlay, "prescribed_rim", lambda *a: calls.append(1) or original(*a))
     return calls
 
 
-def test_it_is_worked_out_once_a_change(addon, looked):
+def test_it_is_computed_once_per_change(addon, looked):
     plan = disc()
     first = frame(addon)
     for _ in range(3):

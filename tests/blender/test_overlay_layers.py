@@ -44,7 +44,7 @@ def test_parts_are_placed_by_the_object(addon):
 
 
 @pytest.mark.parametrize("columns, count", [(24, 64), (400, 64), (400, 10)])
-def test_there_are_no_more_arrows_than_wanted(addon, columns, count):
+def test_there_are_no_more_arrows_than_the_setting(addon, columns, count):
     plan = quad_disc(rings=2, columns=columns)
     add_group(plan, "rim", boundary_edges(plan.data), "BINORMAL")
     only("show_normals")
@@ -96,12 +96,12 @@ def test_tangent_planes_are_square_to_the_normals(addon):
     assert_allclose(np.abs(np.einsum("ij,ij->i", normals[::2], expected)), 1.0, atol=1e-5)
 
 
-def test_a_mirror_has_strokes_in_its_plane_and_its_plane_stands_on_its_edges(addon):
+def test_a_mirror_has_ticks_in_its_plane_and_its_plane_stands_on_its_edges(addon):
     plan = square()
     add_group(plan, "wall", sides_of(plan)[1], "MIRROR", normal=(1, 0, 0))
     only("show_normals")
-    strokes = next(layer for layer in layers(frame(addon), "LINES") if layer.colour[:3] == colour(addon, 1))
-    lines = strokes.points.reshape(-1, 2, 3)
+    ticks = next(layer for layer in layers(frame(addon), "LINES") if layer.colour[:3] == colour(addon, 1))
+    lines = ticks.points.reshape(-1, 2, 3)
     assert_allclose(lines[..., 0], 2.0, atol=1e-6)
     assert_allclose(lines[:, 0, 1], lines[:, 1, 1], atol=1e-6)
     only("show_mirrors")
@@ -194,7 +194,7 @@ def test_the_gap_is_an_arrow_that_goes_with_the_shell(addon):
 
 # --- when it is drawn -----------------------------------------------------------------------
 
-def test_nothing_is_drawn_of_what_is_hidden_or_no_plan(addon):
+def test_hidden_objects_and_other_meshes_are_not_drawn(addon):
     plan = disc()
     assert frame(addon)
     plan.hide_set(True)

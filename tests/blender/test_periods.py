@@ -1,4 +1,4 @@
-"""Close Periods: in every way, in place, with the layers; what moves; what is said; undo."""
+"""Close Gaps: each way to close, in place, with the layers; what moves; the messages; undo."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def sources_of(mesh) -> np.ndarray:
 
 
 def uv_corners(mesh) -> set:
-    """What is at each corner: the plan's vertex by number, and its UV."""
+    """Per corner: the plan's vertex by number, and its UV."""
     sources = sources_of(mesh)
     drawn = values(mesh.attributes["Drawing"])
     return {(int(sources[loop.vertex_index]), *np.round(uv, 6)) for loop, uv in zip(mesh.loops, drawn, strict=True)}
@@ -60,7 +60,7 @@ def seams(mesh) -> set:
     return {tuple(sorted(sources[list(edge.vertices)].tolist())) for edge in mesh.edges if edge.use_seam}
 
 
-def test_solve_says_that_there_is_a_gap_and_what_to_press(plan, addon):
+def test_solve_reports_the_gap_and_the_buttons(plan, addon):
     told = report(plan)
     (hole,) = told["holes"]
     assert told["is_open"] and hole["name"] == "hole 1" and 0.02 < hole["relative"] < 1.0
@@ -128,7 +128,7 @@ def test_a_court_closes_in_place(plan, way):
     assert_allclose(H, told["mean_curvature"], rtol=0.15)
 
 
-def test_the_panel_tells_what_changed(plan, addon):
+def test_the_panel_lists_the_changes(plan, addon):
     assert bpy.ops.cmc.close_periods(close_by="BOTH", close_size=True) == FINISHED
     rows = dict(addon.cmc_addon.panels.periods_text.closing_rows(report(plan)))
     assert set(rows) == {
@@ -168,7 +168,7 @@ def test_a_plan_that_is_turned_and_moved_closes_by_its_hole():
     assert_allclose(shift[:2], [closing["moved"]["x"], closing["moved"]["y"]], atol=1e-5)
 
 
-def test_a_gap_that_is_left_is_said(plan, addon):
+def test_a_remaining_gap_is_reported(plan, addon):
     """A hole that may only grow does not close it."""
     assert bpy.ops.cmc.close_periods(
         close_by="HOLE", close_shift=False, close_twist=False, close_size=True) == FINISHED
@@ -200,7 +200,7 @@ def refused(said: str, **options) -> None:
     assert snapshot() == before
 
 
-def test_what_cannot_be_closed_is_said(plan):
+def test_a_plan_that_cannot_close_is_refused(plan):
     refused("Say how the holes may move", close_by="HOLE", close_shift=False, close_twist=False)
     plan.cmc.sites, plan.cmc.energy = "FACES", "MOBIUS"
     refused("Closing works with normals on vertices")

@@ -1,4 +1,4 @@
-"""Preferences: read with and without them, and the tab of the sidebar that they choose."""
+"""Preferences: read with and without the add-on enabled, and the sidebar tab."""
 
 from __future__ import annotations
 
