@@ -32,7 +32,7 @@ def plan(following):
 
 
 def run(following, seconds: float = 20.0) -> int:
-    """Run the steps of the timer until it rests; their number."""
+    """Turn the crank as the timer does, until there is nothing more to do; how often."""
     ticks = 1
     while following.tick() is not None:
         ticks += 1
@@ -104,7 +104,7 @@ def test_it_goes_on_from_the_last_fit(following, plan, delivered):
     assert height(plan) == pytest.approx(2.2, rel=5e-3)
 
 
-def test_only_where_it_is_switched_on(following, plan):
+def test_only_where_it_is_asked_for(following, plan):
     before = positions(plan.cmc.fit)
     plan.cmc.follow = False
     plan.cmc.fit_rise = 0.8
@@ -171,7 +171,7 @@ def test_it_gives_way_to_a_solve(following, plan):
     assert height(plan) == pytest.approx(3.2, rel=5e-3)
 
 
-def test_errors_are_shown(following, plan):
+def test_what_goes_wrong_is_said(following, plan):
     plan.cmc.fit_to = "CURVE"
     run(following)
     assert "'Disc' has no curve" in following.problem_of(plan)

@@ -1,4 +1,4 @@
-"""Colours by hand: Colour by from its menu, the legend, strokes, the Gauss image, undo, and the shading as it was."""
+"""Colours by hand: each Colour By, the legend, curvature lines, normals on a sphere, undo, and the former shading."""
 
 from __future__ import annotations
 
