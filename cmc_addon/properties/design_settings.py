@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterable
 from functools import partial
 from types import SimpleNamespace
+from typing import Any
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty, StringProperty
@@ -201,12 +202,12 @@ def stored_settings(stored, names: tuple[str, ...]) -> SimpleNamespace:
     return SimpleNamespace(**{name: getattr(stored, name) for name in names})
 
 
-def take_targets(operator, stored) -> dict[str, bpy.types.ID | None]:
+def take_targets(operator, stored) -> dict[str, Any]:
     """Data-blocks of `curve` and `anchors`. One named in the call also sets `fit_to`, unless the call does.
 
     Call it before `take_settings`. Raises `CmcError` if no data-block has that name.
     """
-    found = {}
+    targets = {}
     for name, among in (("curve", bpy.data.objects), ("anchors", bpy.data.collections)):
         linked = getattr(stored, POINTERS[name])
         if operator.properties.is_property_set(name):
@@ -219,5 +220,5 @@ def take_targets(operator, stored) -> dict[str, bpy.types.ID | None]:
                 operator.fit_to = name.upper()
         else:
             setattr(operator, name, linked.name if linked is not None else "")
-        found[name] = linked
-    return found
+        targets[name] = linked
+    return targets

@@ -87,14 +87,14 @@ class Family:
 
 def families(plan: bpy.types.Object, sheet: str = "") -> list[Family]:
     """The results of a plan that can be coloured. sheet: role of the shell, by default the setting's."""
-    found = []
+    known = []
     solved = results_of(plan)
     shell = solved.pop(sheet or plan.cmc.sheet, None)
     if shell is not None:
         images = [solved.pop(role) for role in ("G", "GAUSS") if role in solved]
-        found.append(Family(shell, [*solved.values(), *_completed(plan)], images))
-    found += [Family(ob, [], []) for ob in results_of(plan, DESIGN_ROLES).values()]
-    return found
+        known.append(Family(shell, [*solved.values(), *_completed(plan)], images))
+    known += [Family(ob, [], []) for ob in results_of(plan, DESIGN_ROLES).values()]
+    return known
 
 
 def _completed(plan: bpy.types.Object) -> list[bpy.types.Object]:
