@@ -233,7 +233,7 @@ def draw_start(layout: bpy.types.UILayout, plan: bpy.types.Object) -> None:
     known = {"start map": has_start(plan.data), "edge lengths": has_lengths(plan.data)}
     if any(known.values()):
         row = layout.row()
-        row.label(text=f"Has its own {' and '.join(name for name, there in known.items() if there)}", icon="INFO")
+        row.label(text=f"Own {' and '.join(name for name, there in known.items() if there)}", icon="INFO")
         row.operator("cmc.start_clear", text="", icon="X")
     layout.operator("cmc.start_from_shell")
 
