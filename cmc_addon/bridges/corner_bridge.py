@@ -47,13 +47,13 @@ def corners(mesh: bpy.types.Mesh) -> list[Corner]:
         return []
     sides, points, up, marked = _edit_sides(mesh) if mesh.is_editmode else _stored_sides(mesh)
     arriving = {head: (uid, tail) for tail, head, uid in sides if uid in mirrors}
-    found = []
+    mirrored = []
     for tail, head, uid in sides:
         before = arriving.get(tail)
         if uid in mirrors and before is not None and before[0] != uid:
             turn = _turn(points[before[1]], points[tail], points[head], up)
-            found.append(Corner(tail, (before[0], uid), turn, tail in marked))
-    return found
+            mirrored.append(Corner(tail, (before[0], uid), turn, tail in marked))
+    return mirrored
 
 
 def flip(mesh: bpy.types.Mesh, vertex: int) -> None:

@@ -142,11 +142,11 @@ def _uvs(parts: Sequence[Placed], orders: list[NDArray], starts: NDArray) -> tup
     """Distinct UVs (T, 2), and the indices into them of every polygon's corners; empty where a mesh has no UVs."""
     if all(part.mesh.uvs is None for part in parts):
         return np.empty((0, 2)), []
-    found = [
+    each = [
         np.full((len(order), 2), np.nan) if part.mesh.uvs is None else part.mesh.uvs[order]
         for part, order in zip(parts, orders, strict=True)
     ]
-    uvs, rows = np.unique(np.concatenate(found), axis=0, return_inverse=True)
+    uvs, rows = np.unique(np.concatenate(each), axis=0, return_inverse=True)
     none = np.isnan(uvs[:, 0])
     corners = _split(rows.reshape(-1).astype(np.int32), starts)
     if none.any():  # rows of nan come last

@@ -43,9 +43,9 @@ def polygon_mesh(
     mesh = copy_mesh(ob, depsgraph)
     taken = mesh_layers(mesh, lambda name: name not in NOT_REFRESHED - {"material_index"} and name[0] != ".")
     active = active_layers(mesh)
-    rows = np.concatenate(sheet.polygons)
+    corner_vertices = np.concatenate(sheet.polygons)
     sizes = np.array([len(polygon) for polygon in sheet.polygons])
-    build_polygons(mesh, len(sheet.points), rows, np.concatenate([[0], np.cumsum(sizes)]))
+    build_polygons(mesh, len(sheet.points), corner_vertices, np.concatenate([[0], np.cumsum(sizes)]))
     faces = sheet.owners(triangles, owners)
     corners = corners_of(plan, np.repeat(owners, 3), triangles.ravel()).reshape(-1, 3)
     for name, kind, domain, values in taken:
@@ -54,8 +54,8 @@ def polygon_mesh(
         elif kind in _SMOOTH and domain == "POINT":
             set_attribute(mesh, name, kind, domain, _within(kind, sheet.from_vertices(values)))
         elif kind in _SMOOTH and domain == "CORNER":
-            on_rows = sheet.from_corners(np.asarray(values)[corners], triangles)
-            set_attribute(mesh, name, kind, domain, _within(kind, on_rows)[rows])
+            at_vertices = sheet.from_corners(np.asarray(values)[corners], triangles)
+            set_attribute(mesh, name, kind, domain, _within(kind, at_vertices)[corner_vertices])
     set_active_layers(mesh, active)
     mesh.cmc.groups.clear()
     mesh.cmc.active_index = 0
@@ -75,8 +75,8 @@ def row_weights(sheet: PolygonSheet, weights: list[dict[int, float]], vertex_cou
     for group, given in enumerate(weights):
         table[list(given), group] = list(given.values())
         member[list(given), group] = 1.0
-    found, inside = sheet.from_vertices(table).clip(0.0, 1.0), sheet.from_vertices(member) > 0.5
+    interpolated, inside = sheet.from_vertices(table).clip(0.0, 1.0), sheet.from_vertices(member) > 0.5
     return [
-        {int(row): float(found[row, group]) for row in np.flatnonzero(inside[:, group])}
+        {int(row): float(interpolated[row, group]) for row in np.flatnonzero(inside[:, group])}
         for group in range(len(weights))
     ]
