@@ -29,6 +29,8 @@ class CMC_PT_periods(ResultPanel, bpy.types.Panel):
 
     def draw_report(self, context, report):
         layout, plan = self.layout, plan_to_solve(context)
+        if plan is None:
+            return
         numbers(layout, gap_rows(report))
         numbers(layout, closing_rows(report))
         column = properties_column(layout)

@@ -104,6 +104,8 @@ class CMC_PT_symmetry(Tab, bpy.types.Panel):
 
     def draw(self, context):
         layout, plan = self.layout, plan_to_solve(context)
+        if plan is None:
+            return
         column = properties_column(layout)
         column.enabled = plan.is_editable and not context.window_manager.cmc.running
         draw_complete(column, plan.cmc)
