@@ -6,6 +6,7 @@
 .PHONY: demo test lint test-solver test-blender test-versions extension gui-test bench mutation gallery clean
 
 PYTHON := .venv/bin/python
+TYPES := .venvs/types/bin/python
 WORKERS := $(shell n=$$(nproc); echo $$((n < 8 ? n : 8)))
 # A process a core, each with whole files; BLAS threads of their own would only be in each other's way.
 PYTEST := OPENBLAS_NUM_THREADS=1 $(PYTHON) -m pytest --timeout=300 -n $(WORKERS) --dist loadfile
@@ -21,9 +22,11 @@ demo: .venv/ready
 # Everything that needs no window and no patience; its last line is pytest's.
 test: lint test-solver test-blender
 
-lint: .venv/ready
+# Types of the solver, and of the add-on against stubs of bpy in an environment of their own.
+lint: .venv/ready .venvs/types/ready
 	$(PYTHON) -m ruff check .
 	$(PYTHON) -m pyright --pythonpath $(PYTHON)
+	$(PYTHON) -m pyright -p scripts/build/pyright-addon.json --pythonpath $(TYPES)
 
 test-solver: .venv/ready
 	$(PYTEST) tests/solver tests/test_layers.py
@@ -84,6 +87,10 @@ dist/here: .venv/ready $(SHIPPED)
 
 .venvs/bpy-4.5/ready .venvs/bpy-5.0/ready: .venvs/%/ready: $(SETUP)
 	scripts/build/setup_env.sh $(@D) 3.11 $*
+
+.venvs/types/ready: $(SETUP) scripts/build/relax_bpy_types.py
+	scripts/build/setup_env.sh $(@D) 3.11 base types
+	$(TYPES) scripts/build/relax_bpy_types.py $(@D)
 
 .venvs/full-4.5/ready: $(SETUP)
 	scripts/build/setup_env.sh $(@D) 3.11 base fast intrinsic test bpy-4.5

@@ -1,8 +1,8 @@
 """Measures of results and their colours, as attributes of meshes.
 
-The colours are the attribute `CMC` on the vertices, made the active one so that Solid shading shows it by *Attribute*;
-which one was active before is remembered with the mesh. Where a measure is missing, on a result of an older version or
-while a shell is dragged, curvatures are measured from the mesh itself.
+The colours are the vertex attribute `CMC`, made active so that Solid shading shows it by *Attribute*; the mesh
+remembers which one was active before. Missing curvatures, on a result of an older version or while a shell is dragged,
+are measured from the mesh.
 """
 
 from __future__ import annotations
@@ -24,13 +24,12 @@ _BEFORE = "cmc_colour_before"
 _DIRECTION = ATTRIBUTES["direction"]
 
 
-def put_measures(mesh: bpy.types.Mesh, found: Mapping[str, NDArray]) -> None:
-    """Write measures, attribute -> values (n,) or (n, 3), and remove those that are not there: they were of a shell
-    that is no more."""
+def put_measures(mesh: bpy.types.Mesh, measures: Mapping[str, NDArray]) -> None:
+    """Write measures, attribute -> values (n,) or (n, 3), and remove all others, which belong to a former shell."""
     for name in ATTRIBUTES.values():
-        if name not in found:
+        if name not in measures:
             remove_attribute(mesh, name)
-    for name, values in found.items():
+    for name, values in measures.items():
         set_attribute(mesh, name, "FLOAT_VECTOR" if values.ndim == 2 else "FLOAT", "POINT", values)
 
 
@@ -40,13 +39,13 @@ def has_measure(mesh: bpy.types.Mesh, name: str) -> bool:
 
 
 def measure(mesh: bpy.types.Mesh, name: str) -> Array | None:
-    """A measure (n,) or (n, 3) by the name of its attribute: as stored, or measured now; None where it cannot be.
+    """A measure (n,) or (n, 3) by the name of its attribute, stored or measured now; None if neither is possible.
 
-    Deviation is nan where there is nothing to measure it from.
+    Deviation is nan where it has no reference.
     """
     if has_measure(mesh, name):
-        found = read(mesh, name, len(mesh.vertices), np.float32, 3 if name == _DIRECTION else 1).astype(np.float64)
-        return np.where(found < 0.0, np.nan, found) if name == ATTRIBUTES["deviation"] else found
+        values = read(mesh, name, len(mesh.vertices), np.float32, 3 if name == _DIRECTION else 1).astype(np.float64)
+        return np.where(values < 0.0, np.nan, values) if name == ATTRIBUTES["deviation"] else values
     ways = {
         ATTRIBUTES["mean_curvature"]: vertex_mean_curvature,
         ATTRIBUTES["gauss_curvature"]: vertex_gauss_curvature,
@@ -58,15 +57,15 @@ def measure(mesh: bpy.types.Mesh, name: str) -> Array | None:
 
 
 def put_measure(mesh: bpy.types.Mesh, name: str) -> None:
-    """Measure what is missing, and keep it with the mesh."""
+    """Measure and store a measure that is missing."""
     if not has_measure(mesh, name):
-        found = measure(mesh, name)
-        if found is not None:
-            set_attribute(mesh, name, "FLOAT_VECTOR" if found.ndim == 2 else "FLOAT", "POINT", found)
+        values = measure(mesh, name)
+        if values is not None:
+            set_attribute(mesh, name, "FLOAT_VECTOR" if values.ndim == 2 else "FLOAT", "POINT", values)
 
 
 def surface_of(mesh: bpy.types.Mesh) -> tuple[Array, NDArray[np.int32], Array]:
-    """Points (n, 3), triangles (F, 3) and normals (n, 3) of a result, on the side from which H is positive."""
+    """Points (n, 3), triangles (F, 3) and normals (n, 3) of a result, the normals oriented for positive H."""
     count = len(mesh.vertices)
     points = read(mesh, "position", count, np.float32, 3).astype(np.float64)
     normals = read(mesh, NORMAL_ATTRIBUTE, count, np.float32, 3).astype(np.float64)
@@ -83,19 +82,19 @@ def points_of(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
     return read(mesh, "position", len(mesh.vertices), np.float32, 3)
 
 
-def points_and_lines(mesh: bpy.types.Mesh) -> tuple[Array, Array, Array] | None:
-    """Points, normals and directions (n, 3) of a result; None where it has none."""
+def points_and_directions(mesh: bpy.types.Mesh) -> tuple[Array, Array, Array] | None:
+    """Points, normals and directions of the larger curvature (n, 3) of a result; None if it has no normals."""
     if mesh.is_editmode or not has_measure(mesh, NORMAL_ATTRIBUTE):
         return None
-    lines = measure(mesh, _DIRECTION)
-    if lines is None:
+    directions = measure(mesh, _DIRECTION)
+    if directions is None:
         return None
     points, normals = (read(mesh, name, len(mesh.vertices), np.float32, 3) for name in ("position", NORMAL_ATTRIBUTE))
-    return points.astype(np.float64), normals.astype(np.float64), lines
+    return points.astype(np.float64), normals.astype(np.float64), directions
 
 
 def paint(mesh: bpy.types.Mesh, colours: NDArray[np.float32]) -> None:
-    """Give the vertices linear colours (n, 4) and make them the ones that the viewport shows."""
+    """Give the vertices linear colours (n, 4) and make these the active colours."""
     set_attribute(mesh, COLOUR_ATTRIBUTE, "FLOAT_COLOR", "POINT", colours)
     active = mesh.color_attributes.active_color_name
     if active != COLOUR_ATTRIBUTE or _BEFORE not in mesh:
@@ -105,7 +104,7 @@ def paint(mesh: bpy.types.Mesh, colours: NDArray[np.float32]) -> None:
 
 
 def unpaint(mesh: bpy.types.Mesh) -> None:
-    """Take the colours away and make those active that were so before."""
+    """Remove the colours and restore the former active colours."""
     if COLOUR_ATTRIBUTE not in mesh.attributes:
         return
     before, was_active = mesh.get(_BEFORE, ""), mesh.color_attributes.active_color_name == COLOUR_ATTRIBUTE

@@ -1,7 +1,7 @@
-"""Corners between two mirrors of a plan: which way the shell faces there, and the mark that turns it round.
+"""Corners between two mirrors of a plan: the normal of the shell there, and the mark that flips it.
 
-Where two mirrors with normals ν₁, ν₂ meet, the shell's normal is ±ν₁ × ν₂ (see `conditions.mirror`). The sign is that
-of normals which point out of the shell; a mark on the vertex, an integer that is not 0, asks for the other one.
+Where two mirrors with normals ν₁, ν₂ meet, the normal of the shell is ±ν₁ × ν₂ (see `conditions.mirror`). By default it
+points out of the shell; a mark on the vertex, an integer other than 0, flips it.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 from .edge_bridge import group_values
 from .mesh_bridge import CORNER_ATTRIBUTE, read, set_attribute
 
-# Corners up to this much more than straight count as such, in radians.
+# Corners up to this much beyond straight count as convex, in radians.
 _STRAIGHT = 1e-4
 
 
@@ -32,9 +32,10 @@ class Corner:
     flipped: bool
 
     def normal(self, mesh: bpy.types.Mesh) -> np.ndarray | None:
-        """Which way the shell faces here, (3,); None where the two mirrors have one plane."""
+        """Normal (3,) of the shell here; None if the two mirrors share a plane."""
         normals = {group.uid: np.array(group.normal) for group in mesh.cmc.groups}
-        product = np.cross(*(normals[uid] for uid in self.uids))
+        before, after = (normals[uid] for uid in self.uids)
+        product = np.cross(before, after)
         length = np.linalg.norm(product)
         return (-self.turn if self.flipped else self.turn) * product / length if length > 1e-6 else None
 
@@ -46,17 +47,17 @@ def corners(mesh: bpy.types.Mesh) -> list[Corner]:
         return []
     sides, points, up, marked = _edit_sides(mesh) if mesh.is_editmode else _stored_sides(mesh)
     arriving = {head: (uid, tail) for tail, head, uid in sides if uid in mirrors}
-    found = []
+    mirrored = []
     for tail, head, uid in sides:
         before = arriving.get(tail)
         if uid in mirrors and before is not None and before[0] != uid:
             turn = _turn(points[before[1]], points[tail], points[head], up)
-            found.append(Corner(tail, (before[0], uid), turn, tail in marked))
-    return found
+            mirrored.append(Corner(tail, (before[0], uid), turn, tail in marked))
+    return mirrored
 
 
 def flip(mesh: bpy.types.Mesh, vertex: int) -> None:
-    """Set the mark of a vertex, or take it away."""
+    """Set or clear the mark of a vertex."""
     if mesh.is_editmode:
         bm = bmesh.from_edit_mesh(mesh)
         layer = bm.verts.layers.int.get(CORNER_ATTRIBUTE) or bm.verts.layers.int.new(CORNER_ATTRIBUTE)
@@ -76,7 +77,7 @@ def _turn(before: np.ndarray, here: np.ndarray, after: np.ndarray, up: np.ndarra
 
 
 def _stored_sides(mesh: bpy.types.Mesh):
-    """Boundary edges as (tail, head, uid) with the faces on their left, points, the mean normal, marked vertices."""
+    """Boundary edges as (tail, head, uid) with the faces on their left; points; mean normal; marked vertices."""
     corner_edges = read(mesh, ".corner_edge", len(mesh.loops), np.int32)
     starts = read(mesh, ".corner_vert", len(mesh.loops), np.int32)
     ends = np.empty_like(starts)
@@ -103,7 +104,7 @@ def _edit_sides(mesh: bpy.types.Mesh):
 
 
 def _area_vector(sides, points) -> np.ndarray:
-    """½ ∮ x × dx over the boundary: the side to which the faces look."""
+    """Unit vector along ½ ∮ x × dx over the boundary: the mean normal of the faces."""
     if not sides:
         return np.zeros(3)
     tails, heads = (np.array([points[side[k]] for side in sides]) for k in (0, 1))

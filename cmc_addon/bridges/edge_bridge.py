@@ -1,10 +1,9 @@
-"""Edges of a Blender mesh: which are boundary, which group each is in, which are selected.
+"""Edges of a Blender mesh: boundary, groups and selection.
 
-The other half of `mesh_bridge`: the two are the only files that read or write Blender meshes. Everything
-here works in object mode and in edit mode, where a mesh's arrays are empty and its bmesh holds the data.
+Everything here works in object mode and in edit mode, where the arrays of a mesh are empty and its bmesh holds the
+data.
 
-A boundary edge has exactly one face. In a mesh without any face, an outline still to be meshed, every
-edge counts as boundary.
+A boundary edge has exactly one face. In a mesh without faces, an outline not yet meshed, every edge is boundary.
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ _STAMP = ".cmc_list_"
 
 @dataclass(frozen=True)
 class EdgeState:
-    """One entry an edge, in the mesh's order: on the boundary, uid of its group (0: none), selected."""
+    """Per edge, in the order of the mesh: on the boundary, uid of its group (0: none), selected."""
 
     boundary: np.ndarray
     group: np.ndarray
@@ -37,14 +36,14 @@ def has_faces(mesh: bpy.types.Mesh) -> bool:
 
 
 def read_edges(mesh: bpy.types.Mesh) -> EdgeState:
-    """The state of every edge, whatever the mode. Raises MeshError if the attribute's name is taken."""
+    """The state of every edge, in any mode. Raises `MeshError` if another attribute has the name of the groups."""
     if mesh.is_editmode:
         return _read_bmesh(bmesh.from_edit_mesh(mesh))
     return EdgeState(_boundary(mesh), group_values(mesh), _stored_selection(mesh))
 
 
 def write_groups(mesh: bpy.types.Mesh, edges: np.ndarray, uid: int) -> None:
-    """Put the edges (indices) into the group `uid`, or with 0 into none."""
+    """Put edges (indices) into the group `uid`, or with 0 into none."""
     if mesh.is_editmode:
         bm = bmesh.from_edit_mesh(mesh)
         layer = _layer(bm, create=True)
@@ -59,7 +58,7 @@ def write_groups(mesh: bpy.types.Mesh, edges: np.ndarray, uid: int) -> None:
 
 
 def write_selection(mesh: bpy.types.Mesh, edges: np.ndarray, select: bool) -> None:
-    """Select or deselect the edges (indices), and their vertices with them; hidden edges stay as they are."""
+    """Select or deselect edges (indices) with their vertices; hidden edges stay as they are."""
     if mesh.is_editmode:
         bm = bmesh.from_edit_mesh(mesh)
         bm.edges.ensure_lookup_table()
@@ -73,7 +72,7 @@ def write_selection(mesh: bpy.types.Mesh, edges: np.ndarray, select: bool) -> No
 
 
 def group_values(mesh: bpy.types.Mesh) -> np.ndarray:
-    """Group uid of every edge (E,), zeros where nothing was ever assigned; object mode only."""
+    """Group uid of every edge (E,), 0 by default; object mode only."""
     values = np.zeros(len(mesh.edges), dtype=np.int32)
     attribute = mesh.attributes.get(GROUP_ATTRIBUTE)
     if attribute is not None:
@@ -83,7 +82,7 @@ def group_values(mesh: bpy.types.Mesh) -> np.ndarray:
 
 
 def write_group_values(mesh: bpy.types.Mesh, values: np.ndarray) -> None:
-    """Set the group uid of every edge (E,), making the attribute if need be; object mode only."""
+    """Set the group uid of every edge (E,), with a new attribute if needed; object mode only."""
     attribute = mesh.attributes.get(GROUP_ATTRIBUTE)
     if attribute is None:
         attribute = mesh.attributes.new(GROUP_ATTRIBUTE, "INT", "EDGE")
@@ -93,7 +92,7 @@ def write_group_values(mesh: bpy.types.Mesh, values: np.ndarray) -> None:
 
 
 def repair_selection(mesh: bpy.types.Mesh) -> None:
-    """Where Blender 5.0 calculates edges it stores their selection with a wrong type; writing would crash."""
+    """Replace an edge selection of the wrong type, made by Blender 5.0 when it calculates edges: writing it crashes."""
     attribute = mesh.attributes.get(_SELECTION)
     if attribute is not None and attribute.data_type != "BOOLEAN":
         mesh.attributes.remove(attribute)
@@ -101,13 +100,13 @@ def repair_selection(mesh: bpy.types.Mesh) -> None:
 
 
 def read_stamp(mesh: bpy.types.Mesh) -> int:
-    """The number that `write_stamp` left, 0 if there is none."""
+    """The number left by `write_stamp`, or 0."""
     names = (layer.name for layer in _stamp_layers(mesh))
     return next((int(name.removeprefix(_STAMP)) for name in names), 0)
 
 
 def write_stamp(mesh: bpy.types.Mesh, number: int) -> None:
-    """Leave a number in a mesh in edit mode, where it takes part in undo; hidden from the user by its dot."""
+    """Leave a number in a mesh in edit mode, where undo includes it; the dot in its name hides it from the user."""
     bm = bmesh.from_edit_mesh(mesh)
     for layer in _stamp_layers(mesh):
         bm.faces.layers.int.remove(layer)
@@ -116,9 +115,9 @@ def write_stamp(mesh: bpy.types.Mesh, number: int) -> None:
 
 
 def count_boundary(mesh: bpy.types.Mesh, uids: frozenset[int]) -> tuple[int, int]:
-    """Numbers of boundary edges in all, and of those in none of the groups `uids`.
+    """Numbers of boundary edges, and of those in none of the groups `uids`.
 
-    Never raises: it serves the panel, which is drawn whatever state the mesh is in.
+    Never raises: the panel draws a mesh in any state.
     """
     if not mesh.is_editmode:
         attribute = mesh.attributes.get(GROUP_ATTRIBUTE)
@@ -136,14 +135,13 @@ def count_boundary(mesh: bpy.types.Mesh, uids: frozenset[int]) -> tuple[int, int
 
 
 def mend_selection(mesh: bpy.types.Mesh) -> None:
-    """Drop an edge selection of the wrong type, which Blender 5.0 makes where it calculates edges (from_pydata
-    does); writing a selection into it crashes Blender."""
+    """Remove an edge selection of the wrong type, made by Blender 5.0 when it calculates edges: writing it crashes."""
     attribute = mesh.attributes.get(".select_edge")
     if attribute is not None and attribute.data_type != "BOOLEAN":
         mesh.attributes.remove(attribute)
 
 
-# --- how it is done ------------------------------------------------------------------------
+# --- by mode ------------------------------------------------------------------------
 
 def _boundary(mesh: bpy.types.Mesh) -> np.ndarray:
     if not mesh.polygons:
@@ -156,8 +154,8 @@ def _boundary(mesh: bpy.types.Mesh) -> np.ndarray:
 def _check_attribute(attribute: bpy.types.Attribute) -> None:
     if (attribute.domain, attribute.data_type) != ("EDGE", "INT"):
         raise MeshError(
-            f"the attribute {GROUP_ATTRIBUTE!r} of this mesh is not an integer on edges, so boundary groups "
-            "cannot be kept in it; rename or remove that attribute"
+            f"The attribute {GROUP_ATTRIBUTE!r} of this mesh is not an integer on edges, so it cannot store boundary "
+            "groups; rename or remove it."
         )
 
 

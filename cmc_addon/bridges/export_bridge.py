@@ -1,7 +1,6 @@
-"""From result objects to one mesh in the world, as the solver's writers take it.
+"""Joins result objects into one mesh in the world, as the solver's writers take it.
 
-Objects that share a mesh, as instances do, are read once; what then becomes one mesh sees arrays only and may be put
-together in any thread.
+Objects that share a mesh, as instances do, are read once. Joining works on arrays alone, in any thread.
 """
 
 from __future__ import annotations
@@ -23,20 +22,20 @@ Int = NDArray[np.int32]
 @dataclass(frozen=True, eq=False)
 class RawMesh:
     """A mesh in its own coordinates: points and normals (V, 3); corners (C,), starts (P,) of polygons, uvs (C, 2) or
-    None, materials (P,) names. own: the normals are those of the surface and not those of the faces around."""
+    None, materials (P,) names. own: the normals are those of the surface, not means of faces."""
 
     points: Array
     normals: Array
     corners: Int
     starts: Int
-    uvs: Array | None
+    uvs: NDArray[np.float32] | None
     materials: list[str]
     own: bool
 
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """A mesh where an object has it: matrix (4, 4) to the world."""
+    """A mesh with the matrix (4, 4) of its object to the world."""
 
     name: str
     mesh: RawMesh
@@ -56,7 +55,7 @@ class Placed:
         return turned / np.maximum(np.linalg.norm(turned, axis=1, keepdims=True), 1e-30)
 
     def order(self) -> NDArray[np.int64]:
-        """The corners as the polygons are walked counter-clockwise in the world."""
+        """The order of the corners that walks the polygons counter-clockwise in the world."""
         count = len(self.mesh.corners)
         if not self.mirrored:
             return np.arange(count)
@@ -65,16 +64,16 @@ class Placed:
 
 
 def read_objects(objects: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgraph | None) -> list[Placed]:
-    """Meshes of objects; with a depsgraph as their modifiers show them."""
+    """Meshes of objects; with a depsgraph, modifiers applied."""
     known: dict[str, RawMesh] = {}
-    found = []
+    placed = []
     for ob in objects:
         shown = depsgraph is not None and len(ob.modifiers) > 0
         key = ob.name if shown or any(slot.link == "OBJECT" for slot in ob.material_slots) else f"\0{ob.data.name}"
         if key not in known:
             known[key] = _read_object(ob, depsgraph if shown else None)
-        found.append(Placed(ob.name, known[key], np.array(ob.matrix_world, dtype=np.float64)))
-    return found
+        placed.append(Placed(ob.name, known[key], np.array(ob.matrix_world, dtype=np.float64)))
+    return placed
 
 
 def _read_object(ob: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None) -> RawMesh:
@@ -116,7 +115,7 @@ def _materials(ob: bpy.types.Object, mesh: bpy.types.Mesh) -> list[str]:
 
 
 def joined(parts: Sequence[Placed]) -> tuple[MeshData, Array]:
-    """All as one mesh in the world, and its normals (V, 3); in any thread."""
+    """All parts as one mesh in the world, and its normals (V, 3); in any thread."""
     vertices = np.cumsum([0] + [len(part.mesh.points) for part in parts])
     corners = np.cumsum([0] + [len(part.mesh.corners) for part in parts])
     orders = [part.order() for part in parts]
@@ -140,14 +139,14 @@ def _split(values: NDArray, starts: NDArray) -> list[NDArray]:
 
 
 def _uvs(parts: Sequence[Placed], orders: list[NDArray], starts: NDArray) -> tuple[Array, list[NDArray]]:
-    """UVs (T, 2), each once, and the rows of every polygon's corners: none where a mesh has no UVs."""
+    """Distinct UVs (T, 2), and the indices into them of every polygon's corners; empty where a mesh has no UVs."""
     if all(part.mesh.uvs is None for part in parts):
         return np.empty((0, 2)), []
-    found = [
+    each = [
         np.full((len(order), 2), np.nan) if part.mesh.uvs is None else part.mesh.uvs[order]
         for part, order in zip(parts, orders, strict=True)
     ]
-    uvs, rows = np.unique(np.concatenate(found), axis=0, return_inverse=True)
+    uvs, rows = np.unique(np.concatenate(each), axis=0, return_inverse=True)
     none = np.isnan(uvs[:, 0])
     corners = _split(rows.reshape(-1).astype(np.int32), starts)
     if none.any():  # rows of nan come last

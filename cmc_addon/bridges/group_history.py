@@ -1,11 +1,11 @@
 """Undo of the list of groups in edit mode.
 
-An undo step of edit mode holds the edit mesh and nothing else: undoing "Remove Group" there would bring the
-edges back into a group that is no longer in the list. So each change of the list in edit mode leaves its
-number in the edit mesh, where undo keeps it, and after an undo or redo the list is made what it was at that
-number. Kinds and angles are not taken back: like any other property they are as last set.
+An undo step of edit mode holds only the edit mesh: undoing "Remove Boundary Group" would bring the edges back into a
+group that is no longer in the list. So each change of the list in edit mode stamps the edit mesh with a number, which
+undo restores, and after an undo or redo the list is restored to its state at that number. Kinds and angles keep their
+last values, like any other property.
 
-In object mode undo holds everything, and nothing is done here.
+In object mode undo holds everything, and this file does nothing.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from itertools import count
 import bpy
 from bpy.app.handlers import persistent
 
+from ..properties.group_settings import kind_parameters
 from ..properties.registration import registration
-from ..properties.stored import kind_parameters
 from . import edge_bridge
 
 
 @dataclass
 class _History:
-    """Of one mesh: the uids of the list at each stamp, and the groups that were ever in it."""
+    """For one mesh: the uids in the list at each stamp, and the values of all groups ever in it."""
 
     lists: dict[int, tuple[int, ...]] = field(default_factory=dict)
     groups: dict[int, dict] = field(default_factory=dict)
@@ -43,7 +43,7 @@ def before(mesh: bpy.types.Mesh) -> None:
 
 
 def after(mesh: bpy.types.Mesh) -> None:
-    """Note the list if the operator has changed it."""
+    """Note the list if the operator changed it."""
     history = _histories.get(mesh.session_uid)
     if not mesh.is_editmode or history is None:
         return
@@ -69,7 +69,7 @@ def _values(group) -> dict:
 
 
 def _restore(mesh: bpy.types.Mesh, history: _History) -> None:
-    """Make the list what it was at the stamp which undo has brought back."""
+    """Restore the list of the stamp that undo brought back."""
     wanted = history.lists.get(edge_bridge.read_stamp(mesh))
     if wanted is None or wanted == _uids(mesh):
         return

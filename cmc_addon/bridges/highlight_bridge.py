@@ -1,4 +1,4 @@
-"""What is wrong with a mesh, shown where it is: the elements that an error names, selected in edit mode."""
+"""Highlights an error in the mesh: selects the elements that it names, in edit mode."""
 
 from __future__ import annotations
 
@@ -11,10 +11,9 @@ from ...solver.errors import CmcError
 
 
 def show(context: bpy.types.Context, ob: bpy.types.Object | None, error: CmcError) -> bool:
-    """Make an object active and enter edit mode with the vertices, edges and faces of an error selected, nothing else.
+    """Make an object active and enter edit mode with exactly the elements of an error selected, in one undo step.
 
-    False, with nothing changed, where the error names none or they are not those of the object's own mesh. One step
-    of undo.
+    Returns False and changes nothing if the error names no elements, or none of the object's own mesh.
     """
     if ob is None or not _can_show(context, ob, error):
         return False
@@ -35,7 +34,7 @@ def _can_show(context: bpy.types.Context, ob: bpy.types.Object, error: CmcError)
     if ob.type != "MESH" or ob.name not in context.view_layer.objects or not (ob.is_editable and ob.data.is_editable):
         return False
     if ob.cmc.apply_modifiers and len(ob.modifiers):
-        return False  # the numbers are those of the mesh that the modifiers make
+        return False  # the indices belong to the mesh after its modifiers
     if context.mode not in {"OBJECT", "EDIT_MESH"}:
         return False
     if ob.data.is_editmode:

@@ -1,7 +1,4 @@
-"""A plan from a mesh file or a job as an object of the scene, with its UVs, materials and boundary groups.
-
-One of the files that touch mesh data (see `mesh_bridge`).
-"""
+"""Imports a plan from a mesh file or a job as an object, with its UVs, materials and boundary groups."""
 
 from __future__ import annotations
 
@@ -23,7 +20,7 @@ UV_LAYER = "UVMap"
 def import_plan(context: bpy.types.Context, name: str, drawn: MeshData, groups: Sequence[Group]) -> bpy.types.Object:
     """A new object with this mesh and these boundary groups, linked to the scene and active.
 
-    The mesh must have been checked (`triangulate_polygons`) and the groups' edges be edges of it.
+    The mesh must have passed `triangulate_polygons`, and the edges of the groups must be edges of it.
     """
     mesh = bpy.data.meshes.new(name)
     _write_polygons(mesh, drawn)

@@ -1,9 +1,8 @@
-"""Blender meshes to arrays and back; the files named *_bridge are the only ones that touch mesh data.
+"""Blender meshes to arrays and back.
 
-Positions and topology are read and written through the attributes that Blender itself stores them in
-("position", ".edge_verts", ".corner_vert", …), which costs a hundredth of `vertices` and `loops`. In edit
-mode these have no data: the edit mesh is flushed and a copy is read, so that neither the mode nor the
-selection changes.
+Positions and topology are read and written through the attributes that store them ("position", ".edge_verts",
+".corner_vert", …), at a hundredth of the cost of `vertices` and `loops`. In edit mode these attributes are empty: the
+edit mesh is flushed and a copy is read, so that mode and selection stay.
 """
 
 from __future__ import annotations
@@ -27,22 +26,22 @@ Int = NDArray[np.int32]
 NORMAL_ATTRIBUTE = "cmc_normal"
 MEAN_CURVATURE_ATTRIBUTE = "cmc_mean_curvature"
 CORNER_ATTRIBUTE = "cmc_flipped_corner"
-"""Integers on the vertices of a plan, not 0 where a corner between two mirrors takes its other normal."""
+"""Integers on the vertices of a plan; other than 0 they flip the normal at a corner between two mirrors."""
 LENGTH_ATTRIBUTE = "cmc_length"
-"""Numbers on the edges of a plan: its own lengths, in place of the drawn ones."""
+"""Numbers on the edges of a plan: its own lengths in place of the drawn ones."""
 START_ATTRIBUTE = "cmc_start"
-"""Vectors on the vertices of a plan: the normals, in the world, that a solve starts from."""
+"""Vectors on the vertices of a plan: its start map, normals in the world."""
 
 
 @dataclass(frozen=True, eq=False)
 class PlanMesh:
-    """A mesh as the solver sees it, in Blender's own numbering.
+    """A mesh as the solver sees it, in Blender's numbering.
 
-    positions (V, 3) in world coordinates; corners (C,) vertex of each polygon corner, corner_edges (C,) the
-    edge from it to the next, starts (P + 1,) the first corner of each polygon; edges (E, 2); groups (E,)
-    identifiers of boundary groups, 0 where in none; selected (E,). mirrored: the object's scale turns the
-    mesh inside out, so that polygons are to be walked backwards. flipped_corners: see `CORNER_ATTRIBUTE`. lengths (E,)
-    and initial (V, 3): see `LENGTH_ATTRIBUTE` and `START_ATTRIBUTE`, None where the mesh has no such attribute.
+    positions (V, 3) in world coordinates; corners (C,): vertex of each polygon corner; corner_edges (C,): edge from it
+    to the next; starts (P + 1,): first corner of each polygon; edges (E, 2); groups (E,): uid of the boundary group, 0
+    for none; selected (E,). mirrored: the scale of the object turns the mesh inside out, so polygons are walked
+    backwards. flipped_corners: see `CORNER_ATTRIBUTE`. lengths (E,) and initial (V, 3): see `LENGTH_ATTRIBUTE` and
+    `START_ATTRIBUTE`, None without the attribute.
     """
 
     positions: NDArray[np.float64]
@@ -69,16 +68,17 @@ class PlanMesh:
 
     def as_plan(self, triangles: Int) -> Plan:
         """The plan without its groups, on triangles (T, 3). Raises `MeshError` on lengths that do not fit them."""
-        plan = Plan(self.positions, triangles, initial=self.initial)
+        initial = None if self.initial is None else self.initial.astype(np.float64)
+        plan = Plan(self.positions, triangles, initial=initial)
         if self.lengths is not None:
             plan.lengths = side_lengths(triangles, self.edges, self.lengths)
         return plan
 
 
 def read_plan(ob: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None = None) -> PlanMesh:
-    """The mesh of an object in edit or object mode; with a depsgraph as its modifiers leave it.
+    """The mesh of an object, in any mode; with a depsgraph, modifiers applied.
 
-    Raises `MeshError` on coordinates that are not finite and on an object without a mesh or without faces.
+    Raises `MeshError` for an object without a mesh or without faces, and for coordinates that are not finite.
     """
     if ob.type != "MESH":
         raise MeshError(f"'{ob.name}' is not a mesh; select a plan, or make one with Mesh Plan.")
@@ -92,7 +92,7 @@ def read_plan(ob: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None = None
 def readable_mesh(
     ob: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None = None
 ) -> Iterator[bpy.types.Mesh]:
-    """A mesh with attribute data: the object's own, or where that has none a copy, removed at the end."""
+    """A mesh with attribute data: the object's own or, if that has none, a copy that is removed at the end."""
     if depsgraph is None and not ob.data.is_editmode:
         yield ob.data
         return
@@ -104,7 +104,7 @@ def readable_mesh(
 
 
 def copy_mesh(ob: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None = None) -> bpy.types.Mesh:
-    """A new mesh data-block with all layers: the object's mesh, or what its modifiers make of it."""
+    """A new mesh data-block with all layers: of the object's mesh or, with a depsgraph, modifiers applied."""
     if ob.data.is_editmode:
         ob.update_from_editmode()
     if depsgraph is None:
@@ -136,14 +136,14 @@ def plan_arrays(mesh: bpy.types.Mesh, matrix: NDArray[np.float64]) -> PlanMesh:
 
 
 def _own(mesh: bpy.types.Mesh, name: str, domain: str, kind: str) -> NDArray[np.float32] | None:
-    """An attribute that a plan may have; raises `MeshError` where it is of another kind or on other elements."""
+    """An optional attribute of a plan. Raises `MeshError` if its type or domain is wrong."""
     attribute = mesh.attributes.get(name)
     if attribute is None:
         return None
     if (attribute.domain, attribute.data_type) != (domain, kind):
         what = {"EDGE": "a Float on its edges", "POINT": "a Vector on its vertices"}[domain]
         raise MeshError(f"The attribute '{name}' of a plan must be {what}; convert it (Attributes), or remove it.")
-    values = attribute_values(attribute)
+    values = np.asarray(attribute_values(attribute))
     return values[:, 0] if kind == "FLOAT" else values
 
 
@@ -155,7 +155,7 @@ def _flipped_corners(mesh: bpy.types.Mesh) -> tuple[int, ...]:
 
 
 def _selected(mesh: bpy.types.Mesh) -> NDArray[np.bool_]:
-    """Blender 5.0 makes ".select_edge" with a wrong type where it calculates edges: then the slow way."""
+    """Selected edges; the slow way if ".select_edge" has the wrong type, as Blender 5.0 makes it."""
     attribute = mesh.attributes.get(".select_edge")
     if attribute is None or attribute.data_type == "BOOLEAN":
         return read(mesh, ".select_edge", len(mesh.edges), np.bool_)
@@ -192,11 +192,11 @@ _FIELDS = {
     "INT16_2D": ("value", np.int16, 2),
     "INT32_2D": ("value", np.int32, 2),
 }
-"""Type of an attribute -> the field its values are in, their type, and how many there are."""
+"""Type of an attribute -> field of its values, their type, and their number."""
 
 
 def read(mesh: bpy.types.Mesh, name: str, count: int, dtype: type, width: int = 1) -> NDArray:
-    """Values (count,) or (count, width) of an attribute; zeros where the mesh does not have it."""
+    """Values (count,) or (count, width) of an attribute; zeros if the mesh does not have it."""
     shape = (count,) if width == 1 else (count, width)
     attribute = mesh.attributes.get(name)
     if attribute is None:
@@ -219,7 +219,7 @@ def attribute_values(attribute: bpy.types.Attribute) -> NDArray | list[bytes]:
 def set_attribute(
     mesh: bpy.types.Mesh, name: str, kind: str, domain: str, values: NDArray | list[bytes]
 ) -> None:
-    """Write an attribute of a mesh that is not in edit mode; one of another type or domain is replaced."""
+    """Write an attribute of a mesh that is not in edit mode; an attribute of another type or domain is replaced."""
     attribute = mesh.attributes.get(name)
     if attribute is not None and (attribute.data_type, attribute.domain) != (kind, domain):
         mesh.attributes.remove(attribute)
@@ -235,7 +235,7 @@ def set_attribute(
 
 
 def set_positions(mesh: bpy.types.Mesh, positions: NDArray) -> None:
-    """Write vertex positions (V, 3) and tell Blender that normals and bounds have changed."""
+    """Write vertex positions (V, 3), and have Blender update normals and bounds."""
     set_attribute(mesh, "position", "FLOAT_VECTOR", "POINT", positions)
     mesh.update()
 

@@ -1,7 +1,6 @@
-"""The solver's messages in the numbering of the Blender mesh.
+"""Translates the indices in the solver's messages into those of the Blender mesh.
 
-The solver counts triangles and numbers edges in its own order; a user sees polygons and Blender's edges.
-Vertices are the same in both.
+The solver numbers triangles and its own edges, a user sees polygons and Blender's edges. Vertices are the same in both.
 """
 
 from __future__ import annotations
@@ -21,10 +20,9 @@ _MENTION = re.compile(r"\b(face|edge)s? (\d+(?:, \d+)*(?: and \d+ more)?)(?: (ha
 def in_plan_numbers(
     error: CmcError, plan: PlanMesh, triangles: NDArray[np.int32], owners: NDArray[np.int32]
 ) -> CmcError:
-    """The same error, faces and edges numbered as in the plan. triangles (T, 3), owners (T,) their polygons.
+    """The same error with faces and edges numbered as in the plan. triangles (T, 3); owners (T,): their polygons.
 
-    A triangle becomes its polygon. An edge inside a polygon (where it was triangulated) has no number in the
-    plan and is named by its vertices.
+    A triangle becomes its polygon. A diagonal of a polygon has no number in the plan; its vertices name it.
     """
     edges = _plan_edges(plan, triangles)
     faces_of = {"face": lambda i: int(owners[i]), "edge": edges}
@@ -40,11 +38,12 @@ def in_plan_numbers(
 def _renumbered(match: re.Match, error: CmcError, number_of: dict[str, Callable[[int], int | str]]) -> str:
     noun, numbers, verb = match.group(1), match.group(2), match.group(3)
     all_of_kind = {"face": error.faces, "edge": error.edges}[noun.lower()]
-    # a list cut short ("… and 3 more") stands for all that the error carries
+    # a shortened list ("… and 3 more") stands for all indices of the error
     given = all_of_kind if numbers == listed(all_of_kind) else [int(n) for n in re.findall(r"\d+", numbers)]
     mapped = list(dict.fromkeys(number_of[noun.lower()](i) for i in given))
-    if all(isinstance(i, int) for i in mapped):
-        text = plural(noun.lower(), mapped)
+    numbered = [i for i in mapped if isinstance(i, int)]
+    if len(numbered) == len(mapped):
+        text = plural(noun.lower(), numbered)
     else:
         text = f"{noun.lower()}{'s' if len(mapped) > 1 else ''} {', '.join(map(str, mapped))}"
     if verb:
@@ -53,7 +52,7 @@ def _renumbered(match: re.Match, error: CmcError, number_of: dict[str, Callable[
 
 
 def _plan_edges(plan: PlanMesh, triangles: NDArray[np.int32]) -> Callable[[int], int | str]:
-    """From the solver's number of an edge (vertex pairs in order) to Blender's, or to its vertices."""
+    """From the solver's index of an edge (sorted vertex pairs, in order) to Blender's, or to its vertices."""
     sides = [triangles[:, pair] for pair in ([0, 1], [1, 2], [2, 0])]
     pairs = np.unique(np.sort(np.concatenate(sides), axis=1), axis=0)
     known = {(min(a, b), max(a, b)): i for i, (a, b) in enumerate(plan.edges.tolist())}

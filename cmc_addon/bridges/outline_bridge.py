@@ -1,7 +1,6 @@
-"""Outlines out of Blender's meshes and curves, and the mesh of a plan into an object.
+"""Reads outlines from meshes and curves, and writes the mesh of a plan into an object.
 
-One of the files that touch mesh data (see `mesh_bridge`). Reading changes nothing, in object mode and in edit
-mode; all coordinates are world coordinates.
+Reading changes nothing, in any mode. All coordinates are world coordinates.
 """
 
 from __future__ import annotations
@@ -19,14 +18,13 @@ from .mesh_bridge import read, readable_mesh, remove_attribute, set_attribute, s
 
 UV_LAYER = "Plan"
 
-_CURVE_STEPS = 48  # pieces of a curve between two control points; the mesher samples them anew
+_CURVE_STEPS = 48  # pieces of a curve between two control points; the mesher resamples them
 
 
 def read_wire(ob: bpy.types.Object) -> Wire:
-    """The edges that an outline consists of: the boundary of the faces, or where there are none all edges;
-    of a curve object its splines.
+    """The edges of an outline: the boundary of the faces, all edges of a mesh without faces, or the splines of a curve.
 
-    Raises MeshError for other objects, open splines, edges with three faces and faces without a boundary.
+    Raises `MeshError` for other objects, open splines, edges with three faces and faces without a boundary.
     """
     if ob.type == "MESH":
         with readable_mesh(ob) as mesh:
@@ -37,10 +35,10 @@ def read_wire(ob: bpy.types.Object) -> Wire:
 
 
 def write_plan(ob: bpy.types.Object, meshed: PlanMesh, outline: Outline, matrix: Matrix) -> None:
-    """Replace the mesh of a plan object (object mode) and place the object; materials and names stay.
+    """Replace the mesh of a plan object in object mode and place the object; materials and names stay.
 
-    `matrix` is the object's new place, without scale. The faces look along the normal of the outline's plane,
-    and the UV layer "Plan" holds plan coordinates in world units.
+    matrix: the new place of the object, without scale. The faces look along the normal of the outline's plane. The UV
+    layer "Plan" holds plan coordinates in world units.
     """
     mesh = ob.data
     _replace(mesh, meshed.positions, meshed.triangles)
@@ -63,7 +61,7 @@ def write_boundary_groups(mesh: bpy.types.Mesh, edges: NDArray, groups: NDArray)
 
 
 def groups_nearby(ob: bpy.types.Object, points: NDArray[np.float64]) -> NDArray[np.int32]:
-    """For each point (n, 3) in the world the group of the boundary edge of a mesh object nearest to it."""
+    """For each point (n, 3) in the world, the group of the nearest boundary edge of a mesh object."""
     with readable_mesh(ob) as mesh:
         if not len(mesh.edges):
             return np.zeros(len(points), dtype=np.int32)
@@ -73,7 +71,7 @@ def groups_nearby(ob: bpy.types.Object, points: NDArray[np.float64]) -> NDArray[
 
 
 def local_size(ob: bpy.types.Object) -> float:
-    """Longest side of the object's box, scale included: cheap, for the panel."""
+    """Longest side of the object's bounding box, scale included; cheap enough for the panel."""
     return max(ob.dimensions)
 
 
@@ -94,14 +92,14 @@ def _mesh_wire(ob: bpy.types.Object, mesh: bpy.types.Mesh) -> Wire:
                 edges=bad,
             )
         if not (faces == 1).any():
-            raise MeshError(f"'{ob.name}' is closed and has no boundary; delete the faces where its rim is to be.")
+            raise MeshError(f"'{ob.name}' is closed and has no boundary; delete the faces beyond its rim.")
         edges, groups = edges[faces == 1], groups[faces == 1]
     local = read(mesh, "position", len(mesh.vertices), np.float32, 3)
     return Wire(f"'{ob.name}'", _in_world(ob, local), edges, groups)
 
 
 def _replace(mesh: bpy.types.Mesh, positions: NDArray, triangles: NDArray) -> None:
-    """Give a mesh other vertices and triangles; `clear_geometry` keeps materials and custom properties."""
+    """Replace vertices and triangles of a mesh; `clear_geometry` keeps materials and custom properties."""
     mesh.clear_geometry()
     mesh.vertices.add(len(positions))
     mesh.loops.add(triangles.size)
@@ -109,7 +107,7 @@ def _replace(mesh: bpy.types.Mesh, positions: NDArray, triangles: NDArray) -> No
     mesh.loops.foreach_set("vertex_index", triangles.ravel())
     mesh.polygons.foreach_set("loop_start", np.arange(0, triangles.size, 3, dtype=np.int32))
     mesh.update(calc_edges=True)
-    for name in (".select_vert", ".select_edge", ".select_poly"):  # all of it is selected when it is new
+    for name in (".select_vert", ".select_edge", ".select_poly"):  # a new mesh is selected as a whole
         remove_attribute(mesh, name)
 
 
@@ -142,7 +140,7 @@ def _curve_wire(ob: bpy.types.Object) -> Wire:
 
 
 def _sampled(curve: bpy.types.Curve) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
-    """Fine polylines of all splines, by Blender's own evaluation of a bare copy of the curve."""
+    """Fine polylines of all splines, evaluated by Blender on a copy of the curve without bevel and fill."""
     bare = curve.copy()
     sampler = None
     try:

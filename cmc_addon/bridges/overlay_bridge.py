@@ -1,7 +1,7 @@
-"""Meshes as the viewport needs them: as they are on the screen now, in any mode, leaving no trace.
+"""Meshes for the overlay: as shown on the screen, in any mode, without side effects.
 
-Drawing must not make data-blocks, nor flush the edit mesh: both would announce a change, and with it another redraw.
-The evaluated mesh has what is being edited, and lends its arrays.
+Drawing must not create data-blocks nor flush the edit mesh: both would announce a change, and cause another redraw. The
+evaluated mesh holds the edits, and is read instead.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ Array = NDArray[np.float64]
 def seen_plan(
     ob: bpy.types.Object, depsgraph: bpy.types.Depsgraph, matrix: Array, apply_modifiers: bool
 ) -> PlanMesh:
-    """The arrays of a plan as `read_plan` gives them, placed by `matrix` (4, 4), whatever the mode.
+    """The arrays of a plan as from `read_plan`, placed by `matrix` (4, 4), in any mode.
 
-    Where a mesh is edited that has modifiers of which nothing is to be seen, it is read element by element.
+    A mesh in edit mode whose modifiers are not applied is read element by element.
     """
     if not ob.data.is_editmode and not (apply_modifiers and ob.modifiers):
         return plan_arrays(ob.data, matrix)
@@ -59,12 +59,12 @@ def _edited_arrays(bm: bmesh.types.BMesh, matrix: Array) -> PlanMesh:
 
 
 def points_of(mesh: bpy.types.Mesh) -> Array:
-    """Positions (V, 3) of a mesh that is not in edit mode, its own."""
+    """Positions (V, 3) of a mesh that is not in edit mode, in its own coordinates."""
     return read(mesh, "position", len(mesh.vertices), np.float32, 3).astype(np.float64)
 
 
 def cut_of(mesh: bpy.types.Mesh) -> tuple[Array, NDArray[np.int32]]:
-    """The line along which a result is cut open: ends (n, 2, 3) of its edges, and the plan's vertices there (k, 2)."""
+    """The cut of an open result: ends (n, 2, 3) of its edges, and pairs (k, 2) of the plan's vertices."""
     attributes = mesh.attributes
     if mesh.is_editmode or CUT_ATTRIBUTE not in attributes or SOURCE_ATTRIBUTE not in attributes:
         return np.zeros((0, 2, 3)), np.zeros((0, 2), dtype=np.int32)

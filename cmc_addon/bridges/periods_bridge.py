@@ -1,4 +1,4 @@
-"""The plan's own mesh: its vertices, which move where its holes do, and the seams of a plan that is made."""
+"""Moves the vertices of a plan with its holes, and marks the seams of a new plan."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from .mesh_bridge import read, set_positions
 
 
 def check_movable(plan: bpy.types.Object, apply_modifiers: bool) -> None:
-    """Raise `CmcError` where the vertices of a plan cannot be moved one by one."""
+    """Raise `CmcError` if the vertices of a plan cannot be moved one by one."""
     mesh = plan.data
     if mesh.is_editmode:
-        raise CmcError(f"'{plan.name}' is in edit mode; leave it (Tab) for its holes to move.")
+        raise CmcError(f"'{plan.name}' is in edit mode; leave it (Tab) so that its holes can move.")
     if apply_modifiers and plan.modifiers:
         raise CmcError(
             f"'{plan.name}' is solved with its modifiers applied, so its holes cannot move; apply the modifiers, or "
@@ -23,17 +23,17 @@ def check_movable(plan: bpy.types.Object, apply_modifiers: bool) -> None:
     if mesh.shape_keys is not None:
         raise CmcError(f"'{plan.name}' has shape keys, so its holes cannot move; close by the normals.")
     if not mesh.is_editable:
-        raise CmcError(f"The mesh of '{plan.name}' is linked from another file; make it local for its holes to move.")
+        raise CmcError(f"The mesh of '{plan.name}' is linked from another file; make it local to move its holes.")
 
 
 def move_vertices(plan: bpy.types.Object, positions: NDArray[np.float64]) -> None:
-    """Give a plan's vertices these places (V, 3) in the world."""
+    """Move the vertices of a plan to positions (V, 3) in the world."""
     inverse = np.linalg.inv(np.array(plan.matrix_world, dtype=np.float64))
     set_positions(plan.data, positions @ inverse[:3, :3].T + inverse[:3, 3])
 
 
 def mark_seams(mesh: bpy.types.Mesh, pairs: NDArray[np.integer]) -> None:
-    """Mark edges, as vertex pairs (n, 2), as seams."""
+    """Mark edges, given as vertex pairs (n, 2), as seams."""
     if not len(pairs):
         return
     wanted = set(map(tuple, np.sort(pairs, axis=1).tolist()))

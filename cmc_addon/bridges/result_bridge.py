@@ -1,8 +1,8 @@
-"""The mesh of a result: the plan's own mesh, layers and all, with other positions.
+"""The mesh of a result: the plan's mesh with all its layers and new positions.
 
-Where the surface is cut open (a plan with holes whose surface does not close), vertices along the cut are
-doubled. The polygons stay, with the data of their corners; data of vertices and edges go to both sides of the
-cut. A polygon that the cut runs through, along the diagonal by which it was triangulated, becomes triangles.
+Along the cut of an open surface (a plan with holes whose surface does not close), vertices are doubled. The polygons
+keep the data of their corners; data of vertices and edges go to both sides of the cut. A polygon that the cut crosses,
+along a diagonal of its triangulation, becomes triangles.
 """
 
 from __future__ import annotations
@@ -29,54 +29,54 @@ from .mesh_bridge import (
 
 Int = NDArray[np.int32]
 
-# Layers that are not the plan's to give: where the vertices are, shading, and which material a face has,
-# which on a result is the user's. Blender's own (".corner_vert", ".select_edge", …) begin with a dot.
+# Layers that a result does not take from its plan: positions, shading, and the materials of faces, which on a result
+# belong to the user. Blender's own layers (".corner_vert", ".select_edge", …) begin with a dot.
 NOT_REFRESHED = {"position", "material_index", "sharp_face", "custom_normal"}
 
 CUT_ATTRIBUTE = "cmc_cut"
-"""On a result that is cut open, true on the edges on both sides of the cut."""
+"""On a cut result, true on the edges on both sides of the cut."""
 SOURCE_ATTRIBUTE = "cmc_source"
-"""On a result that is cut open, the plan's vertex that each of its vertices comes from."""
+"""On a cut result, the plan's vertex of each vertex."""
 
 
 @dataclass(frozen=True, eq=False)
 class Cut:
-    """A mesh with doubled vertices, by where everything comes from in the plan.
+    """A cut mesh with doubled vertices, by the origins of its elements in the plan.
 
-    vertices (n,), corners (C,) and faces (P,): the plan's vertex, corner and polygon each comes from;
-    rows (C,): the vertex of each corner, among the n; starts (P + 1,).
+    vertices (n,), corners (C,) and faces (P,): the plan's vertex, corner and polygon of each; corner_vertices (C,): the
+    cut vertex of each corner, among the n; starts (P + 1,).
     """
 
     vertices: Int
     corners: NDArray[np.integer]
     faces: Int
-    rows: Int
+    corner_vertices: Int
     starts: Int
 
 
-def find_cut(plan: PlanMesh, triangles: Int, owners: Int, rows: Int, source: Int) -> Cut | None:
-    """The cut of a surface with triangles `rows` (T, 3) on the plan's `triangles` (T, 3), or None.
+def find_cut(plan: PlanMesh, triangles: Int, owners: Int, cut_triangles: Int, source: Int) -> Cut | None:
+    """The cut of a surface with triangles `cut_triangles` (T, 3) over the plan's `triangles` (T, 3), or None.
 
-    owners (T,): the polygon each triangle is part of; source (n,): the plan's vertex each row comes from.
+    owners (T,): the polygon of each triangle; source (n,): the plan's vertex of each cut vertex.
     """
-    if np.array_equal(triangles, rows):
+    if np.array_equal(triangles, cut_triangles):
         return None
-    pieces, faces = sheet_polygons(plan.polygons(), owners, triangles, rows)
-    if plan.mirrored:  # the polygons are walked as seen in the world; a mesh stores them the other way round
+    pieces, faces = sheet_polygons(plan.polygons(), owners, triangles, cut_triangles)
+    if plan.mirrored:  # polygons are walked as seen in the world; the mesh stores them reversed
         pieces = [piece[::-1] for piece in pieces]
     sizes = np.array([len(piece) for piece in pieces])
-    corner_rows = np.concatenate(pieces)
+    corner_vertices = np.concatenate(pieces)
     return Cut(
         vertices=np.asarray(source, dtype=np.int32),
-        corners=corners_of(plan, np.repeat(faces, sizes), source[corner_rows]),
+        corners=corners_of(plan, np.repeat(faces, sizes), source[corner_vertices]),
         faces=faces,
-        rows=corner_rows,
+        corner_vertices=corner_vertices,
         starts=np.concatenate([[0], np.cumsum(sizes)]).astype(np.int32),
     )
 
 
-def corners_of(plan: PlanMesh, polygons: Int, vertices: Int) -> NDArray[np.int64]:
-    """The corner of each polygon at which each vertex lies."""
+def corners_of(plan: PlanMesh, polygons: NDArray[np.integer], vertices: NDArray[np.integer]) -> NDArray[np.int64]:
+    """The corner of each polygon at the given vertex."""
     count = len(plan.positions)
     owner = np.repeat(np.arange(len(plan.starts) - 1), np.diff(plan.starts)).astype(np.int64)
     keys = owner * count + plan.corners
@@ -87,7 +87,7 @@ def corners_of(plan: PlanMesh, polygons: Int, vertices: Int) -> NDArray[np.int64
 def fresh_mesh(
     ob: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None, plan: PlanMesh, cut: Cut | None
 ) -> bpy.types.Mesh:
-    """A new mesh for a result, with all of the plan's layers; smooth, and without boundary groups and start."""
+    """A new mesh for a result, with the layers of the plan; smooth, without boundary groups and start map."""
     mesh = copy_mesh(ob, depsgraph)
     if cut is not None:
         _cut_open(mesh, plan, cut)
@@ -102,11 +102,11 @@ def fresh_mesh(
 
 
 def _cut_open(mesh: bpy.types.Mesh, plan: PlanMesh, cut: Cut) -> None:
-    """Build the mesh anew with doubled vertices, every layer gathered from where it was."""
+    """Rebuild the mesh with doubled vertices, and copy every layer from its origin."""
     layers = mesh_layers(mesh, lambda name: name != "position" and not name.startswith("."))
     active = active_layers(mesh)
     old_edges, count = read(mesh, ".edge_verts", len(mesh.edges), np.int32, 2), len(mesh.vertices)
-    build_polygons(mesh, len(cut.vertices), cut.rows, cut.starts)
+    build_polygons(mesh, len(cut.vertices), cut.corner_vertices, cut.starts)
     new_edges = cut.vertices[read(mesh, ".edge_verts", len(mesh.edges), np.int32, 2)]
     origin = {
         "POINT": cut.vertices,
@@ -123,8 +123,10 @@ def _cut_open(mesh: bpy.types.Mesh, plan: PlanMesh, cut: Cut) -> None:
     set_attribute(mesh, SOURCE_ATTRIBUTE, "INT", "POINT", cut.vertices)
 
 
-def build_polygons(mesh: bpy.types.Mesh, vertex_count: int, corners: Int, starts: Int) -> None:
-    """Replace all that a mesh has by polygons: corners (C,) vertices, starts (P + 1,). Materials stay."""
+def build_polygons(
+    mesh: bpy.types.Mesh, vertex_count: int, corners: NDArray[np.integer], starts: NDArray[np.integer]
+) -> None:
+    """Replace the geometry of a mesh by polygons: vertices of corners (C,), starts (P + 1,). Materials stay."""
     mesh.clear_geometry()
     mesh.vertices.add(vertex_count)
     mesh.loops.add(len(corners))
@@ -136,7 +138,7 @@ def build_polygons(mesh: bpy.types.Mesh, vertex_count: int, corners: Int, starts
 
 
 def _find_pairs(pairs: Int, among: Int, count: int) -> NDArray[np.int64]:
-    """Where each vertex pair is `among` others; -1 where it is not."""
+    """Index of each vertex pair `among` others, or -1."""
     if not len(among):
         return np.full(len(pairs), -1)
     wanted, keys = (np.sort(p, axis=1).astype(np.int64) @ [count, 1] for p in (pairs, among))
@@ -146,7 +148,7 @@ def _find_pairs(pairs: Int, among: Int, count: int) -> NDArray[np.int64]:
 
 
 def gather(values: NDArray | list[bytes], origin: NDArray) -> NDArray | list[bytes]:
-    """values[origin], and nothing (zero) where origin is -1."""
+    """values[origin], and zero where the origin is -1."""
     if isinstance(values, list):
         return [values[i] if i >= 0 else b"" for i in origin]
     gathered = values[origin]
@@ -155,7 +157,7 @@ def gather(values: NDArray | list[bytes], origin: NDArray) -> NDArray | list[byt
 
 
 def mesh_layers(mesh: bpy.types.Mesh, wanted) -> list[tuple[str, str, str, NDArray | list[bytes]]]:
-    """Name, type, domain and values of the attributes whose name is wanted."""
+    """Name, type, domain and values of the attributes with a wanted name."""
     return [
         (attribute.name, attribute.data_type, attribute.domain, attribute_values(attribute))
         for attribute in mesh.attributes
@@ -188,10 +190,10 @@ def set_active_layers(mesh: bpy.types.Mesh, active: dict[str, str | None]) -> No
 # --- into an existing result ---------------------------------------------------------------
 
 def put_mesh(ob: bpy.types.Object, fresh: bpy.types.Mesh) -> None:
-    """Bring a result's mesh up to date with a fresh one, which is used up.
+    """Update the mesh of a result from a fresh one, which is consumed.
 
-    Same polygons and edges: the plan's layers are refreshed, everything else of the mesh stays. Otherwise the
-    mesh is replaced, also under linked duplicates of the result; its name and its material slots stay.
+    With the same polygons and edges, the layers of the plan are refreshed and all else stays. Otherwise the mesh is
+    replaced, also under linked duplicates of the result; its name and its material slots stay.
     """
     old = ob.data
     if same_topology(old, fresh):
@@ -208,7 +210,7 @@ def put_mesh(ob: bpy.types.Object, fresh: bpy.types.Mesh) -> None:
 
 
 def _keep_materials(fresh: bpy.types.Mesh, old: bpy.types.Mesh) -> None:
-    """The old mesh's slots; the plan's beyond their number, which faces may have come to use."""
+    """Give the fresh mesh the old slots, and the plan's slots beyond their number, which faces may use."""
     added = list(fresh.materials)[len(old.materials):]
     indices = read(fresh, "material_index", len(fresh.polygons), np.int32)
     fresh.materials.clear()
@@ -221,7 +223,7 @@ def _keep_materials(fresh: bpy.types.Mesh, old: bpy.types.Mesh) -> None:
 # --- vertex groups -------------------------------------------------------------------------
 
 def vertex_weights(mesh: bpy.types.Mesh, group_count: int) -> list[dict[int, float]]:
-    """Weight of each vertex that is in the group, a dictionary for each vertex group."""
+    """For each vertex group, a dictionary from vertex to weight."""
     weights: list[dict[int, float]] = [{} for _ in range(group_count)]
     if group_count:
         for vertex in mesh.vertices:
@@ -231,8 +233,7 @@ def vertex_weights(mesh: bpy.types.Mesh, group_count: int) -> list[dict[int, flo
 
 
 def put_weights(ob: bpy.types.Object, names: list[str], weights: list[dict[int, float]]) -> None:
-    """Give an object vertex groups of these names and weights; its other groups stay. Unchanged ones cost
-    only the look."""
+    """Give an object vertex groups with these names and weights; other groups stay, unchanged ones are skipped."""
     if not names:
         return
     present = vertex_weights(ob.data, len(ob.vertex_groups))

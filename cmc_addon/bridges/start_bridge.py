@@ -1,7 +1,4 @@
-"""What a plan is to be solved from, written to its mesh: edge lengths of its own, and a start.
-
-One of the files that touch mesh data; `mesh_bridge` reads what is written here.
-"""
+"""Writes own edge lengths and a start map to the mesh of a plan; `mesh_bridge` reads them."""
 
 from __future__ import annotations
 
@@ -16,7 +13,7 @@ Array = NDArray[np.floating]
 
 
 def write_start(mesh: bpy.types.Mesh, plan: Plan) -> None:
-    """Give a mesh, which has the triangles of a plan and is not in edit mode, the plan's own lengths and its start."""
+    """Write the lengths and the start map of a plan to a mesh of its triangles that is not in edit mode."""
     if plan.lengths is not None:
         triangles = np.asarray(plan.triangles, dtype=np.int64)
         sides = np.stack([np.roll(triangles, -1, axis=1), np.roll(triangles, 1, axis=1)], axis=2).reshape(-1, 2)
@@ -26,22 +23,22 @@ def write_start(mesh: bpy.types.Mesh, plan: Plan) -> None:
 
 
 def write_lengths(mesh: bpy.types.Mesh, pairs: NDArray[np.integer], lengths: Array) -> None:
-    """Lengths (n,) of the edges that join the vertices of pairs (n, 2); pairs may repeat, and every edge is one."""
+    """Write lengths (n,) of edges, given as vertex pairs (n, 2) that include every edge; pairs may repeat."""
     ends = read(mesh, ".edge_verts", len(mesh.edges), np.int32, 2)
     count = len(mesh.vertices)
     keys, wanted = (np.sort(p.astype(np.int64), axis=1) @ [count, 1] for p in (np.asarray(pairs), ends))
     order = np.argsort(keys, kind="stable")
-    found = np.asarray(lengths)[order[np.searchsorted(keys[order], wanted)]]
-    set_attribute(mesh, LENGTH_ATTRIBUTE, "FLOAT", "EDGE", found)
+    values = np.asarray(lengths)[order[np.searchsorted(keys[order], wanted)]]
+    set_attribute(mesh, LENGTH_ATTRIBUTE, "FLOAT", "EDGE", values)
 
 
 def write_normals(mesh: bpy.types.Mesh, normals: Array) -> None:
-    """The normals (V, 3), in the world, to start from."""
+    """Write the start map: normals (V, 3) in the world."""
     set_attribute(mesh, START_ATTRIBUTE, "FLOAT_VECTOR", "POINT", np.asarray(normals))
 
 
 def has_start(mesh: bpy.types.Mesh) -> bool:
-    """Whether a mesh has a map to start from."""
+    """Whether a mesh has a start map."""
     return START_ATTRIBUTE in mesh.attributes
 
 
@@ -51,6 +48,6 @@ def has_lengths(mesh: bpy.types.Mesh) -> bool:
 
 
 def clear_start(mesh: bpy.types.Mesh) -> None:
-    """Take away both."""
+    """Remove both."""
     for name in (LENGTH_ATTRIBUTE, START_ATTRIBUTE):
         remove_attribute(mesh, name)

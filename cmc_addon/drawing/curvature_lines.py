@@ -1,4 +1,4 @@
-"""Strokes along lines of curvature: where they are, evenly spread over a surface, and their ends. Arrays only."""
+"""Curvature lines: short lines along the principal curvatures, spread evenly over a surface. Arrays only."""
 
 from __future__ import annotations
 
@@ -9,28 +9,28 @@ from scipy.spatial import KDTree
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
-# Distance between strokes as a part of the size of a surface, unless it is chosen.
-_USUAL = 1.0 / 40.0
-# Length of a stroke as a part of the distance.
+# Default distance between the lines, as a part of the size of the surface.
+_DEFAULT = 1.0 / 40.0
+# Length of a line as a part of the distance.
 _LENGTH = 0.62
-# No more strokes than this, whatever distance is chosen.
+# Largest number of lines, however short the distance.
 _MOST = 20000
 
 
-def usual_spacing(points: Array) -> float:
-    """Distance between strokes that suits the size of a surface with these points (n, 3)."""
-    return usual_spacing_of(np.ptp(points, axis=0)) if len(points) else 0.0
+def default_spacing(points: Array) -> float:
+    """Distance between the lines that suits a surface with points (n, 3)."""
+    return default_spacing_of(np.ptp(points, axis=0)) if len(points) else 0.0
 
 
-def usual_spacing_of(extent: ArrayLike) -> float:
+def default_spacing_of(extent: ArrayLike) -> float:
     """The same from the extent (3,) of the surface along the axes."""
-    return _USUAL * float(np.linalg.norm(extent))
+    return _DEFAULT * float(np.linalg.norm(extent))
 
 
 def spread(points: Array, spacing: float) -> Int:
-    """Indices of some of the points (n, 3), none nearer to another than the spacing, and no place left between them.
+    """Indices of a maximal set of points (n, 3) no two of which are nearer than the spacing; at most 20000.
 
-    The same for the same points: they are gone through in an order that depends on their number only. At most 20000.
+    Reproducible: the points are visited in an order that depends on their number only.
     """
     if not len(points) or spacing <= 0.0:
         return np.zeros(0, dtype=np.int64)
@@ -46,14 +46,16 @@ def spread(points: Array, spacing: float) -> Int:
     return np.array(kept, dtype=np.int64)
 
 
-def strokes(points: Array, normals: Array, lines: Array, which: str, spacing: float) -> tuple[Array, Array]:
-    """Ends (k, 2, 3) of strokes along the larger principal curvature and of those along the smaller one.
+def curvature_lines(
+    points: Array, normals: Array, directions: Array, which: str, spacing: float
+) -> tuple[Array, Array]:
+    """Ends (k, 2, 3) of the lines along the larger principal curvature, and of those along the smaller one.
 
-    points, normals and lines (m, 3): where strokes are, and there the unit normal and the direction of the larger
-    curvature, zero where there is none. which: "MAX", "MIN" or "BOTH".
+    points, normals and directions (m, 3): the midpoints, their unit normals and the directions of the larger curvature,
+    zero at umbilics. which: "MAX", "MIN" or "BOTH".
     """
-    known = np.linalg.norm(lines, axis=1) > 0.5
-    at, along = points[known], lines[known]
+    known = np.linalg.norm(directions, axis=1) > 0.5
+    at, along = points[known], directions[known]
     across = np.cross(normals[known], along)
     none = np.zeros((0, 2, 3))
     first = _ends(at, along, spacing) if which in ("MAX", "BOTH") else none

@@ -1,7 +1,7 @@
-"""Short strokes along the lines of curvature of the results of the active plan, in the viewport.
+"""Draws the curvature lines of the results of the active plan in the viewport.
 
-They are worked out once a change of a mesh. Where the strokes are stays the same while a shell changes its shape only:
-they turn, and do not jump.
+They are computed once per change of a mesh. While a shell only changes its shape, the lines keep their vertices: they
+turn, and do not jump.
 """
 
 from __future__ import annotations
@@ -13,48 +13,48 @@ from bpy.app.handlers import persistent
 from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
-from ..bridges.colour_bridge import points_and_lines
+from ..bridges.colour_bridge import points_and_directions
 from ..properties.colour_settings import watchers
 from ..properties.links import families, plan_to_solve
 from ..properties.registration import registration
-from .curvature_lines import spread, strokes, usual_spacing
+from .curvature_lines import curvature_lines, default_spacing, spread
 
-# Along the larger and the smaller principal curvature; under both a dark edge, to be seen on any colour.
+# Along the larger and the smaller principal curvature; the dark edge makes both readable on any colour.
 _COLOURS = ((1.0, 0.62, 0.12, 1.0), (0.45, 0.85, 1.0, 1.0))
 _EDGE = (0.05, 0.05, 0.05, 0.6)
 _WIDTH, _EDGE_WIDTH = 1.6, 3.6
-# Strokes are drawn nearer by this part of their distance, so that their own surface does not hide them.
+# The lines are drawn nearer by this part of their distance, so that their own surface does not hide them.
 _NEARER = 2e-3
 
 _handle = None
-# Mesh -> what its strokes are made of; the strokes as the graphics card has them; which vertices have one.
+# By mesh: its batches on the graphics card, and the vertices with a line, each with the key it was made for.
 _batches: dict[int, tuple[tuple, list]] = {}
 _places: dict[int, tuple[tuple, np.ndarray]] = {}
 
 
 def lines_of(mesh: bpy.types.Mesh, which: str, spacing: float) -> tuple[np.ndarray, np.ndarray] | None:
-    """Ends (k, 2, 3) of the strokes of both kinds on a result, in its own coordinates; None where it has no directions.
+    """Ends (k, 2, 3) of both kinds of lines on a result, in its own coordinates; None if it has no directions.
 
-    spacing: 0 chooses one.
+    spacing: 0 means the default.
     """
-    found = points_and_lines(mesh)
-    if found is None:
+    surface = points_and_directions(mesh)
+    if surface is None:
         return None
-    points, normals, lines = found
+    points, normals, directions = surface
     key = (len(points), spacing)
     known = _places.get(mesh.session_uid)
     if known is None or known[0] != key:
-        known = key, spread(points, spacing or usual_spacing(points))
+        known = key, spread(points, spacing or default_spacing(points))
         _places[mesh.session_uid] = known
     at = known[1]
-    return strokes(points[at], normals[at], lines[at], which, spacing or usual_spacing(points))
+    return curvature_lines(points[at], normals[at], directions[at], which, spacing or default_spacing(points))
 
 
 def shown_results(context: bpy.types.Context, plan: bpy.types.Object) -> list[bpy.types.Object]:
-    """The results of a plan that can be seen and have directions; of instances all."""
-    found = [member for family in families(plan) for member in (family.shell, *family.others)]
+    """The visible meshes among the results of a plan, with all instances."""
+    results = [member for family in families(plan) for member in (family.shell, *family.others)]
     copies = [] if plan.cmc.copies is None else list(plan.cmc.copies.objects)
-    every = {ob.name: ob for ob in (*found, *copies)}.values()
+    every = {ob.name: ob for ob in (*results, *copies)}.values()
     return [ob for ob in every if ob.type == "MESH" and ob.visible_get(view_layer=context.view_layer)]
 
 
@@ -63,7 +63,7 @@ def _draw() -> None:
     if not context.space_data.overlay.show_overlays:
         return
     plan = plan_to_solve(context)
-    if plan is None or plan.cmc.strokes == "NONE":
+    if plan is None or plan.cmc.curvature_lines == "NONE":
         return
     shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
     shader.bind()
@@ -83,9 +83,9 @@ def _draw() -> None:
 
 
 def nearer(projection: Matrix, distance: float, part: float = _NEARER) -> Matrix:
-    """A projection for things nearer to the eye by a part of their distance, at the same place of the picture.
+    """A projection that moves things nearer to the eye by a part of their distance, along their line of sight.
 
-    distance: of the view, which counts where the projection is parallel.
+    distance: of the view, used by a parallel projection.
     """
     perspective = projection[3][3] == 0.0
     moved = Matrix.Scale(1.0 - part, 4) if perspective else Matrix.Translation((0.0, 0.0, part * distance))
@@ -104,10 +104,10 @@ def _draw_on(shader, ob: bpy.types.Object, settings, colours: tuple) -> None:
 
 
 def _batches_of(shader, mesh: bpy.types.Mesh, settings) -> list:
-    key = (settings.strokes, settings.stroke_spacing, len(mesh.vertices))
+    key = (settings.curvature_lines, settings.curvature_line_spacing, len(mesh.vertices))
     known = _batches.get(mesh.session_uid)
     if known is None or known[0] != key:
-        known = key, _made(shader, lines_of(mesh, settings.strokes, settings.stroke_spacing))
+        known = key, _made(shader, lines_of(mesh, settings.curvature_lines, settings.curvature_line_spacing))
         _batches[mesh.session_uid] = known
     return known[1]
 
@@ -119,7 +119,7 @@ def _made(shader, lines) -> list:
     return [batch_for_shader(shader, "LINES", {"pos": points}) if len(points) else None for points in flat]
 
 
-# --- when they are worked out again --------------------------------------------------------
+# --- when they are computed again --------------------------------------------------------
 
 @persistent
 def _on_change(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:

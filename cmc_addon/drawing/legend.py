@@ -1,6 +1,6 @@
-"""What the colours of results mean: a bar with numbers at the left of the viewport.
+"""The colour legend: a bar with numbers at the left of the viewport.
 
-It is there while Solid shading shows the colours and the coloured result of the active plan can be seen.
+It is drawn while Solid shading shows the colours and the coloured result of the active plan is visible.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from . import shading
 
 # Pixels at an interface scale of 1.
 _BAR, _HEIGHT, _MARGIN, _FONT, _LINE = 16, 190, 22, 11, 15
-# The bar is drawn of so many pieces, and is never more than this part of the viewport high.
+# Number of pieces of the bar, and its largest height as a part of the viewport.
 _PIECES, _LARGEST = 48, 0.5
 
 _handle = None
@@ -32,7 +32,7 @@ _handle = None
 
 @dataclass(frozen=True)
 class Legend:
-    """title and subtitle; labels: place on the bar, from 0 to 1, and what is written there; no labels, no bar."""
+    """Title and subtitle; labels: a place on the bar, from 0 to 1, and its text; range: None draws no bar."""
 
     title: str
     subtitle: str
@@ -40,10 +40,10 @@ class Legend:
     range: Range | None
 
 
-# --- what it says --------------------------------------------------------------------------
+# --- its texts --------------------------------------------------------------------------
 
 def legend_of(context: bpy.types.Context) -> Legend | None:
-    """The legend for the active plan or result; None where nothing that is coloured can be seen."""
+    """The legend for the active plan or result; None if no coloured result is visible."""
     plan = _plan(context.object)
     if plan is None or plan.cmc.colour_by == "NONE":
         return None
@@ -51,11 +51,11 @@ def legend_of(context: bpy.types.Context) -> Legend | None:
     if result is None:
         return None
     by = QUANTITIES[plan.cmc.colour_by]
-    found = _range(plan, result)
-    if found is None:
-        return Legend(by.label, f"Not measured on {result.name}: Solve does", [], None)
+    span = _range(plan, result)
+    if span is None:
+        return Legend(by.label, f"{result.name} is not measured: solve again", [], None)
     parts = [_unit(plan.cmc.colour_by, result.cmc.role), result.name]
-    return Legend(by.label, "  ".join(part for part in parts if part), labels(plan.cmc.colour_by, found), found)
+    return Legend(by.label, "  ".join(part for part in parts if part), labels(plan.cmc.colour_by, span), span)
 
 
 def _plan(ob: bpy.types.Object | None) -> bpy.types.Object | None:
@@ -63,7 +63,7 @@ def _plan(ob: bpy.types.Object | None) -> bpy.types.Object | None:
 
 
 def _seen(context: bpy.types.Context, plan: bpy.types.Object) -> bpy.types.Object | None:
-    """The coloured result that is active, else the first of the plan's that is visible."""
+    """The active result if it is coloured and visible, else the first such result of the plan."""
     roles = dict.fromkeys([plan.cmc.sheet, *DESIGN_ROLES, *COMPLETED_ROLES, *ROLES])
     results = [result_of(plan, role) for role in roles]
     copies = [] if plan.cmc.copies is None else plan.cmc.copies.objects[:1]
@@ -77,7 +77,7 @@ def _seen(context: bpy.types.Context, plan: bpy.types.Object) -> bpy.types.Objec
 
 
 def _range(plan: bpy.types.Object, result: bpy.types.Object) -> Range | None:
-    """Of many instances only the first remembers the range, which is that of the shell."""
+    """The range of a result; instances without their own have the range of the shell."""
     own = stored_range(result)
     if own is None and result.cmc.role in COMPLETED_ROLES:
         shell = result_of(plan, plan.cmc.sheet)
@@ -91,20 +91,20 @@ def _unit(by: str, role: str) -> str:
     return {-1: per_length(), -2: f"{per_length()}²"}.get(QUANTITIES[by].power, "1 keeps shapes")
 
 
-def labels(by: str, found: Range) -> list[tuple[float, str]]:
-    """What is written beside the bar: numbers, the target named, and whether there are others beyond the ends."""
-    ticks = found.ticks()
+def labels(by: str, span: Range) -> list[tuple[float, str]]:
+    """The numbers beside the bar, with the target named, and ≤ or ≥ where values lie beyond an end."""
+    ticks = span.ticks()
     digits = decimals(ticks)
     written = []
     for value in ticks:
         text = length_text(value, digits=3) if QUANTITIES[by].power == 1 else _number(value, digits)
-        if value == found.low and found.below:
+        if value == span.low and span.below:
             text = f"≤ {text}"
-        if value == found.high and found.above:
+        if value == span.high and span.above:
             text = f"≥ {text}"
-        if by == "MEAN_CURVATURE" and value == found.centre:
+        if by == "MEAN_CURVATURE" and value == span.centre:
             text += "  target"
-        written.append(((value - found.low) / (found.high - found.low), text))
+        written.append(((value - span.low) / (span.high - span.low), text))
     return written
 
 
@@ -140,7 +140,7 @@ def _draw() -> None:
 
 
 def _left(context: bpy.types.Context) -> float:
-    """Where the toolbar ends, in pixels of the region that is drawn in."""
+    """The right edge of the toolbar, in pixels of the region."""
     edges = [
         region.x + region.width - context.region.x
         for region in context.area.regions
@@ -149,9 +149,9 @@ def _left(context: bpy.types.Context) -> float:
     return max(0, *edges) if edges else 0
 
 
-def _bar(found: Range, x: float, y: float, width: float, height: float) -> None:
+def _bar(span: Range, x: float, y: float, width: float, height: float) -> None:
     parts = np.linspace(0.0, 1.0, _PIECES)
-    rgb = found.colours(found.low + parts * (found.high - found.low))
+    rgb = span.colours(span.low + parts * (span.high - span.low))
     places = [(x + side * width, y + part * height) for part in parts for side in (0, 1)]
     colours = np.column_stack([np.repeat(rgb, 2, axis=0), np.ones(2 * _PIECES)])
     shader = gpu.shader.from_builtin("SMOOTH_COLOR")

@@ -1,7 +1,7 @@
-"""What is to be seen in a viewport now: the active plan's rim, and what its results have to show.
+"""The overlay of a viewport: the rim of the active plan, and the planes, cuts and gaps of its results.
 
-Everything comes as parts, layers with the matrix that places them in the world. They are kept from redraw to redraw,
-see `seeing_cache`; nothing here draws.
+A part is a list of layers with the matrix that places them in the world. Parts are kept from redraw to redraw (see
+`overlay_cache`); `overlay_draw` draws them.
 """
 
 from __future__ import annotations
@@ -19,16 +19,17 @@ from ...solver.errors import CmcError
 from ..bridges.geometry_changes import version
 from ..bridges.overlay_bridge import cut_of, points_of, seen_plan
 from ..properties import group_list, preferences
+from ..properties.group_settings import parameter_values
 from ..properties.links import plan_to_solve, results_of
 from ..properties.overlay_settings import SHOWN
 from ..properties.reports import last_report
 from ..properties.settings import SIDES
-from ..properties.stored import ROLES, parameter_values
+from ..properties.stored import ROLES
 from .overlay_cache import kept
 from .overlay_layers import Layer, Look, arrow_length, cut_layer, rim_layers
 from .palette import colour_of, other_colour
 from .result_layers import gap_layers, measured, plane_layers, shell_of
-from .rim import Drawn, Rim, see_rim
+from .rim import Drawn, Rim, prescribed_rim
 from .rim_strip import GroupState
 
 Array = NDArray[np.float64]
@@ -36,14 +37,14 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """Layers, and where they are: a matrix from their coordinates to the world."""
+    """Layers, and the matrix from their coordinates to the world."""
 
     matrix: Matrix
     layers: list[Layer]
 
 
 def frame(context: bpy.types.Context, view: bpy.types.SpaceView3D | None = None) -> list[Part]:
-    """All that is to be drawn in a 3D view; nothing where the user wants nothing, or no plan is active."""
+    """The parts to draw in a 3D view; none if the overlay is off or no plan is active."""
     settings, plan = context.scene.cmc, plan_to_solve(context)
     if not settings.show_all or plan is None or not is_plan(plan):
         return []
@@ -59,7 +60,7 @@ def frame(context: bpy.types.Context, view: bpy.types.SpaceView3D | None = None)
     for result in results_of(plan, [role for role in ROLES if role != "GAUSS"]).values():
         if _is_visible(result, context, view):
             parts += _result_parts(result, look, planes if result == shell else [], seen)
-    if report is not None and "show_periods" in look.shown:
+    if report is not None and "show_gaps" in look.shown:
         parts += _gap_parts(plan, report, shell, context, view, look)
     if "show_cut" in look.shown and seen is not None and shell is not None:
         parts += _plan_cut(plan, seen, shell, look)
@@ -67,19 +68,19 @@ def frame(context: bpy.types.Context, view: bpy.types.SpaceView3D | None = None)
 
 
 def is_plan(ob: bpy.types.Object) -> bool:
-    """Whether somebody has begun to use a mesh as a plan; on other meshes nothing is drawn."""
+    """Whether a mesh is in use as a plan; nothing is drawn on other meshes."""
     return ob.type == "MESH" and bool(ob.data.cmc.groups or ob.cmc.meshed or ob.cmc.report or ob.cmc.design_report)
 
 
 def _is_visible(ob: bpy.types.Object | None, context, view) -> bool:
-    """In this scene and view: hidden neither there nor by its collections, nor outside of what is viewed locally."""
+    """Visible in this scene and view: not hidden, nor by its collections, nor outside the local view."""
     if ob is None or not ob.visible_get(view_layer=context.view_layer):
         return False
     return view is None or ob.visible_in_viewport_get(view)
 
 
 def look_of(context: bpy.types.Context, plan: bpy.types.Object) -> Look:
-    """How the plan is to be drawn, as plain values."""
+    """The look of the plan, as plain values."""
     settings, group = context.scene.cmc, group_list.active(plan.data)
     return Look(
         shown=frozenset(name for name in SHOWN if getattr(settings, name)),
@@ -90,7 +91,7 @@ def look_of(context: bpy.types.Context, plan: bpy.types.Object) -> Look:
         width=preferences.get("line_width"),
         editing=plan.data.is_editmode,
         ungrouped=other_colour("colour_ungrouped"),
-        periods=other_colour("colour_periods"),
+        gaps=other_colour("colour_gaps"),
         cut=other_colour("colour_cut"),
     )
 
@@ -107,9 +108,9 @@ def group_states(mesh: bpy.types.Mesh) -> tuple[GroupState, ...]:
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """A plan as it is drawn, its coordinates turned and scaled as in the world but measured from its origin.
+    """A plan as drawn, turned and scaled as in the world, with its own origin.
 
-    number: of its own, in place of a comparison.
+    number: unique, to compare by.
     """
 
     drawn: Drawn
@@ -118,7 +119,7 @@ class Seen:
 
 
 def _seen(context: bpy.types.Context, plan: bpy.types.Object) -> Seen | None:
-    """The plan and its rim; None where it cannot be read."""
+    """The plan and its rim; None if it cannot be read."""
     settings, groups = plan.cmc, group_states(plan.data)
     matrix = plan.matrix_world.to_3x3().to_4x4()
     uids, modified = tuple(group.uid for group in groups), settings.apply_modifiers
@@ -132,10 +133,10 @@ def _seen(context: bpy.types.Context, plan: bpy.types.Object) -> Seen | None:
         except CmcError:
             return None
 
-    with np.errstate(all="ignore"):  # of faces without area no more is known than that
+    with np.errstate(all="ignore"):  # faces without area divide by zero
         drawn = kept(("drawn", plan.session_uid), shape, draw)
         key = id(drawn), prescribed
-        seen = kept(("seen", plan.session_uid), key, lambda: drawn and Seen(drawn, see_rim(drawn, *prescribed)))
+        seen = kept(("seen", plan.session_uid), key, lambda: drawn and Seen(drawn, prescribed_rim(drawn, *prescribed)))
     return seen
 
 
@@ -148,7 +149,7 @@ def _plan_parts(plan: bpy.types.Object, seen: Seen, look: Look, walls: frozenset
 # --- its results ----------------------------------------------------------------------------
 
 def _planes(plan, report: dict | None, shell: bpy.types.Object | None, look: Look) -> list[tuple[int, Array, float]]:
-    """The planes that are known from the last solve, while its shell can be seen."""
+    """The planes measured by the last solve, while its shell is visible."""
     if report is None or shell is None or "show_mirrors" not in look.shown or shell.data.is_editmode:
         return []
     return measured(report, group_states(plan.data), plan.cmc.rotate)
@@ -157,7 +158,7 @@ def _planes(plan, report: dict | None, shell: bpy.types.Object | None, look: Loo
 def _result_parts(
     result: bpy.types.Object, look: Look, planes: list[tuple[int, Array, float]], seen: Seen | None
 ) -> Iterator[Part]:
-    """Planes and cut of a result, in its own coordinates; and the cut on the plan, if that is seen."""
+    """Planes and cut of a result, in its own coordinates."""
     mesh = result.data
     state, origin = version(result, mesh), np.array(result.cmc.placed_at, dtype=np.float64)
     if planes:
@@ -174,13 +175,13 @@ def _result_parts(
 
 
 def _cut(result: bpy.types.Object) -> tuple[Array, NDArray[np.integer]]:
-    """Where a result is cut open, see `cut_of`."""
+    """The cut of a result, see `cut_of`."""
     mesh = result.data
     return kept(("cut", result.session_uid), (version(result, mesh), mesh.is_editmode), lambda: cut_of(mesh))
 
 
 def _plan_cut(plan: bpy.types.Object, seen: Seen, shell: bpy.types.Object, look: Look) -> Iterator[Part]:
-    """The same on the plan, whether the shell is to be seen or not."""
+    """The cut on the plan, whether the shell is visible or not."""
     _, pairs = _cut(shell)
     if len(pairs) and pairs.max() < len(seen.drawn.positions):
         key = version(shell, shell.data), look, seen.number
@@ -190,7 +191,7 @@ def _plan_cut(plan: bpy.types.Object, seen: Seen, shell: bpy.types.Object, look:
 
 
 def _gap_parts(plan, report: dict, shell, context, view, look: Look) -> list[Part]:
-    """The gaps around the holes, on the shell, or in its place where there is none."""
+    """The gaps around the holes, on the shell or, without one, in its place."""
     if shell is not None and not _is_visible(shell, context, view):
         return []
     origin = np.zeros(3) if shell is None else np.array(shell.cmc.placed_at, dtype=np.float64)

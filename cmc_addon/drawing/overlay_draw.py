@@ -1,8 +1,8 @@
-"""Draws what `seeing` says is to be seen. The graphics card keeps the layers that it was sent as long as they are used.
+"""Draws the viewport overlay. The graphics card keeps the layers it was sent for as long as they are used.
 
-Lines have a dark edge, so that they can be read on light and on dark ground. What lies behind a face is drawn faintly:
-a shell usually stands over its rim. Everything is drawn a little nearer to the eye than it is, or the plan's own faces
-would cut into lines that lie in them.
+Lines have a dark edge, so that they are readable on light and dark ground. What lies behind a face is drawn faintly,
+since a shell usually stands over its rim. Everything is drawn a little nearer to the eye than it is, or the faces of
+the plan would cut into lines that lie in them.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from mathutils import Matrix
 from . import overlay, overlay_cache
 from .overlay_layers import Layer
 
-# Part of the distance to the eye by which everything is drawn nearer.
+# Everything is drawn nearer by this part of its distance to the eye.
 _NEARER = 2e-3
-# Alpha of what lies behind a face, as a part of what it is before it.
+# Alpha behind a face, as a part of the alpha in front of it.
 _BEHIND = 0.28
 # The dark edge of lines: pixels on both sides together, and alpha.
 _EDGE, _EDGE_ALPHA = 2.0, 0.45
@@ -37,16 +37,16 @@ class _Batch:
 
 
 class Drawing:
-    """Blender's handle of the drawing, what the card has, the number of the frame, and the last error told."""
+    """Blender's draw handle, the batches on the graphics card, the number of the frame, and the last reported error."""
 
     handle = None
     batches: dict[int, _Batch] = {}
     frame = 0
-    told = ""
+    reported = ""
 
 
 def _draw() -> None:
-    """Errors are told once in the console: a viewport that cannot be drawn any more would be worse than a sign less."""
+    """Draw the overlay. An error is printed once, since an overlay must not stop the viewport from drawing."""
     context = bpy.context
     state = gpu.state.blend_get(), gpu.state.depth_test_get(), gpu.state.depth_mask_get()
     try:
@@ -54,8 +54,8 @@ def _draw() -> None:
         if parts:
             _draw_parts(parts, context)
     except Exception as error:
-        if Drawing.told != repr(error):
-            Drawing.told = repr(error)
+        if Drawing.reported != repr(error):
+            Drawing.reported = repr(error)
             traceback.print_exc()
     finally:
         blend, test, mask = state
@@ -84,7 +84,7 @@ def _draw_parts(parts: list[overlay.Part], context: bpy.types.Context) -> None:
 
 
 def _nearer(projection: Matrix, region: bpy.types.RegionView3D | None) -> Matrix:
-    """The projection of points moved towards the eye: along their ray, or, without perspective, all alike."""
+    """The projection of points moved towards the eye, each along its line of sight."""
     if region is None or not region.is_perspective:
         distance = region.view_distance if region is not None else 1.0
         return projection @ Matrix.Translation((0.0, 0.0, _NEARER * distance))
@@ -117,7 +117,7 @@ def _batch(layer: Layer, shader):
 
 
 def _drop_unused() -> None:
-    """Let go of what was in none of the last frames; each viewport draws its own."""
+    """Drop batches unused in the last frames; each viewport draws its own."""
     for key in [key for key, known in Drawing.batches.items() if known.used < Drawing.frame - 20]:
         del Drawing.batches[key]
 
@@ -132,5 +132,5 @@ def unregister() -> None:
         bpy.types.SpaceView3D.draw_handler_remove(Drawing.handle, "WINDOW")
         Drawing.handle = None
     Drawing.batches.clear()
-    Drawing.told = ""
+    Drawing.reported = ""
     overlay_cache.forget()

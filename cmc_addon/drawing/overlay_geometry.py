@@ -1,4 +1,4 @@
-"""Points, lines and triangles of what is drawn in the viewport; arrays to arrays.
+"""Geometry of the overlay: arrows, dashes, plates and walls as lines and triangles. Arrays only.
 
 Lines are ends (n, 2, 3), triangles corners (n, 3, 3). Lengths are those of the points.
 """
@@ -12,11 +12,12 @@ from .rim import Walk
 
 Array = NDArray[np.float64]
 
-# Of an arrow: length of the head as a part of it, half width of the head as a part of that, and sides of the head.
+# The head of an arrow: its length as a part of the arrow, half its width as a part of that, its number of sides.
 _HEAD, _SPREAD, _SIDES = 0.28, 0.32, 8
 # A vector shorter than this part of another has no direction.
 _TINY = 1e-6
 
+NOWHERE = np.zeros((0, 3))
 NO_LINES = np.zeros((0, 2, 3))
 NO_TRIANGLES = np.zeros((0, 3, 3))
 
@@ -26,14 +27,14 @@ NO_TRIANGLES = np.zeros((0, 3, 3))
 def spread(walk: Walk, spacing: float) -> tuple[Array, Array, Array]:
     """Points, normals and tangents (n, 3) along a walk, evenly spaced in arc length and not nearer than `spacing`.
 
-    Where there are no more vertices than that, they are the vertices; else places between them, with normals between
-    theirs. The ends of a walk, where another group begins, are left out. A single edge has its middle.
+    They are the vertices if these are no denser; otherwise points between them, with interpolated normals. The ends of
+    a walk, where another group begins, are left out. A single edge gives its midpoint.
     """
     steps = np.diff(walk.points, axis=0)
     lengths = np.linalg.norm(steps, axis=1)
     total = float(lengths.sum())
     if not total > 0.0:
-        return tuple(np.zeros((3, 0, 3)))
+        return NOWHERE, NOWHERE, NOWHERE
     if len(steps) == 1:
         return 0.5 * (walk.points[:1] + walk.points[1:]), walk.middles, steps / total
     at = np.concatenate([[0.0], np.cumsum(lengths)])
@@ -52,7 +53,7 @@ def spread(walk: Walk, spacing: float) -> tuple[Array, Array, Array]:
 
 
 def _even(total: float, spacing: float, closed: bool) -> Array:
-    """Places evenly spaced along a length, at most so many as fit."""
+    """Evenly spaced places along a length, as many as fit."""
     count = max(1, int(total / spacing + 1e-9)) if spacing > 0.0 else 1
     return (np.arange(count) + (0.0 if closed else 0.5)) * total / count
 
@@ -74,7 +75,7 @@ def dashes(points: Array, period: float, part: float = 0.55) -> Array:
     return np.stack([places[:-1], places[1:]], axis=1)[is_dash]
 
 
-# --- signs ----------------------------------------------------------------------------------
+# --- shapes ----------------------------------------------------------------------------------
 
 def arrows(points: Array, vectors: Array) -> tuple[Array, Array]:
     """Shafts, as lines, and heads, as triangles, of arrows from points (n, 3) along vectors (n, 3); none where zero."""

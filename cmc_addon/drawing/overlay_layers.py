@@ -1,4 +1,4 @@
-"""What is drawn over the viewport, as layers of lines and triangles; arrays only, so that it can be tested."""
+"""The overlay of a rim as layers of lines and triangles. Arrays only, so that tests need no viewport."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from .rim_strip import GroupState
 
 Array = NDArray[np.float64]
 
-# As parts of the plan's diagonal: an arrow, the shortest period of dashes, the least side of a plane.
+# As parts of the plan's diagonal: length of an arrow, shortest period of dashes, least side of a plane.
 _ARROW, _DASH, _WALL = 0.075, 0.016, 0.3
-# At most so many dashes around the boundary.
+# Largest number of dashes around the boundary.
 _DASHES = 300
-# What lies farther from a plane than this part of the plan's diagonal is in none.
+# Edges farther from a plane than this part of the plan's diagonal do not lie in it.
 _FLAT = 0.01
-# The active group's lines, in widths of the others'; in pixels: shafts of arrows, strokes, outlines, cuts and gaps.
-_ACTIVE, _SHAFT, _STROKE, _OUTLINE, _BOLD = 1.7, 2.0, 2.0, 1.5, 3.0
+# Line widths: of the active group, relative to the others; in pixels of shafts, ticks, outlines, cuts and gaps.
+_ACTIVE, _SHAFT, _TICK, _OUTLINE, _BOLD = 1.7, 2.0, 2.0, 1.5, 3.0
 _FILL, _PLATE = 0.12, 0.3
-# Lines of groups while the mesh is edited: how much broader, and alpha.
+# Lines of groups while the mesh is edited: factor of the width, and alpha.
 _BROAD, _PALE = 2.4, 0.35
 _CORNER: Colour = (0.92, 0.92, 0.92)
 
@@ -34,10 +34,10 @@ PLANAR = {"mirror", "plane"}
 
 @dataclass(frozen=True, eq=False)
 class Layer:
-    """Points (n, 3), pairs that are lines or triples that are triangles, with a colour (red, green, blue, alpha).
+    """Points (n, 3), as pairs for lines or triples for triangles, with a colour (red, green, blue, alpha).
 
-    width: of lines, in pixels of a window at scale 1. hides: whether what lies behind something is left out, as of
-    planes; else it is drawn faintly. edged: whether lines have a dark edge, to be read on any ground.
+    width: of lines, in pixels at interface scale 1. hides: leave out what lies behind a face, as for planes; otherwise
+    it is drawn faintly. edged: give lines a dark edge, to be readable on any ground.
     """
 
     kind: str
@@ -50,8 +50,8 @@ class Layer:
 
 @dataclass(frozen=True)
 class Look:
-    """How it is to be drawn: `shown` names of switches, colours of groups by uid, the active group's uid, the width
-    of lines of groups in pixels, and whether the mesh is being edited: then what is selected is to be seen below."""
+    """The look of an overlay. shown: names of switches. scale, count: of arrows. colours: of groups, by uid. active:
+    uid of the active group. width: of the lines of groups, in pixels. editing: draw them pale, over the selection."""
 
     shown: frozenset[str]
     scale: float
@@ -61,7 +61,7 @@ class Look:
     width: float
     editing: bool
     ungrouped: Colour
-    periods: Colour
+    gaps: Colour
     cut: Colour
 
     def colour(self, uid: int) -> Colour:
@@ -77,13 +77,13 @@ def triangles(points: Array, colour: Colour, alpha: float = 1.0, hides: bool = F
 
 
 def _flat(points: Array) -> NDArray[np.float32]:
-    """Lines and triangles as one row of points, without those that are not finite."""
+    """Lines or triangles as one list of points, without those that are not finite."""
     known = np.isfinite(points).all(axis=(1, 2))
     return np.ascontiguousarray(points[known].reshape(-1, 3), dtype=np.float32)
 
 
 def rim_layers(rim: Rim, look: Look, walls: frozenset[int] = frozenset()) -> list[Layer]:
-    """The layers of a plan's rim. walls: uids of the groups whose planes are drawn on the shell instead."""
+    """The layers of the rim of a plan. walls: uids of groups whose planes are drawn on the shell instead."""
     makers = (
         ("show_mirrors", lambda: _walls(rim, look, walls)),
         ("show_tangents", lambda: _tangents(rim, look)),
@@ -91,8 +91,8 @@ def rim_layers(rim: Rim, look: Look, walls: frozenset[int] = frozenset()) -> lis
         ("show_groups", lambda: _groups(rim, look)),
         ("show_normals", lambda: _normals(rim, look)),
     )
-    found = [layer for name, make in makers if name in look.shown for layer in make()]
-    return [layer for layer in found if len(layer.points)]
+    layers = [layer for name, make in makers if name in look.shown for layer in make()]
+    return [layer for layer in layers if len(layer.points)]
 
 
 def arrow_length(rim: Rim, look: Look) -> float:
@@ -106,7 +106,7 @@ def _groups(rim: Rim, look: Look) -> Iterator[Layer]:
 
 
 def _edges(ends: Array, colour: Colour, width: float, look: Look) -> Layer:
-    """Edges of the mesh in the colour of their group; broad and pale where Blender draws the same edges as selected."""
+    """Edges of the mesh in the colour of their group; broad and pale in edit mode, over the selection."""
     if not look.editing:
         return lines(ends, colour, width)
     return replace(lines(ends, colour, _BROAD * width, _PALE), edged=False)
@@ -114,9 +114,9 @@ def _edges(ends: Array, colour: Colour, width: float, look: Look) -> Layer:
 
 def _ungrouped(rim: Rim, look: Look) -> Iterator[Layer]:
     period = max(_DASH * rim.size, rim.length / _DASHES)
-    found = [shapes.dashes(walk.points, period) for walk in rim.walks if walk.uid == NOBODY]
+    dashed = [shapes.dashes(walk.points, period) for walk in rim.walks if walk.uid == NOBODY]
     whole = [] if rim.walks else [rim.lines.get(NOBODY, shapes.NO_LINES)]
-    yield _edges(np.concatenate([shapes.NO_LINES, *found, *whole]), look.ungrouped, look.width, look)
+    yield _edges(np.concatenate([shapes.NO_LINES, *dashed, *whole]), look.ungrouped, look.width, look)
 
 
 def _normals(rim: Rim, look: Look) -> Iterator[Layer]:
@@ -125,7 +125,7 @@ def _normals(rim: Rim, look: Look) -> Iterator[Layer]:
         colour = look.colour(walk.uid)
         if group is not None and group.kind == "mirror":
             flat = np.cross(_plane(group), tangents)
-            yield lines(shapes.ticks(points, flat, 0.8 * length), colour, _STROKE)
+            yield lines(shapes.ticks(points, flat, 0.8 * length), colour, _TICK)
         else:
             yield from arrows(points, length * normals, colour, _SHAFT)
     yield from arrows(rim.corners, length * rim.corner_normals, _CORNER, _SHAFT)
@@ -142,7 +142,7 @@ def _tangents(rim: Rim, look: Look) -> Iterator[Layer]:
 
 
 def _along(rim: Rim, look: Look) -> Iterator[tuple[Walk, GroupState | None, tuple[Array, Array, Array]]]:
-    """The walks with their groups and where signs are on them, all of them together as many as are wanted."""
+    """The walks with their groups, and the points, normals and tangents along them, as many as the look asks for."""
     spacing = _spacing(rim, look)
     for walk in rim.walks:
         yield walk, rim.group(walk.uid), shapes.spread(walk, spacing)
@@ -153,7 +153,7 @@ def _spacing(rim: Rim, look: Look) -> float:
 
 
 def _walls(rim: Rim, look: Look, left_out: frozenset[int]) -> Iterator[Layer]:
-    """Planes where the plan's own edges lie in them; the shell is not yet there to say more."""
+    """Planes of groups whose edges on the plan lie in them; used until a shell was solved."""
     for walk in rim.walks:
         group = rim.group(walk.uid)
         if group is None or group.kind not in PLANAR or walk.uid in left_out:
@@ -165,14 +165,14 @@ def _walls(rim: Rim, look: Look, left_out: frozenset[int]) -> Iterator[Layer]:
 
 
 def _plane(group: GroupState) -> Array:
-    """Unit normal (3,) of a group's plane; zero where it has none."""
+    """Unit normal (3,) of a group's plane; zero if it has none."""
     normal = np.array(dict(group.parameters).get("normal", (0.0, 0.0, 1.0)), dtype=np.float64)
     length = np.linalg.norm(normal)
     return normal / length if length > 0.0 else np.zeros(3)
 
 
 def wall_layers(corners: Array, normal: Array, length: float, colour: Colour) -> Iterator[Layer]:
-    """A plane with its outline, and its normal as an arrow from the middle."""
+    """A plane with its outline, and its normal as an arrow from its centre."""
     yield triangles(shapes.filled(corners[None]), colour, _FILL, hides=True)
     yield lines(shapes.outlined(corners[None]), colour, _OUTLINE, 0.8, hides=True)
     yield from arrows(corners.mean(axis=0)[None], length * normal[None], colour, _OUTLINE)
@@ -187,5 +187,5 @@ def arrows(points: Array, vectors: Array, colour: Colour, width: float = _BOLD) 
 
 
 def cut_layer(ends: Array, colour: Colour) -> Layer:
-    """The line along which a surface is cut open, from ends (n, 2, 3) of edges."""
+    """The cut of an open surface, from the ends (n, 2, 3) of its edges."""
     return lines(ends, colour, _BOLD)

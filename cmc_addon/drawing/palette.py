@@ -1,7 +1,7 @@
-"""Colours of the boundary groups and of all else that is drawn over the viewport.
+"""Colours of the overlay.
 
-Groups have the colours of the theme's bone colour sets, whose icons stand beside them in the list. The others can be
-chosen in the preferences of the extension.
+Boundary groups take the colours of the theme's bone colour sets, whose icons stand beside them in the list. The other
+colours are preferences of the extension.
 """
 
 from __future__ import annotations
@@ -12,12 +12,12 @@ from ..properties import preferences
 
 Colour = tuple[float, float, float]
 
-# Numbers of colour sets, those first that are unlike each other and unlike Blender's orange of selection.
+# Numbers of colour sets; first those unlike each other and unlike the orange of Blender's selection.
 _SETS = (4, 3, 9, 6, 1, 7, 5, 8, 12, 14, 13, 11, 10, 15, 2)
 
 
 def icon_of(uid: int) -> str:
-    """Icon of the colour that the group with this uid has."""
+    """The icon of a group's colour."""
     return f"COLORSET_{_number(uid):02d}_VEC"
 
 
@@ -26,7 +26,7 @@ def colour_of(uid: int) -> Colour:
 
 
 def other_colour(name: str) -> Colour:
-    """The colour that the preferences have under this name."""
+    """A colour of the preferences, by name."""
     return tuple(preferences.get(name))
 
 

@@ -1,4 +1,4 @@
-"""The shape that a running fit has come to, drawn over the scene, whose data stays as it is."""
+"""Draws the current shape of a running fit over the scene, without changing its data."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _LINES = (0.35, 0.65, 1.0, 0.8)
 
 
 class Preview:
-    """What is shown now, and Blender's handle of the drawing; both None while nothing is."""
+    """The shape shown and Blender's draw handle; None while nothing is shown."""
 
     shape: tuple[NDArray, NDArray] | None = None
     batches: list[tuple[object, tuple]] | None = None
@@ -21,14 +21,14 @@ class Preview:
 
 
 def show(points: NDArray[np.float64], triangles: NDArray[np.integer]) -> None:
-    """Draw points (n, 3) in the world, joined by triangles (F, 3), from the next redraw on."""
+    """Draw triangles (F, 3) of points (n, 3) in the world from the next redraw on."""
     Preview.shape, Preview.batches = (points, triangles), None
     if Preview.handle is None and not bpy.app.background:
         Preview.handle = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
 
 
 def clear() -> None:
-    """Draw nothing any more."""
+    """Stop drawing."""
     if Preview.handle is not None:
         bpy.types.SpaceView3D.draw_handler_remove(Preview.handle, "WINDOW")
     Preview.handle = Preview.shape = Preview.batches = None

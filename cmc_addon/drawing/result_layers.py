@@ -1,7 +1,7 @@
-"""What is drawn on the results of a plan: the gaps around its holes, measured planes, the line of the cut.
+"""The overlay of results: gaps around holes, and the measured planes of mirrors.
 
-A report speaks of the world at the time of the solve; with `placed_at`, where the results were put, it speaks of their
-own coordinates, and what is drawn goes with them wherever they are moved.
+A report holds world coordinates at the time of the solve. Subtracting `placed_at`, the origin of the results then,
+gives their own coordinates, so that the overlay follows a result that is moved.
 """
 
 from __future__ import annotations
@@ -20,21 +20,21 @@ from .rim_strip import GroupState
 
 Array = NDArray[np.float64]
 
-# Planes whose normals differ by more, in radians, are not the same: the group was changed after the solve.
+# A group whose plane now differs by more, in radians, was changed after the solve.
 _SAME = 1e-3
 _UP = np.array([0.0, 0.0, 1.0])
 
 
 def shell_of(plan: bpy.types.Object, report: dict) -> bpy.types.Object | None:
-    """The result that a report speaks of, if it is there."""
+    """The result that a report is about, or None."""
     role = next((role for role, sheet in ROLES.items() if sheet == report.get("sheet")), None)
     return None if role is None else result_of(plan, role)
 
 
 def gaps(report: dict, origin: Array) -> tuple[Array, Array]:
-    """Where the gaps of a report begin and what leads over them, (n, 3) each; none where the shell closes.
+    """Start points and vectors (n, 3) of the gaps in a report; none if the shell is closed.
 
-    origin: (3,) where the shell was put, from which the places are measured.
+    origin: (3,) of the shell, subtracted from the points.
     """
     holes = [hole for hole in report.get("holes") or () if hole["length"] > 0.0]
     if not report.get("is_open") or not holes:
@@ -43,16 +43,16 @@ def gaps(report: dict, origin: Array) -> tuple[Array, Array]:
 
 
 def gap_layers(report: dict, origin: Array, look: Look) -> Iterator[Layer]:
-    """Arrows over the gaps."""
-    yield from arrows(*gaps(report, origin), look.periods)
+    """Arrows across the gaps."""
+    yield from arrows(*gaps(report, origin), look.gaps)
 
 
 def measured(report: dict, groups: tuple[GroupState, ...], rotated: bool) -> list[tuple[int, Array, float]]:
-    """Uid of the group, unit normal (3,) and offset of each plane of a report whose group is still the same.
+    """Uid of the group, unit normal (3,) and offset of each plane in a report whose group is unchanged.
 
     rotated: the shell may have been turned to match its plan, and the normals with it.
     """
-    found = []
+    planes = []
     for plane in report.get("planes") or ():
         names = (plane["name"], plane["name"].rpartition(" ")[0])
         group = next((group for group in groups if group.name in names and group.kind == plane["kind"]), None)
@@ -61,8 +61,8 @@ def measured(report: dict, groups: tuple[GroupState, ...], rotated: bool) -> lis
         normal = np.array(plane["normal"], dtype=np.float64)
         wanted = np.array(dict(group.parameters).get("normal", normal), dtype=np.float64)
         if rotated or np.linalg.norm(np.cross(normal, wanted)) <= _SAME * np.linalg.norm(wanted):
-            found.append((group.uid, normal, float(plane["offset"])))
-    return found
+            planes.append((group.uid, normal, float(plane["offset"])))
+    return planes
 
 
 def plane_layers(

@@ -1,7 +1,7 @@
-"""What the conditions of a plan prescribe along its rim, from arrays alone: what there is to see before a solve.
+"""The normals that the conditions of a plan prescribe along its rim, before a solve. Arrays only.
 
-It is the solver's own `plan_conditions` and `resolved` that say what holds, blended angles included. They are asked
-about the faces along the rim only (`seeing_strip`), so that it costs as much as the rim is long.
+The solver's own `plan_conditions` and `resolved` give them, blended angles included. They run on the faces along the
+rim only (`rim_strip`), so that the cost grows with the length of the rim.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
 NOBODY = 0
-"""Uid of the edges that are in no group."""
+"""Uid of edges in no group."""
 
 
 @dataclass(frozen=True, eq=False)
 class Walk:
     """A part of a boundary loop in one group, with the plan on its left.
 
-    points (m + 1, 3) of its vertices, the first again at the end of a whole loop; normals (m + 1, 3) at them and
-    middles (m, 3) at its edges, nan where nothing is prescribed.
+    points (m + 1, 3): its vertices, of a closed loop the first one again at the end. normals (m + 1, 3) at the vertices
+    and middles (m, 3) at the edges: nan where nothing is prescribed.
     """
 
     uid: int
@@ -48,10 +48,10 @@ class Walk:
 
 @dataclass(frozen=True, eq=False)
 class Rim:
-    """The rim of a plan. lines: uid → ends (n, 2, 3) of its boundary edges; there even where nothing else is known.
+    """The rim of a plan. lines: uid → ends (n, 2, 3) of boundary edges, known even if nothing else is.
 
-    corners, corner_normals (k, 3): vertices between two mirrors, and which way the shell faces there. up (3,): the area
-    vector of the plan. size: the diagonal of the bounding box of its boundary.
+    corners, corner_normals (k, 3): vertices between two mirrors, and the normals of the shell there. up (3,): the area
+    vector of the plan. size: diagonal of the bounding box of its boundary.
     """
 
     groups: tuple[GroupState, ...]
@@ -72,9 +72,9 @@ class Rim:
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """A plan as it is drawn, whatever its groups prescribe: what stays when only that changes.
+    """The part of a plan that does not depend on what its groups prescribe.
 
-    positions (V, 3); lines and size as in `Rim`; strip: the faces along the rim, None where they are no surface.
+    positions (V, 3); lines and size as in `Rim`; strip: the faces along the rim, None if they are no surface.
     """
 
     positions: Array
@@ -85,7 +85,7 @@ class Drawn:
 
     @classmethod
     def of(cls, mesh: PlanMesh, uids: Sequence[int]) -> Drawn:
-        """Of a mesh whose groups have these uids. Never raises for what is drawn: what cannot be known is left out."""
+        """From a mesh whose groups have these uids. Never raises for a bad mesh: unknown parts are left out."""
         owner = np.where(np.isin(mesh.groups, np.array(uids, dtype=np.int64)), mesh.groups, NOBODY)
         rim = _rim_edges(mesh)
         lines = {int(uid): mesh.positions[mesh.edges[rim[owner[rim] == uid]]] for uid in np.unique(owner[rim])}
@@ -98,10 +98,10 @@ class Drawn:
             return bare
 
 
-def see_rim(drawn: Drawn, groups: Sequence[GroupState], blend: float = 0.0, side: int = 1) -> Rim:
-    """What groups prescribe along the rim of a plan as it is drawn; never raises for what they do.
+def prescribed_rim(drawn: Drawn, groups: Sequence[GroupState], blend: float = 0.0, side: int = 1) -> Rim:
+    """The rim of a plan, with the normals that its groups prescribe; never raises for a bad group.
 
-    Where the conditions contradict each other, groups that make no sense are left out, and after that single vertices.
+    Groups that are invalid by themselves are left out, then the vertices at which groups contradict each other.
     """
     bare, strip = Rim(tuple(groups), drawn.lines, drawn.size), drawn.strip
     if strip is None:
@@ -127,7 +127,7 @@ def _diagonal(points: Array) -> float:
     return float(np.linalg.norm(np.ptp(finite, axis=0))) if len(finite) else 0.0
 
 
-# --- what holds there -----------------------------------------------------------------------
+# --- the prescribed normals -----------------------------------------------------------------------
 
 @dataclass(frozen=True, eq=False)
 class _Held:
@@ -156,7 +156,7 @@ def _held(strip: Strip, groups: Sequence[GroupState], blend: float, side: int, f
 
 def _walks(strip: Strip, held: _Held) -> list[Walk]:
     """The boundary loops of a plan, divided where the group changes."""
-    found = []
+    walks = []
     for loop, edges in zip(strip.domain.boundary_loops, strip.domain.boundary_loop_edges, strict=True):
         uids = strip.uids[edges]
         if (uids < 0).any():
@@ -169,12 +169,12 @@ def _walks(strip: Strip, held: _Held) -> list[Walk]:
             at = np.append(loop, loop[0])[start : end + 1]
             closed = len(starts) == 0
             middles = held.middles[edges[start:end]]
-            found.append(Walk(int(uids[start]), strip.points[at], held.normals[at], middles, closed))
-    return found
+            walks.append(Walk(int(uids[start]), strip.points[at], held.normals[at], middles, closed))
+    return walks
 
 
 def _conditions(strip: Strip, groups: Sequence[GroupState], blend: float) -> tuple[Conditions | None, list[int]]:
-    """The conditions of the groups, and the uids of those that had to be left out."""
+    """The conditions of the groups, and the uids of the groups left out as invalid."""
     settings = Settings(blend=blend)
     try:
         return _with_up(plan_conditions(strip.as_plan(groups), settings, strip.domain), strip), []
@@ -189,12 +189,12 @@ def _conditions(strip: Strip, groups: Sequence[GroupState], blend: float) -> tup
 
 
 def _with_up(conditions: Conditions, strip: Strip) -> Conditions:
-    """With the side that the whole plan looks to, which the strip may not know."""
+    """With the area vector of the whole plan, which the strip alone may get wrong."""
     return replace(conditions, up=strip.up) if conditions.up.any() else conditions
 
 
 def _is_sound(strip: Strip, group: GroupState) -> bool:
-    """Whether a group makes sense with all the others left out; one that is free prescribes nothing, and does."""
+    """Whether a group is valid by itself; a free group prescribes nothing and always is."""
     if group.kind == "free" or not (strip.uids == group.uid).any():
         return True
     try:
@@ -205,7 +205,7 @@ def _is_sound(strip: Strip, group: GroupState) -> bool:
 
 
 def _admissible(strip: Strip, conditions: Conditions, side: int) -> Admissible | None:
-    """What the conditions come to at the vertices; those at which they contradict each other are left free."""
+    """The conditions resolved at the vertices; vertices with a contradiction stay free."""
     graph = SiteGraph.of(strip.domain, "vertices")
     for _ in range(2):
         try:

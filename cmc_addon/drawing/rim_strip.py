@@ -1,7 +1,6 @@
-"""The faces along the rim of a plan, as a domain: enough for all that boundary conditions speak of.
+"""The faces along the rim of a plan as a domain, which is all that boundary conditions need.
 
-The directions of the boundary edges, the faces behind them and the angles around their vertices are those of the whole
-plan, at the cost of what touches the rim.
+Its boundary edges, the faces behind them and the angles around their vertices are those of the whole plan.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ Int = NDArray[np.integer]
 
 @dataclass(frozen=True)
 class GroupState:
-    """A boundary group as plain values that compare; parameters as (name, value), kind as the solver calls it."""
+    """A boundary group as plain values that compare; kind: the solver's name; parameters: (name, value) pairs."""
 
     uid: int
     name: str
@@ -35,9 +34,9 @@ class GroupState:
 
 @dataclass(frozen=True, eq=False)
 class Strip:
-    """The faces that touch the rim, as a domain whose first `rim_count` vertices are those of the rim, in their order.
+    """The faces that touch the rim, as a domain whose first `rim_count` vertices are those of the rim, in order.
 
-    vertices (n,): where each is in the plan. uids: (E,) of its edges' groups, -1 on edges that are not on the rim.
+    vertices (n,): their indices in the plan. uids (E,): groups of the edges, -1 on edges off the rim.
     """
 
     domain: Domain
@@ -48,7 +47,7 @@ class Strip:
 
     @classmethod
     def of(cls, mesh: PlanMesh, rim: Int, owner: Int) -> Strip:
-        """Raises `CmcError` where the faces are no surface."""
+        """Raises `CmcError` if the faces are no surface."""
         on_rim = np.zeros(len(mesh.positions), dtype=bool)
         on_rim[mesh.edges[rim]] = True
         triangles = _triangles_at(mesh, on_rim)
@@ -63,20 +62,20 @@ class Strip:
 
     @property
     def up(self) -> Array:
-        """½ ∮ x × dx, which is the area vector of the whole plan."""
+        """½ ∮ x × dx, the area vector of the whole plan."""
         tail, head = self.points[self.domain.edges[self.uids >= 0]].swapaxes(0, 1)
         return 0.5 * np.cross(tail, head).sum(axis=0)
 
     def as_plan(self, groups: Sequence[GroupState]) -> Plan:
-        """The edges where the strip ends inside the plan are free."""
+        """The strip as a plan with these groups; where it ends inside the real plan it is free."""
         edges = self.domain.edges
         inner = self.domain.boundary_edges[self.uids[self.domain.boundary_edges] < 0]
-        found = [Group(g.name, edges[self.uids == g.uid], g.kind, dict(g.parameters)) for g in groups]
-        return Plan(self.points, self.domain.faces, groups=[*found, Group("", edges[inner], "free")])
+        own = [Group(g.name, edges[self.uids == g.uid], g.kind, dict(g.parameters)) for g in groups]
+        return Plan(self.points, self.domain.faces, groups=[*own, Group("", edges[inner], "free")])
 
 
 def _triangles_at(mesh: PlanMesh, on_rim: NDArray[np.bool_]) -> Int:
-    """Triangles, in the plan's numbers, of the polygons that have a vertex on the rim."""
+    """Triangles, in the plan's numbering, of the polygons with a vertex on the rim."""
     touching = np.logical_or.reduceat(on_rim[mesh.corners], mesh.starts[:-1])
     step = -1 if mesh.mirrored else 1
     bounds = zip(mesh.starts[:-1][touching].tolist(), mesh.starts[1:][touching].tolist(), strict=True)
@@ -84,15 +83,15 @@ def _triangles_at(mesh: PlanMesh, on_rim: NDArray[np.bool_]) -> Int:
 
 
 def _own_lengths(mesh: PlanMesh, triangles: Int, place: Int) -> Array | None:
-    """Side lengths (T, 3) of a plan that has its own."""
+    """Side lengths (T, 3) of a plan with its own edge lengths."""
     if mesh.lengths is None:
         return None
     near = (place[mesh.edges] >= 0).all(axis=1)
     return side_lengths(triangles, mesh.edges[near], mesh.lengths[near])
 
 
-def _as_domain(faces: Int, points: Array, sides: Array | None) -> Domain:
-    """No check for a surface in one piece: where the strip ends it may touch itself."""
+def _as_domain(faces: NDArray[np.int32], points: Array, sides: Array | None) -> Domain:
+    """A domain without the check for a connected surface: the strip may touch itself where it ends."""
     face_edges = connectivity.edges_by_vertex_pairs(faces, len(points))
     edges = connectivity.pair_half_edges(faces, face_edges)
     if sides is None:
@@ -103,7 +102,7 @@ def _as_domain(faces: Int, points: Array, sides: Array | None) -> Domain:
 
 
 def _uids(domain: Domain, pairs: Int, owner: Int, rim_count: int) -> Int:
-    """Groups (E,) of the edges of a strip from those of the rim, pairs (n, 2); -1 elsewhere."""
+    """Groups (E,) of the edges of a strip from those of the rim edges, pairs (n, 2); -1 elsewhere."""
     count = len(domain.edges)
     uids = np.full(count, -1, dtype=np.int64)
     rim = domain.boundary_edges[(domain.edges[domain.boundary_edges] < rim_count).all(axis=1)]

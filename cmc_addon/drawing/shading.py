@@ -1,7 +1,6 @@
-"""How the viewports show colours: Solid shading by *Attribute* while a plan's results are coloured, else as before.
+"""Solid shading by *Attribute* while the results of a plan are coloured, and the former shading afterwards.
 
-It is changed by a click on *Colour by*, or by undoing one, and by nothing else: who chooses another shading meanwhile
-keeps it.
+Only a change of *Colour By*, or its undo, switches the shading: another shading chosen meanwhile stays.
 """
 
 from __future__ import annotations
@@ -12,11 +11,11 @@ from bpy.app.handlers import persistent
 from ..properties.registration import registration
 
 BY_ATTRIBUTE = "VERTEX"
-"""Blender's name for colours by attribute in Solid shading."""
+"""Blender's identifier of colours by attribute in Solid shading."""
 
 
 class Switched:
-    """Whether viewports show colours because of us; what each of them showed before, by its address."""
+    """Whether we switched the viewports to colours, and the former shading of each, by its address."""
 
     on: bool = False
     before: dict[int, str] = {}
@@ -33,7 +32,7 @@ def views(window_manager: bpy.types.WindowManager) -> list[bpy.types.SpaceView3D
 
 
 def follow(context: bpy.types.Context) -> None:
-    """Show colours where there are some, and go back where there are none any more."""
+    """Show colours if any plan is coloured, else restore the former shading."""
     if coloured():
         _show(context)
     else:
@@ -50,7 +49,7 @@ def _show(context: bpy.types.Context) -> None:
 
 
 def _go_back(context: bpy.types.Context) -> None:
-    """A file remembers one shading for all of its views, for who opens it and takes the colours away."""
+    """Restore the former shading; in a file that was loaded, the one that its scene remembers."""
     for view in views(context.window_manager):
         before = Switched.before.pop(view.as_pointer(), None) or context.scene.cmc.shading_before
         if view.shading.color_type == BY_ATTRIBUTE and before:

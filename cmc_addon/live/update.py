@@ -21,7 +21,7 @@ from ...solver.shells.update import Update, update
 from ...solver.surface.cmc_surface import SHEETS, CmcSurface
 from ..background import plan_cache, solve_cache
 from ..bridges.mesh_bridge import read_plan
-from ..properties.links import copies_of, result_of, wanted_roles
+from ..properties.links import copies_of, result_of, results_of, wanted_roles
 from ..properties.stored import ROLES
 from ..results import colours
 from ..results.measures import Measured, sheet_measures
@@ -144,10 +144,10 @@ class QuickTask(LiveTask[QuickResult]):
     def write(self, context: bpy.types.Context, plan: bpy.types.Object, result: QuickResult) -> Memory | None:
         """Write points and normals into the wanted results; None, and nothing, where these do not fit."""
         updated, origin, wanted = result.update, self.reading.origin, wanted_roles(self.reading.solve.settings)
-        objects = {role: result_of(plan, role) for role in wanted}
+        objects = results_of(plan, wanted)
         cut = _cut_of(updated.surface)
-        if not _alike(cut, self.memory.cut) or not all(
-            ROLES[role] in updated.placed and ob is not None and len(ob.data.vertices) == len(updated.surface.source)
+        if len(objects) < len(wanted) or not _alike(cut, self.memory.cut) or not all(
+            ROLES[role] in updated.placed and len(ob.data.vertices) == len(updated.surface.source)
             for role, ob in objects.items()
         ):
             return None

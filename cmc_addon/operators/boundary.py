@@ -13,7 +13,7 @@ from bpy.props import BoolProperty, EnumProperty, StringProperty
 from ...solver.errors import CmcError, MeshError
 from ..bridges import edge_bridge, group_history
 from ..properties import group_list
-from ..properties.stored import condition_annotations, kind_parameters
+from ..properties.group_settings import condition_annotations, kind_parameters
 
 SCRIPT_ONLY = {"HIDDEN", "SKIP_SAVE"}
 
@@ -47,6 +47,7 @@ class GroupOperator:
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         mesh = active_mesh(context)
+        assert mesh is not None  # see `poll`
         group_history.before(mesh)
         try:
             self.act(context, mesh)

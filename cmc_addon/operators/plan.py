@@ -37,8 +37,9 @@ from ...solver.meshing.wires import (
 from ..background import worker
 from ..bridges import outline_bridge
 from ..properties import group_list
+from ..properties.group_settings import kind_parameters
 from ..properties.links import by_uid
-from ..properties.stored import PLAN_SETTINGS, kind_parameters, plan_annotations
+from ..properties.plan_settings import PLAN_SETTINGS, plan_annotations
 from .activate import activate
 from .modal import ModalOperator
 from .poll import RUNNING
@@ -85,10 +86,12 @@ class CMC_OT_mesh_plan(ModalOperator, bpy.types.Operator):
         return False
 
     def about(self, context):
+        assert context.object is not None  # see `poll`
         return outline_of(context.object)
 
     def steps(self, context, wait):
         context.view_layer.update()  # a script may have just moved the outline
+        assert context.object is not None
         uid = context.object.session_uid
         self._take_settings(context.scene.cmc)
         outline = make_outline(outline_bridge.read_wire(outline_of(context.object)))

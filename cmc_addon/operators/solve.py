@@ -4,9 +4,9 @@ import bpy
 
 from ...solver.errors import CmcError
 from ..background import worker
+from ..properties.group_settings import condition_annotations, kind_parameters, parameter_values
 from ..properties.links import by_uid, plan_of
 from ..properties.settings import SETTINGS, SIZE_PROPERTY, energies_on, fitted_settings, setting_annotations
-from ..properties.stored import condition_annotations, kind_parameters, parameter_values
 from ..results.objects import check_writable
 from ..tasks.solve import SolveTask, settings_of
 from ..tasks.task import Task

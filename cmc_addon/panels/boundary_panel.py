@@ -1,4 +1,4 @@
-"""The list of boundary groups, looked after as Blender's list of vertex groups is."""
+"""Boundary: the list of boundary groups, handled like Blender's vertex groups."""
 
 import math
 
@@ -9,15 +9,15 @@ from ..bridges.mesh_cache import boundary_counts
 from ..bridges.start_bridge import has_start
 from ..drawing.palette import icon_of
 from ..properties import group_list
+from ..properties.group_settings import kind_parameters
 from ..properties.links import plan_to_solve
 from ..properties.registration import registration
-from ..properties.stored import kind_parameters
 from .symmetry_panel import draw_group
 from .tab import Tab, hint, properties_column
 
 
 class CMC_UL_groups(bpy.types.UIList):
-    """Boundary groups: the name, to be changed by a double click, and what the group does"""
+    """Boundary groups: their names, renamed by a double click, and their conditions"""
 
     def draw_item(self, context, layout, data, item, icon, active_data, active_property, index=0, flag=0):
         split = layout.split(factor=0.72)
@@ -29,7 +29,7 @@ class CMC_UL_groups(bpy.types.UIList):
 
 
 def summary(group) -> str:
-    """The kind in one word, or the angle where there is one."""
+    """The kind in one word, or its angle."""
     for parameter in KINDS[group.kind.lower()].parameters:
         if parameter.unit == "radians":
             return f"{math.degrees(getattr(group, parameter.name)):.4g}°"
@@ -60,7 +60,7 @@ class CMC_PT_boundary(Tab, bpy.types.Panel):
     def draw(self, context):
         layout, plan = self.layout, plan_to_solve(context)
         if plan is None:
-            hint(layout, "Select a plan to say what", "the shell does at its rim")
+            hint(layout, "Select a plan to set the", "conditions along its rim")
             return
         mesh = plan.data
         own = plan == context.object
@@ -79,7 +79,7 @@ class CMC_PT_boundary(Tab, bpy.types.Panel):
             column.prop(plan.cmc, "blend")
 
     def _list(self, layout, mesh, own):
-        """The list; with a result active it shows the groups of its plan, to be changed but not extended."""
+        """The list; with a result active the groups of its plan, to edit but not to add or remove."""
         cmc = mesh.cmc
         row = layout.row()
         row.template_list("CMC_UL_groups", "", cmc, "groups", cmc, "active_index", rows=4)
@@ -122,9 +122,9 @@ class CMC_PT_boundary(Tab, bpy.types.Panel):
     def _ungrouped(self, layout, mesh):
         boundary, ungrouped = boundary_counts(mesh)
         if not boundary and has_start(mesh):
-            hint(layout, "This mesh is closed: its start", "says which shell is meant")
+            hint(layout, "This mesh is closed: its start map", "selects the shell")
         elif not boundary:
-            hint(layout, "This mesh has no boundary:", "delete faces where the rim is to be")
+            hint(layout, "This mesh has no boundary:", "delete the faces beyond its rim")
         elif ungrouped:
             row = layout.row()
             row.label(text=f"{ungrouped} of {boundary} edges in no group")
@@ -132,7 +132,7 @@ class CMC_PT_boundary(Tab, bpy.types.Panel):
             note = layout.row()
             note.active = False
             note.scale_y = 0.6
-            note.label(text="They count as 0°, a vertical rim")
+            note.label(text="They stand upright (0°)")
 
 
 CLASSES = (CMC_UL_groups, CMC_MT_groups, CMC_PT_boundary)

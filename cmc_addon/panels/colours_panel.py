@@ -1,8 +1,8 @@
-"""Look: what the results are coloured by, strokes along their lines of curvature, the Gauss image."""
+"""Look: colours and curvature lines of the results, and their normals on a sphere."""
 
 import bpy
 
-from ..drawing.curvature_lines import usual_spacing_of
+from ..drawing.curvature_lines import default_spacing_of
 from ..properties.colour_range import stored_range
 from ..properties.links import families, plan_to_solve
 from ..properties.registration import registration
@@ -11,7 +11,7 @@ from .tab import Tab, automatic, properties_column
 
 
 class CMC_PT_look(Tab, bpy.types.Panel):
-    """Shown where there is a result, of Solve or of a design."""
+    """Shown once the plan has a result of Solve or of a design."""
 
     bl_idname = "CMC_PT_look"
     bl_label = "Look"
@@ -24,29 +24,31 @@ class CMC_PT_look(Tab, bpy.types.Panel):
 
     def draw(self, context):
         plan = plan_to_solve(context)
+        if plan is None:
+            return
         self.layout.enabled = plan.is_editable
         column = properties_column(self.layout)
         column.prop(plan.cmc, "colour_by")
         if plan.cmc.colour_by != "NONE":
             self._range(column, plan)
         column.separator()
-        column.prop(plan.cmc, "strokes")
-        if plan.cmc.strokes != "NONE":
-            column.prop(plan.cmc, "stroke_spacing")
-            if not plan.cmc.stroke_spacing:
-                automatic(column, usual_spacing_of(families(plan)[0].shell.dimensions))
+        column.prop(plan.cmc, "curvature_lines")
+        if plan.cmc.curvature_lines != "NONE":
+            column.prop(plan.cmc, "curvature_line_spacing")
+            if not plan.cmc.curvature_line_spacing:
+                automatic(column, default_spacing_of(families(plan)[0].shell.dimensions))
         column.separator()
         shown = gauss_image.is_shown(plan)
         column.operator("cmc.gauss_image", depress=shown, icon="SHADING_RENDERED")
 
     def _range(self, column, plan):
         column.prop(plan.cmc, "colour_fit")
-        found = [stored_range(family.shell) for family in families(plan)]
+        ranges = [stored_range(family.shell) for family in families(plan)]
         if not plan.cmc.colour_fit:
             both = column.column(align=True)
             both.prop(plan.cmc, "colour_min")
             both.prop(plan.cmc, "colour_max")
-        elif not any(found):
+        elif not any(ranges):
             column.label(text="Not measured: solve again", icon="INFO")
 
 

@@ -1,20 +1,46 @@
-"""Design: a shell nearest to a surface, or to an outline, a curve, anchors; and how near it has come."""
+"""Design: fit a shell to an outline, a curve, anchors or a surface; and the distances that remain."""
 
 import math
 
 import bpy
 
-from ...solver.fitting.targets import Anchors, Closed, Crown, NearSurface, RimOnCurve, TiltBounds
+from ...solver.fitting.targets import (
+    Anchors,
+    Area,
+    Closed,
+    Crown,
+    GaussMap,
+    MinimalChange,
+    NearSurface,
+    RimOnCurve,
+    SmoothRim,
+    TiltBounds,
+    Volume,
+)
 from ..live.follow import problem_of
 from ..operators.design import draw_approximate, draw_fit
 from ..properties.links import plan_to_solve, result_of
 from ..properties.registration import registration
 from ..properties.reports import last_design
-from ..properties.units import length_text, per_length
-from .results_panel import numbers, paragraph
+from ..properties.units import length_text
+from .results_panel import numbers, paragraph, size_rows
 from .tab import TALL, Tab, properties_column
 
 _LENGTHS = {target.label for target in (RimOnCurve, Crown, Anchors, NearSurface, Closed)}
+_NAMES = {
+    RimOnCurve.label: "Off Line",
+    Crown.label: "Off Height",
+    Volume.label: "Off Volume",
+    Area.label: "Off Area",
+    Anchors.label: "Off Anchors",
+    NearSurface.label: "Off Surface",
+    GaussMap.label: "Off Normals",
+    MinimalChange.label: "Turn of Normals",
+    SmoothRim.label: "Rim Roughness",
+    TiltBounds.label: "Off Lean",
+    Closed.label: "Gap",
+}
+"""The solver's name of a distance -> the panel's."""
 
 
 class CMC_PT_design(Tab, bpy.types.Panel):
@@ -48,7 +74,7 @@ class CMC_PT_design(Tab, bpy.types.Panel):
             numbers(layout, design_rows(report))
 
     def _settings(self, layout, context, plan):
-        """A column of settings; the buttons are outside of it, since a disabled one says why only by itself."""
+        """A column of settings. The buttons stay outside: only a button disabled by its own poll explains why."""
         column = properties_column(layout)
         column.enabled = plan.is_editable and not context.window_manager.cmc.running
         return column
@@ -64,14 +90,8 @@ def _is_anchor(ob: bpy.types.Object | None) -> bool:
 
 
 def design_rows(report: dict) -> list[tuple[str, str]]:
-    shown, H = report["sheets"][report["sheet"]], report["mean_curvature"]
-    rows = [
-        ("Span", length_text(shown["span"])),
-        ("Rise", length_text(shown["rise"])),
-        ("Area", length_text(shown["area"], 2)),
-        ("Radius 1/H", length_text(1 / H)),
-        ("H", f"{H:.4g} {per_length()}"),
-    ]
+    """The size of the fitted shell, and its distances from its goals."""
+    rows = size_rows(report)
     if report.get("deviation"):
         mean, most = (length_text(report["deviation"][name], digits=2) for name in ("mean", "max"))
         rows.append(("Deviation", f"{mean}, at most {most}"))
@@ -79,10 +99,10 @@ def design_rows(report: dict) -> list[tuple[str, str]]:
 
 
 def _distance_row(label: str, off: float) -> tuple[str, str]:
-    name = label[:1].upper() + label[1:]
+    name = _NAMES.get(label, label.capitalize())
     if label == TiltBounds.label:
         return name, f"{math.degrees(off):.2g}°"
-    return name, length_text(off, digits=2) if label in _LENGTHS else f"{off:.2g}"
+    return name, length_text(off, digits=2) if label in _LENGTHS else f"{off:.2g}" if off >= 1e-6 else "0"
 
 
 CLASSES = (CMC_PT_design,)

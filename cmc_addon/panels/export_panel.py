@@ -1,4 +1,4 @@
-"""Export: the last step, the shell as a file."""
+"""Export: write the shell to a file."""
 
 import bpy
 
@@ -19,7 +19,7 @@ class CMC_PT_export(Tab, bpy.types.Panel):
     def draw(self, context):
         layout, plan = self.layout, plan_to_solve(context)
         if plan is None:
-            hint(layout, "Select a plan or its shell", "to write it as a file")
+            hint(layout, "Select a plan or its shell", "to export it")
             return
         column = properties_column(layout)
         column.enabled = plan.is_editable

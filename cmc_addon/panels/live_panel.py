@@ -1,38 +1,28 @@
-"""The switch of Live, below Solve, and why the shell does not follow where it does not."""
+"""The Live switch below Solve, and the reason when the shell cannot follow."""
 
 from __future__ import annotations
-
-import textwrap
 
 import bpy
 
 from ..live.live import problem_of
+from .results_panel import paragraph
 from .tab import BESIDE_SOLVE
 
-_WIDTH = 38
 
-
-def draw_live(layout: bpy.types.UILayout, plan: bpy.types.Object) -> None:
-    """A toggle; a problem in a few short lines."""
+def draw_live(layout: bpy.types.UILayout, context: bpy.types.Context, plan: bpy.types.Object) -> None:
+    """A toggle, and the problem if Live has one."""
     row = layout.row()
     row.enabled = plan.is_editable
     row.prop(plan.cmc, "live", toggle=True, icon="PLAY")
     problem = problem_of(plan) if plan.cmc.live else ""
     if problem:
-        column = layout.column(align=True)
-        column.scale_y = 0.8
-        for k, line in enumerate(textwrap.wrap(problem, _WIDTH)):
-            column.label(text=line, icon="ERROR" if k == 0 else "BLANK1")
-
-
-def _beside_solve(layout: bpy.types.UILayout, _context: bpy.types.Context, plan: bpy.types.Object) -> None:
-    draw_live(layout, plan)
+        paragraph(layout, context, problem, "ERROR")
 
 
 def register() -> None:
-    BESIDE_SOLVE.insert(0, _beside_solve)
+    BESIDE_SOLVE.insert(0, draw_live)
 
 
 def unregister() -> None:
-    if _beside_solve in BESIDE_SOLVE:
-        BESIDE_SOLVE.remove(_beside_solve)
+    if draw_live in BESIDE_SOLVE:
+        BESIDE_SOLVE.remove(draw_live)

@@ -1,7 +1,7 @@
 """Menus: "CMC" in the Object and Mesh menus, where F3 finds every operator; "Assign to Boundary Group" in the context
-menu and the Edge menu of edit mode; presets of groups; Export in File > Export; and a pie for whoever wants one.
+menu and the Edge menu of edit mode; presets of boundary groups; Export in File > Export; and a pie menu.
 
-The pie has no key of its own: in Preferences > Keymap add `wm.call_menu_pie` with the name CMC_MT_pie.
+The pie has no key by default: in Preferences > Keymap add `wm.call_menu_pie` with the name CMC_MT_pie.
 """
 
 import bpy
@@ -14,7 +14,7 @@ from ..properties.registration import registration
 
 class CMC_MT_group_presets(bpy.types.Menu):
     bl_idname = "CMC_MT_group_presets"
-    bl_label = "Presets of Boundary Groups"
+    bl_label = "Boundary Group Presets"
 
     def draw(self, context):
         for name, preset in PRESETS.items():
@@ -64,7 +64,7 @@ class CMC_MT_object(bpy.types.Menu):
 
 
 class CMC_MT_mesh(bpy.types.Menu):
-    """What there is to do with the edges of a plan"""
+    """Actions on the edges of a plan"""
 
     bl_idname = "CMC_MT_mesh"
     bl_label = "CMC"
@@ -82,7 +82,7 @@ class CMC_MT_mesh(bpy.types.Menu):
 
 
 class CMC_MT_pie(bpy.types.Menu):
-    """The most used, around the mouse"""
+    """The most used actions, around the mouse"""
 
     bl_idname = "CMC_MT_pie"
     bl_label = "CMC"
@@ -130,7 +130,7 @@ PLACES = {
     "VIEW3D_MT_edit_mesh_edges": _in_edge_menu,
     "TOPBAR_MT_file_export": _in_export_menu,
 }
-"""Blender's menu → what is added at its end."""
+"""Blender's menu → our entries at its end."""
 _register, _unregister = registration(CLASSES)
 
 

@@ -1,16 +1,16 @@
-"""Show: what the viewport draws of a plan, in the sidebar and among Blender's own overlays."""
+"""Overlay: what is drawn over the viewport, in the sidebar and in Blender's overlay popover."""
 
 import bpy
 
 from ..properties.links import plan_to_solve
-from ..properties.overlay_settings import draw_seeing
+from ..properties.overlay_settings import draw_overlay
 from ..properties.registration import registration
 from .tab import Tab
 
 
-class CMC_PT_show(Tab, bpy.types.Panel):
-    bl_idname = "CMC_PT_show"
-    bl_label = "Show"
+class CMC_PT_overlay(Tab, bpy.types.Panel):
+    bl_idname = "CMC_PT_overlay"
+    bl_label = "Overlay"
     bl_options = {"DEFAULT_CLOSED"}
     bl_order = 5
 
@@ -22,11 +22,11 @@ class CMC_PT_show(Tab, bpy.types.Panel):
         self.layout.prop(context.scene.cmc, "show_all", text="")
 
     def draw(self, context):
-        draw_seeing(self.layout, context.scene.cmc)
+        draw_overlay(self.layout, context.scene.cmc)
 
 
-class CMC_PT_overlay(bpy.types.Panel):
-    bl_idname = "CMC_PT_overlay"
+class CMC_PT_overlay_popover(bpy.types.Panel):
+    bl_idname = "CMC_PT_overlay_popover"
     bl_space_type = "VIEW_3D"
     bl_region_type = "HEADER"
     bl_parent_id = "VIEW3D_PT_overlay"
@@ -37,8 +37,8 @@ class CMC_PT_overlay(bpy.types.Panel):
         layout = self.layout
         layout.active = context.space_data.overlay.show_overlays
         layout.prop(settings, "show_all", text="Plans and Shells")
-        draw_seeing(layout, settings, columns=True)
+        draw_overlay(layout, settings, columns=True)
 
 
-CLASSES = (CMC_PT_show, CMC_PT_overlay)
+CLASSES = (CMC_PT_overlay, CMC_PT_overlay_popover)
 register, unregister = registration(CLASSES)

@@ -1,4 +1,4 @@
-"""Periods: under Complete, the gaps around the holes of a plan, and the two things to do about them."""
+"""Gaps, under Repeat: the gaps around the holes of a plan, to close them or to repeat the shell across them."""
 
 import bpy
 
@@ -8,7 +8,7 @@ from ..operators.add_plan import first_in_add_menu, in_add_menu
 from ..properties.links import plan_to_solve
 from ..properties.periods_settings import draw_close, draw_tile
 from ..properties.registration import registration
-from ..properties.reports import complete_report, last_report
+from ..properties.reports import complete_report
 from ..tasks.close_periods import tile_counts
 from .periods_text import closing_rows, gap_rows
 from .results_panel import ResultPanel, numbers, paragraph
@@ -18,7 +18,7 @@ from .tab import TALL, hint, properties_column
 
 class CMC_PT_periods(ResultPanel, bpy.types.Panel):
     bl_idname = "CMC_PT_periods"
-    bl_label = "Periods"
+    bl_label = "Gaps"
     bl_parent_id = "CMC_PT_complete"
     bl_order = 1
 
@@ -27,10 +27,12 @@ class CMC_PT_periods(ResultPanel, bpy.types.Panel):
         return has_holes(context)
 
     def draw_header_preset(self, context):
-        self.layout.prop(context.scene.cmc, "show_periods", text="", icon="OVERLAY", emboss=False)
+        self.layout.prop(context.scene.cmc, "show_gaps", text="", icon="OVERLAY", emboss=False)
 
-    def draw(self, context):
-        layout, plan, report = self.layout, plan_to_solve(context), last_report(context)
+    def draw_report(self, context, report):
+        layout, plan = self.layout, plan_to_solve(context)
+        if plan is None:
+            return
         numbers(layout, gap_rows(report))
         numbers(layout, closing_rows(report))
         column = properties_column(layout)
@@ -38,7 +40,7 @@ class CMC_PT_periods(ResultPanel, bpy.types.Panel):
         draw_close(column, plan.cmc)
         self._button(layout, "cmc.close_periods")
         if not report.get("is_open"):
-            hint(layout, "The shell closes: nothing", "to tile by")
+            hint(layout, "The shell is closed: it has", "no gap to repeat across")
             return
         layout.separator()
         column = properties_column(layout)
@@ -50,7 +52,7 @@ class CMC_PT_periods(ResultPanel, bpy.types.Panel):
             numbers(layout, completed_rows(complete_report(plan)))
 
     def _counts(self, layout, context, plan, holes):
-        """How many copies there will be."""
+        """The number of copies to expect."""
         try:
             copies, faces = tile_counts(plan, holes, plan.cmc.tile_repeat)
         except CmcError as error:

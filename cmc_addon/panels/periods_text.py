@@ -1,66 +1,63 @@
-"""What is said of the gaps around holes, from the report that a solve has left."""
+"""Sentences and numbers about the gaps around holes, from the report of a solve."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
 
-from ..properties.units import length_text
+from ..properties.units import length_text, percent_text
 
 
 def gap_sentence(report: Mapping) -> str:
-    """That the shell has a gap, how large, and what to press; empty where it has none."""
+    """The size of the gap and the operators to press; empty if the shell is closed."""
     holes = report.get("holes") or []
     if not report.get("is_open") or not holes:
         return ""
     widest = max(holes, key=lambda hole: hole["length"])
     where = "around the hole" if len(holes) == 1 else f"around {len(holes)} holes"
-    words = [f"The shell does not close {where}: it has a gap of {gap_text(widest)}."]
+    words = [f"The shell is open by {gap_text(widest)} {where}."]
     if report.get("closing"):
         words.insert(0, report["closing"]["message"])
     else:
-        words.append("Close Periods, below, closes it; Tile by Periods repeats the shell across it.")
+        words.append("Close Gaps, below, closes it; Repeat by Gaps repeats the shell across the gap.")
     return " ".join(words)
 
 
 def gap_text(hole: Mapping) -> str:
-    """A length, and the part of the shell's size that it is."""
-    return f"{length_text(hole['length'])} ({share_text(hole['relative'])} of its size)"
+    """A gap as a length, and as a part of the shell's size."""
+    return f"{length_text(hole['length'])} ({percent_text(hole['relative'])} of its size)"
 
 
 def vector_text(vector: Sequence[float], length: float) -> str:
-    """Its parts with as many decimals as its length has three digits with."""
+    """The components, with the decimals that give the length three digits."""
     decimals = max(0, 2 - math.floor(math.log10(length))) if length > 0.0 else 0
     return "({}, {}, {})".format(*(f"{round(x, decimals) + 0.0:.{decimals}f}" for x in vector))
 
 
-def share_text(part: float) -> str:
-    return f"{100 * part:.2g} %"
-
-
 def gap_rows(report: Mapping) -> list[tuple[str, str]]:
-    """For each hole its gap, and as a vector."""
+    """The gap of each hole, and its vector."""
     rows = []
     for hole in report.get("holes") or []:
         name = hole["name"].capitalize()
         if not report.get("is_open"):
             rows.append((name, "Closed"))
             continue
-        rows.append((name, f"{length_text(hole['length'])} ({share_text(hole['relative'])})"))
+        rows.append((name, f"{length_text(hole['length'])} ({percent_text(hole['relative'])})"))
         rows.append(("", vector_text(hole["period"], hole["length"])))
     return rows
 
 
 def closing_rows(report: Mapping) -> list[tuple[str, str]]:
-    """What Close Periods has changed."""
-    told = report.get("closing")
-    if not told:
+    """The changes that Close Gaps made."""
+    closing = report.get("closing")
+    if not closing:
         return []
-    rows = [("Gap before", share_text(told["gap_before"])), ("Gap now", share_text(told["gap"]))]
-    if told["largest_turn"] > 1e-6:
-        rows.append(("Normals turned", f"{told['largest_turn']:.1f}° at most, {told['rms_turn']:.1f}° (RMS)"))
-    for name, number in told["moved"].items():
+    rows = [("Gap Before", percent_text(closing["gap_before"])), ("Gap Now", percent_text(closing["gap"]))]
+    if closing["largest_turn"] > 1e-6:
+        turns = f"{closing['largest_turn']:.1f}° at most, {closing['rms_turn']:.1f}° (RMS)"
+        rows.append(("Normals Turned", turns))
+    for name, number in closing["moved"].items():
         motion = name.rpartition(" ")[2]
         text = {"twist": f"{number:.3g}°", "size": f"× {number:.3g}"}.get(motion) or length_text(number)
-        rows.append((name.capitalize() if " " in name else f"Hole {name}", text))
-    return rows + [("Steps", str(told["steps"]))]
+        rows.append((name.title() if " " in name else f"Hole {name.title()}", text))
+    return rows + [("Steps", str(closing["steps"]))]

@@ -1,4 +1,4 @@
-"""The last solve in numbers, under the shell it belongs to. Drawn from the report which the solve has left."""
+"""Results: the last solve in numbers, drawn from the report that it stored."""
 
 import textwrap
 
@@ -7,8 +7,8 @@ import bpy
 from ...solver.fitting.targets import RimOnCurve
 from ..properties.links import result_of
 from ..properties.registration import registration
-from ..properties.reports import design_report, last_report
-from ..properties.units import length_text, per_length
+from ..properties.reports import design_report, last_report, shown_sheet
+from ..properties.units import length_text, per_length, percent_text
 from .periods_text import gap_sentence
 from .tab import BESIDE_SOLVE, Tab
 
@@ -16,7 +16,7 @@ _LETTER = 7.0  # pixels, of the interface font at scale 1
 
 
 def paragraph(layout: bpy.types.UILayout, context: bpy.types.Context, text: str, icon: str) -> None:
-    """A sentence in as many lines as the sidebar's width asks for."""
+    """A text wrapped to the width of the sidebar."""
     scale = context.preferences.system.ui_scale or 1.0  # 0 where there is no window
     letters = max(16, int((context.region.width / scale - 60) / _LETTER))
     column = layout.column(align=True)
@@ -26,7 +26,7 @@ def paragraph(layout: bpy.types.UILayout, context: bpy.types.Context, text: str,
 
 
 def numbers(layout: bpy.types.UILayout, rows: list[tuple[str, str]]) -> None:
-    """Names on the left, values on the right, aligned as the settings above are."""
+    """Names on the left, values on the right, aligned with the settings above."""
     column = layout.column(align=True)
     column.scale_y = 0.85
     for name, value in rows:
@@ -39,11 +39,16 @@ def numbers(layout: bpy.types.UILayout, rows: list[tuple[str, str]]) -> None:
 
 
 class ResultPanel(Tab):
-    """Shown where there is a report."""
+    """Shown once the plan was solved; draws from the report."""
 
     @classmethod
     def poll(cls, context):
         return last_report(context) is not None
+
+    def draw(self, context):
+        report = last_report(context)
+        if report is not None:
+            self.draw_report(context, report)
 
 
 class CMC_PT_results(ResultPanel, bpy.types.Panel):
@@ -51,52 +56,55 @@ class CMC_PT_results(ResultPanel, bpy.types.Panel):
     bl_label = "Results"
     bl_order = 3
 
-    def draw(self, context):
-        report = last_report(context)
-        shown = report["sheets"][report["sheet"]]
+    def draw_report(self, context, report):
         done = report["converged"] and not report.get("is_open")
-        paragraph(self.layout, context, gap_sentence(report) or report["message"], "CHECKMARK" if done else "ERROR")
-        numbers(self.layout, size_rows(report, shown))
+        sentence = gap_sentence(report) or report["message"]
+        paragraph(self.layout, context, sentence, "CHECKMARK" if done else "ERROR")
+        numbers(self.layout, [*size_rows(report), *rim_rows(report)])
         for warning in report.get("warnings", ()):
             if warning != report["message"]:
                 paragraph(self.layout, context, warning, "ERROR")
 
 
-def size_rows(report: dict, shown: dict) -> list[tuple[str, str]]:
-    H = report["mean_curvature"]
+def size_rows(report: dict) -> list[tuple[str, str]]:
+    """Size and curvature of the shown sheet, from the report of a solve or a fit."""
+    shown, H = shown_sheet(report), report["mean_curvature"]
     return [
         ("Span", length_text(shown["span"])),
         ("Rise", length_text(shown["rise"])),
         ("Area", length_text(shown["area"], 2)),
-        ("Rim", length_text(shown["boundary_length"])),
         ("Radius 1/H", length_text(1 / H)),
         ("H", f"{H:.4g} {per_length()}"),
     ]
+
+
+def rim_rows(report: dict) -> list[tuple[str, str]]:
+    return [("Rim", length_text(shown_sheet(report)["boundary_length"]))]
 
 
 class CMC_PT_checks(ResultPanel, bpy.types.Panel):
     bl_idname = "CMC_PT_checks"
     bl_label = "Checks"
     bl_parent_id = "CMC_PT_results"
-    bl_order = 1  # below Periods
+    bl_order = 1
 
-    def draw(self, context):
-        report = last_report(context)
-        numbers(self.layout, check_rows(report, report["sheets"][report["sheet"]]))
+    def draw_report(self, context, report):
+        numbers(self.layout, check_rows(report))
 
 
-def check_rows(report: dict, shown: dict) -> list[tuple[str, str]]:
-    rows = []
+def check_rows(report: dict) -> list[tuple[str, str]]:
+    """How well the shown sheet keeps what it should."""
+    shown, rows = shown_sheet(report), []
     if shown["mean_curvature"]:
-        rows.append(("H off by", f"{100 * shown['mean_curvature']['relative_l2']:.2g} %"))
+        rows.append(("H Off By", percent_text(shown["mean_curvature"]["relative_l2"])))
     if shown["distortion"]:
         rows.append(("Distortion", f"{shown['distortion']['mean']:.3f}, at most {shown['distortion']['max']:.3f}"))
     if shown["outline"]:
         mean, most = (length_text(shown["outline"][name], digits=2) for name in ("mean", "max"))
         rows.append(("Off Outline", f"{mean}, at most {most}"))
     if shown["overhang"]:
-        share = 100 * shown["overhang"]["area_share"]
-        rows.append(("Overhang", f"{share:.2g} %, by {shown['overhang']['largest_lean']:.1f}°" if share else "None"))
+        share, lean = shown["overhang"]["area_share"], shown["overhang"]["largest_lean"]
+        rows.append(("Overhang", f"{percent_text(share)}, by {lean:.1f}°" if share else "None"))
     if shown["intersections"]:
         pairs = shown["intersections"]["count"]
         rows.append(("Crossing", f"{pairs} pairs of faces" if pairs else "None"))
@@ -112,15 +120,14 @@ class CMC_PT_solver(ResultPanel, bpy.types.Panel):
     bl_order = 2
     bl_options = {"DEFAULT_CLOSED"}
 
-    def draw(self, context):
-        report = last_report(context)
+    def draw_report(self, context, report):
         rows = [
             ("Energy E", f"{report['energy']:.6g}"),
             *map_rows(report),
-            ("Residual", f"{report['residual']:.1e}"),
+            ("Accuracy", f"{report['residual']:.1e}"),
             ("Steps", str(report["iterations"])),
             ("Faces", str(report["faces"])),
-            ("ClosingOptions", f"{report['closure_error']:.1e}"),
+            ("Closing Error", f"{report['closure_error']:.1e}"),
         ]
         numbers(self.layout, rows)
         if report["converged"] and report.get("index") is None:
@@ -128,7 +135,7 @@ class CMC_PT_solver(ResultPanel, bpy.types.Panel):
 
 
 def map_rows(report: dict) -> list[tuple[str, str]]:
-    """Degree, and unstable modes where they were counted."""
+    """The degree, and the number of unstable modes if counted."""
     rows = [("Degree", f"{round(report['degree'], 6) + 0.0:.3g}")]
     if report.get("index") is not None:
         null = f", {report['nullity']} null" if report.get("nullity") else ""
@@ -137,7 +144,7 @@ def map_rows(report: dict) -> list[tuple[str, str]]:
 
 
 def draw_nearness(layout: bpy.types.UILayout, context: bpy.types.Context, plan: bpy.types.Object) -> None:
-    """After a solve: how far its rim is from the drawn outline, and the button that puts it there."""
+    """After a solve: the distance of its rim from the outline, and the button to fit it."""
     rows = outline_rows(last_report(context))
     if rows:
         numbers(layout, rows + fitted_rows(plan))
@@ -145,8 +152,8 @@ def draw_nearness(layout: bpy.types.UILayout, context: bpy.types.Context, plan: 
 
 
 def outline_rows(report: dict | None) -> list[tuple[str, str]]:
-    """Mean and largest distance between the rim and the outline, in the scene's unit and as a part of the span."""
-    shown = None if report is None else report["sheets"][report["sheet"]]
+    """Mean and largest distance between rim and outline, in the unit of the scene and as a part of the span."""
+    shown = None if report is None else shown_sheet(report)
     if shown is None or not shown.get("outline"):
         return []
     return [
@@ -156,7 +163,7 @@ def outline_rows(report: dict | None) -> list[tuple[str, str]]:
 
 
 def fitted_rows(plan: bpy.types.Object) -> list[tuple[str, str]]:
-    """The largest distance of the shell that was fitted, if there is one."""
+    """The largest distance of the fitted shell, if the plan has one."""
     if result_of(plan, "FIT") is None:
         return []
     try:
@@ -168,10 +175,8 @@ def fitted_rows(plan: bpy.types.Object) -> list[tuple[str, str]]:
 
 
 def distance_text(length: float, span: float) -> str:
-    """Two digits of the part, but no powers of ten: "7.5 m (150 % of span)"."""
-    part = 100 * length / (span or 1.0)
-    digits = ".2g" if part < 99.5 else ".0f"
-    return f"{length_text(length, digits=2)} ({part:{digits}} % of span)"
+    """For example "7.5 m (150 % of span)"."""
+    return f"{length_text(length, digits=2)} ({percent_text(length / (span or 1.0))} of span)"
 
 
 CLASSES = (CMC_PT_results, CMC_PT_checks, CMC_PT_solver)

@@ -1,4 +1,4 @@
-"""Which tab of the sidebar the panels are in: they have to be registered anew where that changes."""
+"""The sidebar tab of the panels: Blender moves a panel only when it is registered anew."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .tab import Tab
 
 
 def put_into(category: str) -> None:
-    """Move all panels into a tab; an empty name is the usual one."""
+    """Move all panels into a tab; an empty name means the default."""
     category = category.strip() or CATEGORY
     if Tab.bl_category == category:
         return
@@ -23,17 +23,17 @@ def put_into(category: str) -> None:
 
 
 def _registered(base: type) -> list[type]:
-    """Panels below a class that Blender knows now."""
-    found = []
+    """Registered panels that derive from a class."""
+    panels = []
     for cls in base.__subclasses__():
         if issubclass(cls, bpy.types.Panel) and cls.is_registered:
-            found.append(cls)
-        found += _registered(cls)
-    return list(dict.fromkeys(found))
+            panels.append(cls)
+        panels += _registered(cls)
+    return list(dict.fromkeys(panels))
 
 
 def _depth(cls: type) -> int:
-    """How many panels it is inside of: those around it come first."""
+    """Number of panels around a panel; a parent must be registered before its children."""
     parent = getattr(cls, "bl_parent_id", "")
     return 1 + _depth(getattr(bpy.types, parent)) if parent else 0
 

@@ -1,4 +1,4 @@
-"""Planes and copies: what mirrors need below the list of boundary groups, Complete by Symmetry, Add > Mesh > CMC."""
+"""Repeat: copies of the shell by symmetry; the plane of a mirror group; the menu Add > Mesh > CMC."""
 
 from types import SimpleNamespace
 
@@ -11,7 +11,7 @@ from ..properties.links import plan_to_solve
 from ..properties.registration import registration
 from ..properties.reports import complete_report, last_report
 from ..properties.symmetry_settings import COMPLETE_SETTINGS, draw_complete
-from ..properties.units import length_text
+from ..properties.units import length_text, percent_text
 from ..tasks.complete import counts
 from .results_panel import numbers, paragraph
 from .tab import TALL, Tab, hint, properties_column
@@ -20,7 +20,7 @@ PLANAR_KINDS = ("MIRROR", "PLANE")
 
 
 def draw_group(layout: bpy.types.UILayout, context: bpy.types.Context, mesh: bpy.types.Mesh, group) -> None:
-    """For the active group: where its plane is, its corners, and whether the shell goes on across it."""
+    """For the active group: its plane, its corners, and whether the shell continues across it."""
     if group.kind in PLANAR_KINDS:
         row = layout.row(align=True)
         for plane in ("X", "Y", "Z"):
@@ -47,7 +47,7 @@ def _draw_corners(layout, mesh, group) -> None:
 
 
 def direction(normal) -> str:
-    """An axis by its name, other directions by their numbers."""
+    """The name of an axis, or the components of another direction."""
     for k, axis in enumerate("XYZ"):
         if abs(normal[k]) > 0.9999:
             return f"{'+' if normal[k] > 0 else '-'}{axis}"
@@ -56,37 +56,36 @@ def direction(normal) -> str:
 
 def plane_rows(report: dict | None, name: str) -> list[tuple[str, str]]:
     """Offset and planarity error of the sides of a group after the last solve."""
-    found = [] if report is None else report.get("planes", [])
     rows = []
-    for plane in found:
+    for plane in [] if report is None else report.get("planes", []):
         if plane["name"] == name or plane["name"].rpartition(" ")[0] == name:
-            rows.append(("Plane at", length_text(plane["offset"])))
+            rows.append(("Plane At", length_text(plane["offset"])))
             off = length_text(plane["error"], digits=2)
-            rows.append(("Off Plane", f"{off} ({100 * plane['relative']:.2g} %)"))
+            rows.append(("Off Plane", f"{off} ({percent_text(plane['relative'])})"))
     return rows
 
 
 class CMC_PT_complete(Tab, bpy.types.Panel):
-    """What makes the shell a part of something larger: copies by symmetry, and around holes by periods"""
+    """Copies of the shell, by symmetry and by the gaps around holes"""
 
     bl_idname = "CMC_PT_complete"
-    bl_label = "Complete"
+    bl_label = "Repeat"
     bl_order = 50
 
     def draw(self, context):
         plan = plan_to_solve(context)
         if plan is None:
-            hint(self.layout, "Select a plan or its shell", "to continue it")
-        elif not _goes_on(plan) and not has_holes(context):
-            hint(self.layout, "A shell goes on across mirrors,", "planes, free sides, and around holes")
+            hint(self.layout, "Select a plan or its shell", "to repeat it")
+        elif not _repeats(plan) and not has_holes(context):
+            hint(self.layout, "A shell repeats across mirrors,", "planes and free edges, and by gaps")
 
 
-def _goes_on(plan: bpy.types.Object) -> bool:
+def _repeats(plan: bpy.types.Object) -> bool:
     return any(group.kind in (*PLANAR_KINDS, "FREE") for group in plan.data.cmc.groups)
 
 
 def has_holes(context: bpy.types.Context) -> bool:
-    """Whether the last solve found holes around which the shell may have a gap."""
+    """Whether the solved plan has holes, around which the shell may have a gap."""
     report = last_report(context)
     return report is not None and bool(report.get("holes"))
 
@@ -100,10 +99,12 @@ class CMC_PT_symmetry(Tab, bpy.types.Panel):
     @classmethod
     def poll(cls, context):
         plan = plan_to_solve(context)
-        return plan is not None and _goes_on(plan)
+        return plan is not None and _repeats(plan)
 
     def draw(self, context):
         layout, plan = self.layout, plan_to_solve(context)
+        if plan is None:
+            return
         column = properties_column(layout)
         column.enabled = plan.is_editable and not context.window_manager.cmc.running
         draw_complete(column, plan.cmc)
@@ -115,16 +116,16 @@ class CMC_PT_symmetry(Tab, bpy.types.Panel):
             numbers(layout, completed_rows(complete_report(plan)))
 
     def _preview(self, layout, context, plan):
-        """How many copies there will be."""
+        """The number of copies to expect."""
         try:
-            found = counts(plan, wanted_of(plan))
+            expected = counts(plan, wanted_of(plan))
         except CmcError as error:
             paragraph(layout, context, str(error), "ERROR")
             return
-        if found is None:
-            hint(layout, "Solve to see how many copies", "there will be")
+        if expected is None:
+            hint(layout, "Solve to see the", "number of copies")
         else:
-            copies, more = found
+            copies, more = expected
             than = "more than " if more else ""
             faces = copies * len(plan.data.polygons)
             numbers(layout, [("Copies", f"{than}{copies:,}"), ("Faces", f"{than}{faces:,}")])
@@ -141,7 +142,8 @@ def completed_rows(report: dict | None) -> list[tuple[str, str]]:
     if report is None:
         return []
     gap = length_text(report["largest_gap"], digits=2)
-    rows = [("Made", f"{report['copies']:,} copies"), ("Seams", f"{gap} apart ({100 * report['relative_gap']:.2g} %)")]
+    apart = f"{gap} apart ({percent_text(report['relative_gap'])})"
+    rows = [("Made", f"{report['copies']:,} copies"), ("Seams", apart)]
     if report.get("largest_offset"):
         rows.append(("Off Plane", length_text(report["largest_offset"], digits=2)))
     return rows

@@ -1,10 +1,11 @@
-"""The CMC tab of the sidebar: one column in the order of the work.
+"""The CMC tab of the sidebar, in the order of the work: the panels Plan and Shell, and what all panels share.
 
-    Plan 0, Boundary 1, Shell 2 (Options, Advanced, Design), Results 3 (what there is to see), Complete 50, Export 60
+The `bl_order` of the panels:
 
-are their `bl_order`. What is drawn depends on the active object and on nothing else; no state raises. A button that
-cannot be pressed is there, disabled, and its tooltip says why: that is its operator's `poll`. Here are Plan and Shell
-and what all panels share; Boundary is in `boundary_panel`, the numbers of a solve in `results_panel`.
+    Plan 0, Boundary 1, Shell 2 (Options, Advanced, Design), Results 3, Look 4, Overlay 5, Repeat 50, Export 60
+
+What is drawn depends on the active object alone, and no state raises. A button that cannot be pressed is disabled by
+its operator's `poll`, and its tooltip explains why.
 """
 
 from collections.abc import Callable
@@ -27,11 +28,11 @@ from ..properties.units import length_text
 TALL = 1.3  # the buttons that do the work
 
 BESIDE_SOLVE: list[Callable[[bpy.types.UILayout, bpy.types.Context, bpy.types.Object], None]] = []
-"""Called with the layout below Solve, the context and the plan: rows of modules that come after this one."""
+"""Called with the layout below Solve, the context and the plan; modules registered later add their rows."""
 
 
 class Tab:
-    """Where all panels are; `bl_order` says in which order."""
+    """Base of all panels of the sidebar; `bl_order` sorts them."""
 
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
@@ -39,7 +40,7 @@ class Tab:
 
 
 def hint(layout: bpy.types.UILayout, *lines: str) -> None:
-    """A sentence that says what to do next, in lines short enough for a narrow sidebar."""
+    """A hint on the next step, in lines short enough for a narrow sidebar."""
     column = layout.column(align=True)
     column.active = False
     column.scale_y = 0.8
@@ -48,7 +49,7 @@ def hint(layout: bpy.types.UILayout, *lines: str) -> None:
 
 
 def properties_column(layout: bpy.types.UILayout) -> bpy.types.UILayout:
-    """A column of settings as Blender's own panels have them."""
+    """A column of settings in the style of Blender's panels."""
     column = layout.column()
     column.use_property_split = True
     column.use_property_decorate = False
@@ -56,7 +57,7 @@ def properties_column(layout: bpy.types.UILayout) -> bpy.types.UILayout:
 
 
 def go_to_row(layout: bpy.types.UILayout, ob: bpy.types.Object, which: str) -> None:
-    """Name of an object that belongs to this one, if there is one; a click makes it the active object."""
+    """The name of a linked object, if it exists; a click makes it active."""
     other = target(ob, which)
     if other is not None:
         split = layout.split(factor=0.4)
@@ -79,7 +80,7 @@ class CMC_PT_plan(Tab, bpy.types.Panel):
     def draw(self, context):
         layout, ob = self.layout, context.object
         if ob is None or ob.type not in {"MESH", "CURVE"}:
-            hint(layout, "Select a mesh or a closed curve", "to use as plan")
+            hint(layout, "Select a mesh or a closed curve", "to use as the plan")
             return
         if ob.cmc.role != "NONE":
             if target(ob, "PLAN"):
@@ -110,7 +111,7 @@ class CMC_PT_plan(Tab, bpy.types.Panel):
 
 
 def running_row(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """In the place of a button, while something runs: how far it is, and the cross that stops it."""
+    """The progress of the running task in place of its button, with a cross to cancel it."""
     run = context.window_manager.cmc
     row = layout.row(align=True)
     row.progress(factor=run.progress, text=run.message or "Working")
@@ -118,7 +119,7 @@ def running_row(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
 
 
 def automatic(column: bpy.types.UILayout, length: float) -> None:
-    """What a setting of 0 stands for now, under that setting."""
+    """The value that a setting of 0 stands for, below that setting."""
     row = column.row()
     row.active = False
     split = row.split(factor=0.4)
@@ -134,11 +135,11 @@ class CMC_PT_shell(Tab, bpy.types.Panel):
     bl_order = 2
 
     def draw(self, context):
-        layout, plan = self.layout, plan_to_solve(context)
+        layout, plan, ob = self.layout, plan_to_solve(context), context.object
         if context.window_manager.cmc.running:
             running_row(layout, context)
             return
-        if plan is None:
+        if plan is None or ob is None:
             hint(layout, "Select a plan; from a curve", "Mesh Plan makes one")
             self._solve(layout)
             return
@@ -146,8 +147,8 @@ class CMC_PT_shell(Tab, bpy.types.Panel):
             hint(layout, "This mesh has no faces:", "Mesh Plan makes them")
             self._solve(layout)
             return
-        if plan == context.object and not plan.cmc.meshed and target(plan, "PLAN") is not None:
-            hint(layout, "This is the outline;", "its plan is what is solved")
+        if plan == ob and not plan.cmc.meshed and target(plan, "PLAN") is not None:
+            hint(layout, "This is the outline;", "Solve works on its plan")
             go_to_row(layout, plan, "PLAN")
             return
         if not plan.is_editable:
@@ -158,8 +159,8 @@ class CMC_PT_shell(Tab, bpy.types.Panel):
             layout.operator("cmc.solve_selection")
         for draw in BESIDE_SOLVE:
             draw(layout, context, plan)
-        go_to_row(layout, context.object, "SHELL")
-        go_to_row(layout, context.object, "FIT")
+        go_to_row(layout, ob, "SHELL")
+        go_to_row(layout, ob, "FIT")
 
     def _solve(self, layout):
         row = layout.split(factor=0.75, align=True)
@@ -219,6 +220,8 @@ class CMC_PT_advanced(Tab, bpy.types.Panel):
 
     def draw(self, context):
         plan = plan_to_solve(context)
+        if plan is None:
+            return
         column = properties_column(self.layout)
         column.enabled = plan.is_editable
         draw_advanced(column, plan.cmc)
@@ -226,12 +229,12 @@ class CMC_PT_advanced(Tab, bpy.types.Panel):
 
 
 def draw_start(layout: bpy.types.UILayout, plan: bpy.types.Object) -> None:
-    """What the plan has to be solved from, and the buttons that give and take it."""
+    """The start map and edge lengths stored with a plan, and the buttons to set and clear them."""
     layout.separator()
-    known = {"map to start from": has_start(plan.data), "own edge lengths": has_lengths(plan.data)}
+    known = {"start map": has_start(plan.data), "edge lengths": has_lengths(plan.data)}
     if any(known.values()):
         row = layout.row()
-        row.label(text=f"Has {' and '.join(name for name, there in known.items() if there)}", icon="INFO")
+        row.label(text=f"Own {' and '.join(name for name, there in known.items() if there)}", icon="INFO")
         row.operator("cmc.start_clear", text="", icon="X")
     layout.operator("cmc.start_from_shell")
 

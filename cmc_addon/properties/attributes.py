@@ -1,4 +1,4 @@
-"""The mesh attributes that measures are stored in, and what each is called in the panel."""
+"""The mesh attributes that store the measures of a result."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ DEVIATION = "deviation"
 
 
 ATTRIBUTES = {name: f"cmc_{name}" for name in (*MEASURES, DEVIATION, DIRECTION)}
-"""Name of a measure -> the attribute that it is stored in."""
+"""Name of a measure -> its attribute."""
 
 
 USUAL = (*MEASURES, DEVIATION)
-"""Names of what every solve measures."""
+"""The measures of every solve."""

@@ -1,4 +1,4 @@
-"""Who is told when a setting of a plan is changed, by hand or by a script."""
+"""Notifies watchers when a setting of a plan changes, by hand or by a script."""
 
 from __future__ import annotations
 
@@ -8,21 +8,23 @@ from functools import partial
 import bpy
 
 watchers: list[Callable[[bpy.types.ID], None]] = []
-"""Called with the object or the mesh of which something has changed: settings are the object's, groups the mesh's."""
+"""Called with the data-block that changed: settings belong to the object, groups to the mesh."""
 
 
-def tell(owner, _context) -> None:
-    """For `update` of a property that is stored."""
-    for told in watchers:
-        told(owner.id_data)
+def notify(owner, _context) -> None:
+    """The `update` callback of a stored property."""
+    for watcher in watchers:
+        watcher(owner.id_data)
 
 
-def telling(make: partial):
-    """The property of this maker, telling of its changes after what it does on them by itself."""
+def notifying(make: partial):
+    """The property of this maker; it notifies the watchers after its own update callback."""
     own = make.keywords.get("update")
+    if own is None:
+        return make(update=notify)
 
     def both(owner, context) -> None:
         own(owner, context)
-        tell(owner, context)
+        notify(owner, context)
 
-    return make(update=tell if own is None else both)
+    return make(update=both)

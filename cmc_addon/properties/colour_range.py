@@ -1,4 +1,4 @@
-"""The range of values that the colours of a result span, as stored on its object."""
+"""The range of a result's colours, as stored on its object."""
 
 from __future__ import annotations
 

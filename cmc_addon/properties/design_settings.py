@@ -1,31 +1,33 @@
-"""Settings of Approximate Surface and Fit to Outline: on `Object.cmc` of a plan, on the operators, in the panel.
+"""Settings of Approximate Surface and Fit to Outline, for `Object.cmc` and for the operators.
 
-Knobs come from the solver's registry: one added there appears here, and needs the property it reads.
+Height parameters come from the solver's registry: one added there appears here, and needs its property.
 """
 
 import math
+from collections.abc import Iterable
 from functools import partial
 from types import SimpleNamespace
+from typing import Any
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty, StringProperty
 
 from ...solver.errors import CmcError
 from ...solver.fitting.goals import HEIGHT_PARAMETERS
-from .changes import tell, telling
+from .changes import notify, notifying
 
 HEIGHT_PROPERTY = {name.upper(): f"fit_{name}" for name in HEIGHT_PARAMETERS}
-"""Knob (an enum identifier) -> the setting with its number."""
+"""Height parameter (an enum identifier) -> the setting with its value."""
 
 _FIT_TO = [
-    ("OUTLINE", "Outline", "The rim of the shell lies on the rim of the plan as it is drawn"),
+    ("OUTLINE", "Outline", "The rim of the shell lies on the outline of the plan"),
     ("CURVE", "Curve", "The rim of the shell lies on another closed curve, which may rise and fall"),
-    ("ANCHORS", "Anchors", "The shell goes through empties, and its rim runs free between them"),
+    ("ANCHORS", "Anchors", "The shell passes through empties; its rim is free between them"),
 ]
 
 _MATCH = [
-    ("TANGENT_PLANES", "Tangent Planes", "The tangent planes turn as little as can be"),
-    ("POSITION", "Position", "The shell also comes near to where the surface is"),
+    ("TANGENT_PLANES", "Tangent Planes", "The shell keeps the tangent planes of the surface as far as it can"),
+    ("POSITION", "Position", "The shell also stays near the surface"),
 ]
 
 _APPROXIMATE = {
@@ -38,11 +40,11 @@ _APPROXIMATE = {
         max=1e3,
         precision=5,
         step=0.1,
-        description="Weight λ of smooth boundary normals against nearness to the surface: more irons out waves of "
-        "the rim",
+        description="Weight λ of smooth boundary normals against nearness to the surface; a larger one smooths out "
+        "waves of the rim",
     ),
     "match": partial(
-        EnumProperty, name="Match", description="What of the surface the shell comes near to", items=_MATCH
+        EnumProperty, name="Match", description="Property of the surface that the shell matches", items=_MATCH
     ),
     "near": partial(
         FloatProperty,
@@ -53,16 +55,16 @@ _APPROXIMATE = {
         max=1e6,
         precision=1,
         step=1000,
-        description="Weight of the distance from the surface against the turning of its tangent planes; with 100 a "
+        description="Weight of the distance from the surface against the turn of its tangent planes; at 100 a "
         "hundredth of its size counts as much as 6°",
     ),
 }
 _FIT = {
-    "fit_to": partial(EnumProperty, name="Fit to", description="What the shell is fitted to", items=_FIT_TO),
+    "fit_to": partial(EnumProperty, name="Fit To", description="Where the rim of the shell should lie", items=_FIT_TO),
     "height_parameter": partial(
         EnumProperty,
-        name="Choose by",
-        description="The number that chooses among the shells with this rim",
+        name="Choose By",
+        description="Quantity that selects one of the shells with this rim",
         items=[(name.upper(), known.label, known.description) for name, known in HEIGHT_PARAMETERS.items()],
         default="RISE",
     ),
@@ -106,18 +108,18 @@ _FIT = {
     "free_heights": partial(
         BoolProperty,
         name="Free Heights",
-        description="The rim lies over the outline as seen from above, and may rise and fall",
+        description="The rim follows the outline in plan only, and may rise and fall",
     ),
     "limit_tilt": partial(
         BoolProperty,
-        name="Limit Tilt",
-        description="Bounds on the angle by which the shell leaves its rim; where they do not go together with the "
-        "line, the nearest shell is made",
+        name="Limit Lean",
+        description="Bound the lean of the shell at its rim; where the bounds contradict the outline, the nearest "
+        "shell is made",
     ),
     "tilt_min": partial(
         FloatProperty,
         name="Least",
-        description="0° is a vertical wall, 90° lies flat, less than 0° leans out",
+        description="0° stands upright, 90° lies flat, below 0° leans outwards",
         default=0.0,
         min=-0.5 * math.pi,
         max=0.5 * math.pi,
@@ -127,7 +129,7 @@ _FIT = {
     "tilt_max": partial(
         FloatProperty,
         name="Greatest",
-        description="0° is a vertical wall, 90° lies flat",
+        description="0° stands upright, 90° lies flat",
         default=0.5 * math.pi,
         min=-0.5 * math.pi,
         max=0.5 * math.pi,
@@ -143,23 +145,23 @@ APPROXIMATE_SETTINGS, FIT_SETTINGS = tuple(_APPROXIMATE), tuple(_FIT)
 
 _NAMES = {
     "curve": partial(
-        StringProperty, name="Curve", description="Name of the closed curve, or mesh, on which the rim is to lie"
+        StringProperty, name="Curve", description="Name of a closed curve or mesh for the rim"
     ),
     "anchors": partial(
         StringProperty,
         name="Anchors",
-        description="Name of a collection of empties through which the shell goes; none: those that are selected",
+        description="Name of a collection of empties for the shell to pass through; none: the selected empties",
     ),
 }
 POINTERS = {"curve": "fit_curve", "anchors": "fit_anchors"}
-"""Objects to fit to: on an operator by their name, on `Object.cmc` a link."""
+"""Objects to fit to: names on an operator, links on `Object.cmc`."""
 
 
-def approximate_annotations(options=frozenset()) -> dict:
+def approximate_annotations(options: Iterable[str] = ()) -> dict:
     return {name: make(options=set(options)) for name, make in _APPROXIMATE.items()}
 
 
-def fit_annotations(options=frozenset()) -> dict:
+def fit_annotations(options: Iterable[str] = ()) -> dict:
     return {name: make(options=set(options)) for name, make in (_FIT | _NAMES).items()}
 
 
@@ -170,26 +172,26 @@ def _can_be_curve(owner, ob) -> bool:
 def stored_design_annotations() -> dict:
     """The settings of both operators, for `Object.cmc`."""
     stored = {name: make() for name, make in _APPROXIMATE.items()}
-    stored |= {name: telling(make) for name, make in _FIT.items()}
+    stored |= {name: notifying(make) for name, make in _FIT.items()}
     stored["follow"] = BoolProperty(
-        name="Follow", description="The fitted shell follows while the settings above are changed", update=tell
+        name="Follow", description="The fitted shell follows while you change the settings above", update=notify
     )
     stored["fit_curve"] = PointerProperty(
         name="Curve",
-        description="The closed curve, or mesh, on which the rim is to lie",
+        description="Closed curve or mesh for the rim",
         type=bpy.types.Object,
         poll=_can_be_curve,
     )
     stored["fit_anchors"] = PointerProperty(
         name="Anchors",
-        description="Empties through which the shell goes; none chosen: those that are selected",
+        description="Collection of empties for the shell to pass through; none: the selected empties",
         type=bpy.types.Collection,
     )
     return stored
 
 
 def take_settings(operator, stored, names: tuple[str, ...]) -> SimpleNamespace:
-    """What the call says, and where it says nothing what is stored; the redo panel then shows all of it."""
+    """The arguments of the call, and the stored settings for the others; the redo panel then shows them all."""
     for name in names:
         if not operator.properties.is_property_set(name):
             setattr(operator, name, getattr(stored, name))
@@ -200,12 +202,12 @@ def stored_settings(stored, names: tuple[str, ...]) -> SimpleNamespace:
     return SimpleNamespace(**{name: getattr(stored, name) for name in names})
 
 
-def take_targets(operator, stored) -> dict[str, bpy.types.ID | None]:
-    """Data-blocks of `curve` and `anchors`. One that the call names is what is fitted to, if it says nothing else.
+def take_targets(operator, stored) -> dict[str, Any]:
+    """Data-blocks of `curve` and `anchors`. One named in the call also sets `fit_to`, unless the call does.
 
-    To be called before `take_settings`. Raises `CmcError` where there is none of that name.
+    Call it before `take_settings`. Raises `CmcError` if no data-block has that name.
     """
-    found = {}
+    targets = {}
     for name, among in (("curve", bpy.data.objects), ("anchors", bpy.data.collections)):
         linked = getattr(stored, POINTERS[name])
         if operator.properties.is_property_set(name):
@@ -213,10 +215,10 @@ def take_targets(operator, stored) -> dict[str, bpy.types.ID | None]:
             linked = among.get(wanted) if wanted else None
             if wanted and linked is None:
                 what = "object" if name == "curve" else "collection"
-                raise CmcError(f"There is no {what} '{wanted}' to fit to; choose another.")
+                raise CmcError(f"No {what} is called '{wanted}'; choose another to fit to.")
             if wanted and not operator.properties.is_property_set("fit_to"):
                 operator.fit_to = name.upper()
         else:
             setattr(operator, name, linked.name if linked is not None else "")
-        found[name] = linked
-    return found
+        targets[name] = linked
+    return targets

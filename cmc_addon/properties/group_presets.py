@@ -1,4 +1,4 @@
-"""Boundary conditions by the names that architects have for them: a wall, 45°, a flat rim, mirrors, the floor."""
+"""Boundary conditions by their names in architecture: a wall, 45°, a flat rim, mirrors, the floor."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True)
 class GroupPreset:
-    """kind: of `CmcGroup`. values: of its parameters. axis: of a mirror whose normal points out of the plan along it,
-    whichever way that is."""
+    """kind: of `CmcGroup`. values: of its parameters. axis: of a mirror, whose normal points out of the plan along it,
+    in either direction."""
 
     label: str
     description: str
@@ -21,22 +21,22 @@ class GroupPreset:
 
 PRESETS = {
     "WALL": GroupPreset(
-        "Vertical Wall", "The shell leaves this part of the rim vertically, leaning neither way", "ALIGN_TOP",
+        "Vertical Wall", "The shell stands upright along these edges: lean 0°", "ALIGN_TOP",
         "BINORMAL", {"tilt": 0.0}),
     "HALF": GroupPreset(
-        "45°", "The shell leaves this part of the rim at 45°, leaning in", "IPO_LINEAR", "BINORMAL",
+        "45°", "The shell leans in by 45° along these edges", "IPO_LINEAR", "BINORMAL",
         {"tilt": math.radians(45.0)}),
     "FLAT": GroupPreset(
-        "Flat Rim", "The shell lies flat along this part of the rim", "IPO_CONSTANT", "BINORMAL",
+        "Flat Rim", "The shell lies flat along these edges: lean 90°", "IPO_CONSTANT", "BINORMAL",
         {"tilt": math.radians(90.0)}),
     "MIRROR_X": GroupPreset(
-        "Mirror X", "The shell meets a wall square to the X axis at right angles, and goes on behind it as its own "
-        "reflection", "MOD_MIRROR", "MIRROR", axis=(1.0, 0.0, 0.0)),
+        "Mirror X", "The shell meets a wall across the X axis at right angles and continues behind it as its mirror "
+        "image", "MOD_MIRROR", "MIRROR", axis=(1.0, 0.0, 0.0)),
     "MIRROR_Y": GroupPreset(
-        "Mirror Y", "The shell meets a wall square to the Y axis at right angles, and goes on behind it as its own "
-        "reflection", "MOD_MIRROR", "MIRROR", axis=(0.0, 1.0, 0.0)),
+        "Mirror Y", "The shell meets a wall across the Y axis at right angles and continues behind it as its mirror "
+        "image", "MOD_MIRROR", "MIRROR", axis=(0.0, 1.0, 0.0)),
     "FLOOR": GroupPreset(
-        "Mirror Floor", "The shell meets the level floor at right angles, and goes on below it as its own reflection",
+        "Mirror Floor", "The shell meets the level floor at right angles and continues below it as its mirror image",
         "MOD_MIRROR", "MIRROR", {"normal": (0.0, 0.0, -1.0)}),
 }
 """Identifier → preset, in the order of the menus."""

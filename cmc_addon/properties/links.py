@@ -1,4 +1,4 @@
-"""Which objects belong together: an outline, its plan, its results and their copies."""
+"""Links between an outline, its plan, its results and their copies."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .stored import COMPLETED_ROLES, DESIGN_ROLES, ROLES
 def plan_of(ob: bpy.types.Object | None) -> bpy.types.Object:
     """The plan to solve when this object is active: itself, or the plan it is a result of.
 
-    Raises `CmcError` where there is none.
+    Raises `CmcError` if it has no plan.
     """
     if ob is None:
         raise CmcError("No object is active; select a plan, or make one with Mesh Plan.")
@@ -27,7 +27,7 @@ def plan_of(ob: bpy.types.Object | None) -> bpy.types.Object:
 
 
 def result_of(plan: bpy.types.Object, role: str) -> bpy.types.Object | None:
-    """The result of a plan in this role, if there is one that is its own and in a scene."""
+    """The result of a plan in this role; None unless it is the plan's own and in a scene."""
     result = getattr(plan.cmc, role.lower())
     if result is None or not _is_own(plan, role, result) or not result.users_scene:
         return None
@@ -35,9 +35,9 @@ def result_of(plan: bpy.types.Object, role: str) -> bpy.types.Object | None:
 
 
 def results_of(plan: bpy.types.Object, roles: Iterable[str] = ROLES) -> dict[str, bpy.types.Object]:
-    """Role -> object of all results that a plan has; those of Solve, unless other roles are asked for."""
-    found = {role: result_of(plan, role) for role in roles}
-    return {role: result for role, result in found.items() if result is not None}
+    """Role -> result of a plan, for these roles; by default those of Solve."""
+    results = {role: result_of(plan, role) for role in roles}
+    return {role: result for role, result in results.items() if result is not None}
 
 
 def _is_own(plan: bpy.types.Object, role: str, result: bpy.types.Object) -> bool:
@@ -45,14 +45,14 @@ def _is_own(plan: bpy.types.Object, role: str, result: bpy.types.Object) -> bool
 
 
 def wanted_roles(settings) -> list[str]:
-    """The roles that settings ask for, the shown sheet first."""
+    """The roles of the results to make, the shown sheet first."""
     twin = {"F_PLUS": "F_MINUS", "F_MINUS": "F_PLUS"}[settings.sheet]
-    asked = {twin: settings.want_twin, "G": settings.want_g, "GAUSS": settings.want_gauss}
-    return [settings.sheet] + [role for role, wanted in asked.items() if wanted]
+    others = {twin: settings.want_twin, "G": settings.want_g, "GAUSS": settings.want_gauss}
+    return [settings.sheet] + [role for role, wanted in others.items() if wanted]
 
 
 def copies_of(plan: bpy.types.Object) -> bpy.types.Collection | None:
-    """The collection of the instances that Complete by Symmetry made of this plan's shell, if there is one."""
+    """The collection of instances that Repeat by Symmetry made of this plan's shell, or None."""
     copies = plan.cmc.copies
     return copies if copies is not None and copies.cmc_plan == plan else None
 
@@ -67,13 +67,13 @@ def plan_to_solve(context: bpy.types.Context) -> bpy.types.Object | None:
 
 
 def by_uid(uid: int) -> bpy.types.Object | None:
-    """An object by the number that survives undo and renaming; Python's own references do not survive."""
+    """An object by its session uid, which survives undo and renaming; Python references do not."""
     return next((ob for ob in bpy.data.objects if ob.session_uid == uid), None)
 
 
 @dataclass(frozen=True)
 class Family:
-    """Results with one range: the one that it is fitted to, others with numbers, and images with its colours."""
+    """Results that share a colour range: the shell that sets it, others with values, and images with its colours."""
 
     shell: bpy.types.Object
     others: list[bpy.types.Object]
@@ -84,19 +84,19 @@ class Family:
 
 
 def families(plan: bpy.types.Object, sheet: str = "") -> list[Family]:
-    """All results of a plan that can be coloured. sheet: the role that is the shell, if not the one of the settings."""
-    found = []
+    """The results of a plan that can be coloured. sheet: role of the shell, by default the setting's."""
+    known = []
     solved = results_of(plan)
     shell = solved.pop(sheet or plan.cmc.sheet, None)
     if shell is not None:
         images = [solved.pop(role) for role in ("G", "GAUSS") if role in solved]
-        found.append(Family(shell, [*solved.values(), *_completed(plan)], images))
-    found += [Family(ob, [], []) for ob in results_of(plan, DESIGN_ROLES).values()]
-    return found
+        known.append(Family(shell, [*solved.values(), *_completed(plan)], images))
+    known += [Family(ob, [], []) for ob in results_of(plan, DESIGN_ROLES).values()]
+    return known
 
 
 def _completed(plan: bpy.types.Object) -> list[bpy.types.Object]:
-    """What was made of the shell: one mesh, or one instance for each mesh of the copies."""
+    """The repeated shell: one mesh, or one instance for each mesh of the copies."""
     welded = result_of(plan, next(iter(COMPLETED_ROLES)))
     copies = copies_of(plan)
     pieces = {} if copies is None else {ob.data.name: ob for ob in copies.objects if ob.type == "MESH"}

@@ -1,4 +1,4 @@
-"""What the viewport shows of plans and shells: properties of `Scene.cmc` and their rows in the panel."""
+"""Settings of the overlay: properties of `Scene.cmc` and their rows in the panel."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from bpy.props import BoolProperty, FloatProperty, IntProperty
 
 _SHOWN = {
     "show_all": partial(
-        BoolProperty, name="Show", description="Draw what belongs to the active plan over the viewport", default=True),
+        BoolProperty, name="Overlay", default=True,
+        description="Draw the boundary of the active plan, and planes, cuts and gaps of its shell, over the viewport"),
     "show_groups": partial(
         BoolProperty, name="Boundary Groups", default=True,
         description="Draw the boundary groups of the active plan as coloured lines"),
@@ -18,43 +19,43 @@ _SHOWN = {
         description="Draw boundary edges that are in no group as dashed grey lines"),
     "show_normals": partial(
         BoolProperty, name="Boundary Normals", default=True,
-        description="Draw where the shell will face at its rim: an arrow square to its tangent plane. "
-        "Along a mirror, strokes in the plane in which it may turn"),
+        description="Draw the prescribed rim normals as arrows. Along a mirror, draw lines in the plane in which "
+        "the normal is free to turn"),
     "show_tangents": partial(
         BoolProperty, name="Tangent Planes", default=False,
-        description="Draw pieces of the planes that the shell will touch along its rim"),
+        description="Draw patches of the tangent planes prescribed along the rim"),
     "show_mirrors": partial(
         BoolProperty, name="Mirrors and Planes", default=False,
-        description="Draw the planes of mirrors and constant planes: as the plan's edges suggest them, and after a "
-        "solve where the shell has them"),
-    "show_periods": partial(
+        description="Draw the planes of mirrors and constant planes: before a solve at the plan's edges, after it "
+        "where the shell meets them"),
+    "show_gaps": partial(
         BoolProperty, name="Gaps", default=True,
         description="Draw the gap around each hole of the active plan as an arrow"),
     "show_cut": partial(
         BoolProperty, name="Cut", default=True,
-        description="Draw the line along which a shell that does not close is cut open, on the plan and on the shell"),
+        description="Draw the line where an open shell is cut, on the plan and on the shell"),
 }
 _SIZES = {
     "arrow_scale": partial(
-        FloatProperty, name="Arrow Size", description="Length of the arrows, relative to the usual one",
+        FloatProperty, name="Arrow Size", description="Length of the arrows, relative to the default",
         default=1.0, min=0.05, soft_min=0.2, soft_max=4.0, max=50.0),
     "arrow_count": partial(
-        IntProperty, name="Arrows", description="How many arrows there are at most around the whole boundary",
+        IntProperty, name="Arrows", description="Largest number of arrows around the whole boundary",
         default=64, min=4, soft_max=200, max=2000),
 }
 SHOWN = tuple(name for name in _SHOWN if name != "show_all")
-"""Names of the switches, without the one above them all."""
+"""Names of the switches, without the main one."""
 
-SEEING_SETTINGS = (*_SHOWN, *_SIZES)
+OVERLAY_SETTINGS = (*_SHOWN, *_SIZES)
 
 
-def seeing_annotations() -> dict:
-    """The settings as annotations of `Scene.cmc`; they are of the view, so that they are not animated."""
+def overlay_annotations() -> dict:
+    """The settings as annotations of `Scene.cmc`; not animated, since they belong to the view."""
     return {name: make(options=set()) for name, make in (_SHOWN | _SIZES).items()}
 
 
-def draw_seeing(layout: bpy.types.UILayout, settings, columns: bool = False) -> None:
-    """Rows for `Scene.cmc`, in two columns as Blender's own popover of overlays has them, or in one."""
+def draw_overlay(layout: bpy.types.UILayout, settings, columns: bool = False) -> None:
+    """Rows for `Scene.cmc`, in one column, or in two as in Blender's overlay popover."""
     body = layout.column()
     body.active = settings.show_all
     sides = [body, body]

@@ -1,7 +1,7 @@
-"""The preferences of the extension, and the way to read one that also works where there are none (scripts, batch).
+"""The preferences of the extension; `get` reads one, or its default in scripts and batches without preferences.
 
-How many threads are used is not among them: a solve is one factorisation of a sparse matrix and runs in one thread
-beside the window, whatever BLAS is allowed.
+The number of threads is not a preference: a solve is one sparse factorisation, which runs in one thread beside the
+window however many BLAS may use.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ PACKAGE = __package__.partition(".cmc_addon")[0]
 CATEGORY = "CMC"
 
 CATEGORY_CHANGED: list[Callable[[str], None]] = []
-"""Called with the name of the sidebar's tab when the user changes it."""
+"""Called with the new name of the sidebar tab when the user changes it."""
 
 _COLOUR = partial(FloatVectorProperty, size=3, subtype="COLOR", min=0.0, max=1.0)
 
 _PREFERENCES = {
     "category": partial(
-        StringProperty, name="Sidebar Tab", description="Tab of the sidebar in which the panels are", default=CATEGORY,
+        StringProperty, name="Sidebar Tab", description="Tab of the sidebar with the panels", default=CATEGORY,
         update=lambda self, context: _tell_category(self.category)),
     "line_width": partial(
         FloatProperty, name="Line Width", description="Width of the lines of boundary groups, in pixels", default=3.0,
@@ -34,24 +34,24 @@ _PREFERENCES = {
     "colour_ungrouped": partial(
         _COLOUR, name="Edges in No Group", description="Colour of boundary edges that are in no group",
         default=(0.62, 0.62, 0.62)),
-    "colour_periods": partial(
-        _COLOUR, name="Periods", description="Colour of the arrows across the gaps around holes",
+    "colour_gaps": partial(
+        _COLOUR, name="Gaps", description="Colour of the arrows across the gaps around holes",
         default=(1.0, 0.42, 0.1)),
     "colour_cut": partial(
-        _COLOUR, name="Cut", description="Colour of the line along which a shell is cut open",
+        _COLOUR, name="Cut", description="Colour of the line where an open shell is cut",
         default=(1.0, 0.2, 0.55)),
     "live_limit": partial(
-        IntProperty, name="Live Limit", description="Vertices of a plan up to which Live answers in full while you "
-        "drag; a larger one gets a rough answer until the mouse rests", default=50_000, min=100, soft_max=500_000,
+        IntProperty, name="Live Limit", description="Number of vertices up to which Live solves in full while you "
+        "drag; a larger plan is solved roughly until the mouse rests", default=50_000, min=100, soft_max=500_000,
         max=10_000_000),
 }
-"""Name → property: one added here can be read by `get` everywhere."""
+"""Name → property; `get` reads every one of them."""
 
-_LOOKS = ("line_width", "colour_ungrouped", "colour_periods", "colour_cut")
+_LOOKS = ("line_width", "colour_ungrouped", "colour_gaps", "colour_cut")
 
 
 def get(name: str) -> Any:
-    """A preference, or what it is by default where the extension was not enabled by the preferences."""
+    """A preference, or its default where the extension was enabled without preferences."""
     addon = bpy.context.preferences.addons.get(PACKAGE)
     if addon is not None and addon.preferences is not None:
         value = getattr(addon.preferences, name)
@@ -66,7 +66,7 @@ def _tell_category(category: str) -> None:
 
 
 class CmcPreferences(bpy.types.AddonPreferences):
-    """What is the same in all files"""
+    """Preferences that hold in all files"""
 
     bl_idname = PACKAGE
     __annotations__ = {name: make() for name, make in _PREFERENCES.items()}
@@ -81,7 +81,7 @@ class CmcPreferences(bpy.types.AddonPreferences):
             column.prop(self, name)
         note = self.layout.column(align=True)
         note.active = False
-        note.label(text="Boundary groups have the colours of the theme: Themes > Bone Color Sets", icon="INFO")
+        note.label(text="Boundary groups take their colours from the theme: Themes > Bone Color Sets", icon="INFO")
 
 
 register, unregister = registration((CmcPreferences,))

@@ -1,4 +1,4 @@
-"""The reports that a solve and a fit leave with their plan, parsed once and shared by all that show them."""
+"""The reports that a solve, a fit and a completion leave with their plan, parsed once for everyone who shows them."""
 
 from __future__ import annotations
 
@@ -11,29 +11,29 @@ from .links import plan_to_solve
 
 
 def last_report(context: bpy.types.Context) -> dict | None:
-    """The report of the active plan or result; None where nothing was solved."""
+    """The report of the last solve of the active plan or result; None without one."""
     plan = plan_to_solve(context)
     return None if plan is None else solve_report(plan)
 
 
 def last_design(context: bpy.types.Context) -> dict | None:
-    """The report of the last fit of the active plan or result; None where there was none."""
+    """The report of the last fit of the active plan or result; None without one."""
     plan = plan_to_solve(context)
     return None if plan is None else design_report(plan)
 
 
 def solve_report(plan: bpy.types.Object) -> dict | None:
-    """What the last solve of this plan left; None where there was none."""
+    """The report of the last solve of this plan; None without one."""
     return _of_shell(plan.cmc.report, ("converged",))
 
 
 def design_report(plan: bpy.types.Object) -> dict | None:
-    """What the last fit of this plan left; None where there was none."""
+    """The report of the last fit of this plan; None without one."""
     return _of_shell(plan.cmc.design_report, ("met", "distances"))
 
 
 def complete_report(plan: bpy.types.Object) -> dict | None:
-    """The report of the last completion of this plan; None where it has none."""
+    """The report of the last completion of this plan; None without one."""
     return _parsed(plan.cmc.complete_report, ("copies", "largest_gap", "relative_gap"))
 
 
@@ -45,6 +45,11 @@ def _of_shell(text: str, needed: tuple[str, ...]) -> dict | None:
         return report if report is None or "area" in report["sheets"][report["sheet"]] else None
     except (KeyError, TypeError):
         return None
+
+
+def shown_sheet(report: dict) -> dict:
+    """The numbers of the sheet that a report is about."""
+    return report["sheets"][report["sheet"]]
 
 
 @lru_cache(maxsize=8)

@@ -1,23 +1,19 @@
-"""What the add-on stores in a .blend file, and nothing else.
+"""The property groups that the add-on stores in a .blend file.
 
 =========================  ==================================================================
 `Mesh.cmc`                 the boundary groups of a plan (`CmcMesh`); which edge belongs to
                            which group is the INT attribute `cmc_group` on the mesh's edges
                            (0: no group, else the group's `uid`), see `mesh_bridge`
-`Object.cmc`               how a plan is solved, links to its results, and on a result what
-                           it is and which plan it came from (`CmcObject`)
+`Object.cmc`               settings of a plan and links to its results; on a result its role
+                           and its plan (`CmcObject`)
 `Scene.cmc`                settings of Mesh Plan (`CmcScene`)
-`Collection.cmc_plan`      on the collection that results were put in: their plan
-`WindowManager.cmc`        what is running now (`CmcRun`), never saved
+`Collection.cmc_plan`      on a collection of results: their plan
+`WindowManager.cmc`        the running task (`CmcRun`), never saved
 =========================  ==================================================================
 
-Enums and parameters come from the solver's registry of boundary conditions: a kind added there
-appears here; how a plan is solved is in `settings`. Identifiers are the solver's names in capitals. Lengths
-are Blender units, angles radians (shown as degrees). Annotations must be real objects, not strings, for
-Blender to see them.
+Identifiers are the solver's names in capitals. Lengths are Blender units, angles radians (shown as degrees). Blender
+needs annotations to be objects, not strings.
 """
-
-from functools import partial
 
 import bpy
 from bpy.props import (
@@ -31,15 +27,16 @@ from bpy.props import (
     StringProperty,
 )
 
-from ...solver.gauss.conditions import KINDS
-from .changes import tell
+from .changes import notify
 from .colour_settings import stored_colour_annotations
 from .design_settings import stored_design_annotations
 from .export_settings import stored_export_annotations
 from .group_list import free_name
+from .group_settings import condition_annotations
 from .live_settings import live_annotations
-from .overlay_settings import seeing_annotations
+from .overlay_settings import overlay_annotations
 from .periods_settings import stored_period_annotations
+from .plan_settings import plan_annotations
 from .registration import registration
 from .settings import stored_setting_annotations
 from .symmetry_settings import stored_complete_annotations
@@ -47,90 +44,23 @@ from .symmetry_settings import stored_complete_annotations
 GROUP_ATTRIBUTE = "cmc_group"
 
 ROLES = {"F_PLUS": "f+", "F_MINUS": "f-", "G": "g", "GAUSS": "gauss"}
-"""Role of a result object of Solve -> the solver's name of that sheet."""
+"""Role of a result of Solve -> the solver's name of that sheet."""
 
 DESIGN_ROLES = {"NEAREST": "nearest CMC surface", "FIT": "shell fitted to an outline"}
-"""Role of a result object of Approximate Surface and of Fit to Outline -> what it is."""
+"""Role of a result of Approximate Surface or Fit to Outline -> description."""
 
-COMPLETED_ROLES = {"COMPLETED": "shell completed by symmetry"}
-"""Role of a result object of Complete by Symmetry -> what it is."""
-
-
-# --- from the registry of kinds ------------------------------------------------------------
-
-def kind_items() -> list[tuple[str, str, str]]:
-    """(identifier, label, description) of every boundary condition, for an EnumProperty."""
-    return [(name.upper(), kind.label, kind.description) for name, kind in KINDS.items()]
-
-
-def kind_parameters(kind: str) -> tuple[str, ...]:
-    """Names of the parameters which the kind (an enum identifier) has: the rows to draw."""
-    return tuple(parameter.name for parameter in KINDS[kind.lower()].parameters)
-
-
-def parameter_values(kind: str, owner) -> dict:
-    """The kind's parameters read from a group or an operator, as the solver takes them."""
-    values = {}
-    for name in kind_parameters(kind):
-        value = getattr(owner, name)
-        values[name] = value if isinstance(value, (int, float)) else tuple(value)
-    return values
-
-
-def _parameter_property(parameter, options: set, more: dict):
-    texts = {**more, "name": parameter.label, "description": parameter.description, "options": options}
-    if isinstance(parameter.default, (tuple, list)):
-        return FloatVectorProperty(**texts, size=3, default=parameter.default, subtype="DIRECTION")
-    if parameter.unit in ("radians", "rad", "angle", "degrees"):
-        return FloatProperty(**texts, default=parameter.default, subtype="ANGLE", step=100)
-    return FloatProperty(**texts, default=parameter.default)
-
-
-def condition_annotations(options=frozenset(), **more) -> dict:
-    """`kind` and the parameters of every kind, for a group or an operator; `more` goes to each property."""
-    options = set(options)
-    annotations = {"kind": EnumProperty(
-        name="Kind", description="What the tangent planes of the shell do along these edges",
-        items=kind_items(), default="BINORMAL", options=options, **more)}
-    for kind in KINDS.values():
-        for parameter in kind.parameters:
-            annotations[parameter.name] = _parameter_property(parameter, options, more)
-    return annotations
-
+COMPLETED_ROLES = {"COMPLETED": "shell repeated by symmetry or by gaps"}
+"""Role of a result of Repeat by Symmetry or Repeat by Gaps -> description."""
 
 _ACROSS = [
-    ("AUTO", "Automatic", "Mirrors and constant planes go on, free sides do not"),
-    ("ON", "Yes", "The shell goes on across these edges"),
-    ("OFF", "No", "The completed shell ends at these edges"),
+    ("AUTO", "Automatic", "The shell continues across mirrors and constant planes, not across free edges"),
+    ("ON", "Yes", "The shell continues across these edges"),
+    ("OFF", "No", "The repeated shell ends at these edges"),
 ]
 
-# --- how a plan is meshed ------------------------------------------------------------------
-
-_PLAN_SETTINGS = {
-    "edge_length": partial(
-        FloatProperty, name="Edge Length", description="Length of the edges; 0 chooses a fortieth of the plan's size",
-        default=0.0, min=0.0, subtype="DISTANCE"),
-    "round_corners": partial(
-        BoolProperty, name="Round Corners", default=True,
-        description="At a sharp corner the normals of the rim jump and the curvature diverges"),
-    "corner_radius": partial(
-        FloatProperty, name="Corner Radius",
-        description="0 chooses a tenth of the plan's size; less where there is no room",
-        default=0.0, min=0.0, subtype="DISTANCE"),
-}
-PLAN_SETTINGS = tuple(_PLAN_SETTINGS)
-"""Names of the settings shared by `Scene.cmc` and Mesh Plan."""
-
-
-def plan_annotations(options=frozenset()) -> dict:
-    """The settings of Mesh Plan as property annotations."""
-    return {name: make(options=set(options)) for name, make in _PLAN_SETTINGS.items()}
-
-
-# --- what is stored ------------------------------------------------------------------------
 
 def _keep_names_different(group, _context) -> None:
-    """A name that another group of the mesh has gets a number, as Blender does it."""
+    """A name that is taken by another group gets a number, as in Blender."""
     taken = {other.name for other in group.id_data.cmc.groups if other.uid != group.uid}
     if group.name in taken:
         group.name = free_name(group.name, taken)
@@ -142,21 +72,21 @@ class CmcGroup(bpy.types.PropertyGroup):
     __annotations__ = {
         "name": StringProperty(name="Name", description="Name of the group", update=_keep_names_different),
         "uid": IntProperty(name="Identifier", description="Value of the edge attribute for this group"),
-        **condition_annotations(update=tell),
+        **condition_annotations(update=notify),
         "across": EnumProperty(
-            name="Goes On", description="Whether Complete by Symmetry continues the shell across these edges",
+            name="Continues", description="Whether Repeat by Symmetry continues the shell across these edges",
             items=_ACROSS, default="AUTO"),
     }
 
 
 class CmcMesh(bpy.types.PropertyGroup):
-    """The boundary groups of a plan. `next_uid` only grows: a uid is never used twice."""
+    """The boundary groups of a plan. `next_uid` only grows, so a uid is never reused."""
 
     groups: CollectionProperty(
         name="Boundary Groups", description="Sets of boundary edges, each with one condition", type=CmcGroup)
-    active_index: IntProperty(name="Active Group", description="Which group the panel shows")
+    active_index: IntProperty(name="Active Group", description="Group that the panel shows")
     next_uid: IntProperty(
-        name="Next Identifier", description="Identifier of the next group that is added", default=1, min=1)
+        name="Next Identifier", description="Identifier for the next group", default=1, min=1)
 
 
 def _is_mesh_object(_owner, ob) -> bool:
@@ -179,73 +109,75 @@ class CmcObject(bpy.types.PropertyGroup):
         **stored_period_annotations(),
         **stored_colour_annotations(),
         **stored_export_annotations(),
-        # On a plan. A link counts only while the result's `source` points back (see results.py).
+        # On a plan. A link counts only while the result's `source` points back (see `links`).
         "f_plus": PointerProperty(
-            name="f+", description="The shell f+", type=bpy.types.Object, poll=_is_mesh_object),
+            name="Shell", description="The shell f+", type=bpy.types.Object, poll=_is_mesh_object),
         "f_minus": PointerProperty(
-            name="f-", description="Its twin f-", type=bpy.types.Object, poll=_is_mesh_object),
+            name="Twin", description="The twin f-", type=bpy.types.Object, poll=_is_mesh_object),
         "g": PointerProperty(
-            name="g", description="The surface between the two", type=bpy.types.Object, poll=_is_mesh_object),
+            name="K-Surface", description="The surface g between shell and twin", type=bpy.types.Object,
+            poll=_is_mesh_object),
         "gauss": PointerProperty(
-            name="Gauss Image", description="The normals as points of a sphere",
+            name="Normals on a Sphere", description="The Gauss image: the normals as points on a sphere",
             type=bpy.types.Object, poll=_is_mesh_object),
         "nearest": PointerProperty(
-            name="Nearest CMC Surface", description="What Approximate Surface has made",
+            name="Nearest CMC Surface", description="Result of Approximate Surface",
             type=bpy.types.Object, poll=_is_mesh_object),
         "fit": PointerProperty(
-            name="Fit", description="What Fit to Outline has made", type=bpy.types.Object, poll=_is_mesh_object),
+            name="Fit", description="Result of Fit to Outline", type=bpy.types.Object, poll=_is_mesh_object),
         "completed": PointerProperty(
-            name="Completed", description="What Complete by Symmetry or Tile by Periods has made",
+            name="Repeated", description="Result of Repeat by Symmetry or Repeat by Gaps",
             type=bpy.types.Object, poll=_is_mesh_object),
         "copies": PointerProperty(
-            name="Copies", description="Collection of the instances that were made of the shell",
+            name="Copies", description="Collection of the instances of the shell",
             type=bpy.types.Collection),
-        "complete_report": StringProperty(name="Copies Report", description="What the last completion gave, as JSON"),
+        "complete_report": StringProperty(name="Copies Report", description="Report of the last repetition, as JSON"),
         "collection": PointerProperty(
-            name="Results", description="Collection that the results were put into", type=bpy.types.Collection),
+            name="Results", description="Collection of the results", type=bpy.types.Collection),
         "design_report": StringProperty(name="Design Report", description="Report of the last fit, as JSON"),
         "report": StringProperty(name="Report", description="Report of the last solve, as JSON"),
-        "message": StringProperty(name="Message", description="What the last solve said"),
-        # Mesh Plan: on an outline its plan, on a plan its outline (counted as the links above are).
+        "message": StringProperty(name="Message", description="Message of the last solve"),
+        # Mesh Plan: on an outline its plan, on a plan its outline (valid as the links above are).
         "plan": PointerProperty(
-            name="Plan", description="What Mesh Plan has made of this outline", type=bpy.types.Object,
+            name="Plan", description="Plan that Mesh Plan made of this outline", type=bpy.types.Object,
             poll=_is_mesh_object),
         "outline": PointerProperty(
-            name="Outline", description="What this plan was meshed from", type=bpy.types.Object),
+            name="Outline", description="Outline that this plan was meshed from", type=bpy.types.Object),
         "meshed": BoolProperty(name="Meshed", description="This plan was made by Mesh Plan"),
         # On a result.
-        "role": EnumProperty(name="Role", description="What this result is", items=_ROLE_ITEMS),
-        "source": PointerProperty(name="Plan", description="The plan this result comes from", type=bpy.types.Object),
+        "role": EnumProperty(name="Role", description="Kind of this result", items=_ROLE_ITEMS),
+        "source": PointerProperty(name="Plan", description="Plan of this result", type=bpy.types.Object),
         "placed_at": FloatVectorProperty(
-            name="Placed At", description="Where the plan was when this result was written",
+            name="Placed At", description="Position of the plan when this result was written",
             size=3, subtype="TRANSLATION"),
-        "parked": BoolProperty(name="Parked", description="Hidden by Solve because not wanted now"),
+        "parked": BoolProperty(name="Parked", description="Hidden by Solve, since its role is switched off"),
         # On an empty.
         "anchor_weight": FloatProperty(
-            name="Weight", description="How much this anchor of Fit to Outline counts; 0 leaves it out",
+            name="Weight", description="Weight of this anchor in Fit to Outline; 0 leaves it out",
             default=1.0, min=0.0, soft_max=10.0),
     }
 
 
 class CmcScene(bpy.types.PropertyGroup):
-    """Settings of Mesh Plan, as last used, and what the viewport shows."""
+    """Settings of Mesh Plan, as last used, and of the overlay."""
 
     __annotations__ = {
         **plan_annotations(),
-        **seeing_annotations(),
+        **overlay_annotations(),
         "shading_before": StringProperty(
-            name="Shading", description="What the viewports showed before results were coloured"),
+            name="Shading", description="Shading of the viewports before the results were coloured"),
     }
 
 
 class CmcRun(bpy.types.PropertyGroup):
-    """What is running now, for the panel."""
+    """The running task, for the panel."""
 
-    running: BoolProperty(name="Running", description="Whether something is being worked on", options={"SKIP_SAVE"})
+    running: BoolProperty(name="Running", description="Whether a task is running", options={"SKIP_SAVE"})
     progress: FloatProperty(
-        name="Progress", description="How far it is", min=0.0, max=1.0, subtype="FACTOR", options={"SKIP_SAVE"})
-    message: StringProperty(name="Message", description="How far it is, in words", options={"SKIP_SAVE"})
-    plan: StringProperty(name="Plan", description="Name of the plan being solved", options={"SKIP_SAVE"})
+        name="Progress", description="Part of the task that is done", min=0.0, max=1.0, subtype="FACTOR",
+        options={"SKIP_SAVE"})
+    message: StringProperty(name="Message", description="Current step of the task", options={"SKIP_SAVE"})
+    plan: StringProperty(name="Plan", description="Name of the plan of the task", options={"SKIP_SAVE"})
 
 
 CLASSES = (CmcGroup, CmcMesh, CmcObject, CmcScene, CmcRun)
@@ -263,7 +195,7 @@ def register() -> None:
     for owner, cls in ATTACHED:
         owner.cmc = PointerProperty(type=cls)
     bpy.types.Collection.cmc_plan = PointerProperty(
-        name="Plan", description="The plan whose results are in this collection", type=bpy.types.Object)
+        name="Plan", description="Plan whose results are in this collection", type=bpy.types.Object)
 
 
 def unregister() -> None:

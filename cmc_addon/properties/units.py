@@ -1,4 +1,4 @@
-"""Lengths, areas and curvatures as text, in the units of the scene."""
+"""Lengths, areas, curvatures and percentages as text, in the units of the scene."""
 
 from __future__ import annotations
 
@@ -6,16 +6,26 @@ import bpy
 
 
 def length_text(value: float, power: int = 1, digits: int = 4) -> str:
-    """A length or area in the scene's units."""
+    """A length or area in the units of the scene."""
     units = bpy.context.scene.unit_settings
     if units.system == "NONE":
-        return f"{value:.{digits}g}"
+        return f"{value:.{digits}g}" if abs(value) >= 1e-6 else "0"
     kind = {1: "LENGTH", 2: "AREA"}[power]
     value *= units.scale_length**power
     return bpy.utils.units.to_string(units.system, kind, value, precision=digits, split_unit=False)
 
 
 def per_length() -> str:
-    """What H is counted in: one over a Blender unit, which in a metric scene of scale 1 is a metre."""
+    """The unit of H: one over a Blender unit, which is a metre in a metric scene of scale 1."""
     units = bpy.context.scene.unit_settings
     return "1/m" if units.system == "METRIC" and units.scale_length == 1.0 else "per unit"
+
+
+def percent_text(part: float) -> str:
+    """A part as a percentage of two digits, without the digits of rounding errors."""
+    percent = 100.0 * abs(part)
+    if percent < 1e-6:
+        return "0 %"
+    if percent < 0.01:
+        return "under 0.01 %"
+    return f"{percent:.2g} %" if percent < 99.5 else f"{percent:.0f} %"

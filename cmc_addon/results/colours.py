@@ -31,7 +31,7 @@ _LEAST_H, _LEAST_Q, _LEAST_PART = 0.02, 0.02, 1e-4
 
 def wanted_measures(plan: bpy.types.Object) -> tuple[str, ...]:
     """Names of the quantities that a solve of this plan measures."""
-    return USUAL if plan.cmc.strokes == "NONE" else (*USUAL, DIRECTION)
+    return USUAL if plan.cmc.curvature_lines == "NONE" else (*USUAL, DIRECTION)
 
 
 def shown_measures(plan: bpy.types.Object) -> tuple[str, ...]:
@@ -39,7 +39,7 @@ def shown_measures(plan: bpy.types.Object) -> tuple[str, ...]:
     quantity = QUANTITIES.get(plan.cmc.colour_by)
     names = {attribute: name for name, attribute in ATTRIBUTES.items()}
     shown = () if quantity is None else (names[quantity.attribute],)
-    return shown if plan.cmc.strokes == "NONE" else (*shown, DIRECTION)
+    return shown if plan.cmc.curvature_lines == "NONE" else (*shown, DIRECTION)
 
 
 # --- painting ------------------------------------------------------------------------------
@@ -114,7 +114,7 @@ def changed(plan: bpy.types.Object, context: bpy.types.Context, name: str) -> No
         return
     if name == "colour_fit" and not settings.colour_fit:
         _start_from_fitted(plan)
-    if name.startswith("stroke"):
+    if name.startswith("curvature_line"):
         _measure_lines(plan)
     else:
         repaint(plan)
@@ -132,7 +132,7 @@ def _start_from_fitted(plan: bpy.types.Object) -> None:
 
 def _measure_lines(plan: bpy.types.Object) -> None:
     """If curvature lines are shown now, write their directions on the results."""
-    if plan.cmc.strokes == "NONE":
+    if plan.cmc.curvature_lines == "NONE":
         return
     for family in families(plan):
         for member in (family.shell, *family.others):

@@ -15,7 +15,7 @@ from ..bridges.colour_bridge import surface_of
 from ..bridges.mesh_bridge import PlanMesh, read_plan
 from ..properties.links import result_of
 from . import colours
-from .objects import Writer, write_report
+from .objects import Writer, world_box, write_report
 
 # Distance of the image from the shell, in radii.
 _APART = 0.35
@@ -83,5 +83,4 @@ def _beside(shell: bpy.types.Object, image: bpy.types.Object) -> float:
 
 
 def _bounds(ob: bpy.types.Object, side) -> float:
-    corners = np.array(ob.bound_box) @ np.array(ob.matrix_world)[:3, :3].T + np.array(ob.matrix_world.translation)
-    return float(side(corners[:, 0]))
+    return float(side(world_box(ob)[:, 0]))

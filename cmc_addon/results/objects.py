@@ -112,13 +112,15 @@ class Writer:
 
     def write(
         self, role: str, points: NDArray, normals: NDArray, measures: Mapping[str, NDArray] | None = None
-    ) -> None:
+    ) -> bpy.types.Object:
         """Make or update the result in this role with the plan's polygons; points (n, 3) in world coordinates.
 
         measures: attribute -> values on a measured sheet; attributes that it lacks are removed.
         """
         fresh = fresh_mesh(self.plan, self.depsgraph, self.mesh, self.cut)
-        put_points(self._put(role, fresh, self._cut_weights()), self.origin, points, normals, measures)
+        result = self._put(role, fresh, self._cut_weights())
+        put_points(result, self.origin, points, normals, measures)
+        return result
 
     def write_polygons(
         self,
@@ -243,6 +245,12 @@ def hide_completed(plan: bpy.types.Object, hidden: bool) -> None:
     for thing in (result_of(plan, "COMPLETED"), copies_of(plan)):
         if thing is not None:
             thing.hide_viewport = thing.hide_render = hidden
+
+
+def world_box(ob: bpy.types.Object) -> NDArray[np.float64]:
+    """The corners (8, 3) of an object's bounding box in the world."""
+    matrix = np.array(ob.matrix_world)
+    return np.array(ob.bound_box) @ matrix[:3, :3].T + matrix[:3, 3]
 
 
 def write_report(result: bpy.types.Object, report: dict) -> None:

@@ -29,7 +29,7 @@ from ..properties.symmetry_settings import COMPLETE_SETTINGS
 from ..results import colours
 from ..results.instances import delete_instances, write_instances
 from ..results.measures import Measured
-from ..results.objects import Writer, delete_result, hide_completed, park, write_report
+from ..results.objects import Writer, delete_result, hide_completed, park, world_box, write_report
 from .shell_task import ShellResult, ShellTask, read_solve
 from .solve import SolveResult, SolveTask, plan_depsgraph
 
@@ -139,8 +139,7 @@ class CompleteTask(ShellTask[CompleteResult]):
     def _write_mesh(self, context, plan, depsgraph, result: CompleteResult) -> None:
         completed = result.completed
         writer = Writer(context, plan, depsgraph, self.solve.mesh, result.cut)
-        writer.write("COMPLETED", completed.points, completed.normals, result.measures(self.solve))
-        ob = result_of(plan, "COMPLETED")
+        ob = writer.write("COMPLETED", completed.points, completed.normals, result.measures(self.solve))
         each = len(ob.data.polygons) // completed.copy_count
         numbers = np.repeat(np.arange(completed.copy_count, dtype=np.int32), each)
         set_attribute(ob.data, COPY_ATTRIBUTE, "INT", "FACE", numbers)
@@ -176,7 +175,7 @@ def _box(name: str) -> NDArray[np.float64]:
             if name
             else "No object is chosen for the box; add a cube around the copies you want, and choose it."
         )
-    corners = np.array([ob.matrix_world @ type(ob.location)(corner) for corner in ob.bound_box])
+    corners = world_box(ob)
     low, high = corners.min(axis=0), corners.max(axis=0)
     margin = _THIN * float((high - low).max())
     if not margin > 0.0:
@@ -240,7 +239,7 @@ def whole_mesh(completed: Completed, plan, mesh) -> Cut:
         vertices=completed.source,
         corners=corners,
         faces=polygons.faces.astype(np.int32),
-        rows=rows.astype(np.int32),
+        corner_vertices=rows.astype(np.int32),
         starts=polygons.starts.astype(np.int32),
     )
 

@@ -149,8 +149,7 @@ class DesignTask(Task[DesignResult]):
         depsgraph = plan_depsgraph(context, self.settings)
         check_unchanged(plan, depsgraph, self.mesh)
         writer = Writer(context, plan, depsgraph, self.mesh, result.cut)
-        writer.write(self.role, result.points, result.normals, result.measures)
-        ob = result_of(plan, self.role)
+        ob = writer.write(self.role, result.points, result.normals, result.measures)
         ob.cmc.parked = ob.hide_viewport = ob.hide_render = False
         if self.role == "FIT":
             park(result_of(plan, plan.cmc.sheet))

@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...solver.errors import CmcError, Progress, Status
+from ...solver.errors import CmcError, Progress
 from ...solver.shells import form
 from ...solver.shells.gaps import hole_gaps
 from ...solver.shells.plan import Group, Plan, Settings
@@ -22,9 +22,10 @@ from ..background import plan_cache, solve_cache
 from ..bridges.mesh_bridge import PlanMesh, read_plan
 from ..bridges.result_bridge import Cut, find_cut
 from ..properties.attributes import ATTRIBUTES, USUAL
+from ..properties.group_settings import parameter_values
 from ..properties.links import result_of, results_of, wanted_roles
 from ..properties.settings import SETTINGS, SIDES, SIZE_PROPERTY, fitted_settings
-from ..properties.stored import ROLES, parameter_values
+from ..properties.stored import ROLES
 from ..results import colours
 from ..results.measures import Measured, polygon_measures, sheet_measures
 from ..results.objects import Writer, delete_result, hide_completed, show_wanted, write_report
@@ -71,17 +72,7 @@ class SolveResult(Result):
 
     @property
     def message(self) -> str:
-        """How even the curvature is; where the shell has a message of its own, as a closed one has, that."""
-        curvature = self.shell.report.shown.mean_curvature
-        if self.shell.message != Status.CONVERGED.sentence or curvature is None:
-            return self.shell.message
-        return f"Done. Curvature is even to {percent(curvature.relative_l2)}."
-
-
-def percent(part: float) -> str:
-    """A part of 1 for a sentence: two digits, and no less than 0.01 %."""
-    value = max(100.0 * part, 0.01)
-    return f"{value:.0f} %" if value >= 100.0 else f"{value:.2g} %"
+        return self.shell.message
 
 
 @dataclass(frozen=True, eq=False)

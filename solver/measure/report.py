@@ -228,7 +228,8 @@ def _sentence(surface: CmcSurface, shown: SheetReport, scale: float) -> str:
 
 
 def _percent(part: float) -> str:
-    return f"{100 * part:.2g} %" if part >= _EVEN else f"{100 * _EVEN:g} %"
+    percent = 100 * max(part, _EVEN)
+    return f"{percent:.2g} %" if percent < 99.5 else f"{percent:.0f} %"  # no powers of ten
 
 
 def to_plain(value: Any) -> Any:

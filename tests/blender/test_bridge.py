@@ -71,7 +71,7 @@ def test_edit_mode_is_read_as_it_is_now(bridge):
 
 
 @pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
-def test_modifiers_on_wish(bridge, mode):
+def test_modifiers_are_optional(bridge, mode):
     ob = quad_disc()
     rim = boundary_edges(ob.data)
     add_group(ob, "Rim", rim, "PLANE")

@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose
 from scipy.spatial import KDTree
 
 from .scenes import activate, boundary_edges, positions, snapshot
-from .test_panels import draw
+from .sidebar import draw
 
 
 def add(bubble: str, **settings):
@@ -170,7 +170,7 @@ def test_bubbles_are_in_the_menu(addon):
 
     from cmc_formfinding.cmc_addon.operators.add_bubble import BUBBLES, in_add_menu
 
-    from .test_panels import Layout
+    from .sidebar import Layout
 
     layout = Layout()
     in_add_menu(SimpleNamespace(layout=layout), bpy.context)

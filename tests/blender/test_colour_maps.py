@@ -1,4 +1,4 @@
-"""Ramps and ranges: what can be told apart, what is in the middle, what is left out."""
+"""Colour ramps and ranges: contrast, centre and outliers."""
 
 from __future__ import annotations
 
@@ -43,8 +43,8 @@ def test_the_diverging_ramp_is_alike_on_both_sides(maps):
 
 
 @pytest.mark.parametrize("eyes", _BLIND)
-def test_its_sides_are_told_apart_without_red_or_green(maps, eyes):
-    """Two numbers on different sides differ in what is left of their colours."""
+def test_its_sides_differ_without_red_or_green(maps, eyes):
+    """Two numbers on different sides differ in the remaining channels."""
     values = np.array([0.3, 0.6, 1.0])
     ramp = maps.Range(-1.0, 1.0, 0.0)
     one, other = (maps.linear(ramp.colours(v)) @ np.transpose(_BLIND[eyes]) for v in (values, -values))
@@ -70,7 +70,7 @@ def test_one_sided_numbers_have_one_side_of_the_ramp(maps):
 
 
 def test_a_range_about_a_target(maps):
-    """As wide on both sides, without the two numbers that are far off; at least as wide as asked for."""
+    """As wide on both sides, without the two numbers that are far off; at least as wide as required."""
     values = np.concatenate([np.linspace(0.9, 1.3, 998), [-50.0, 90.0]])
     found = maps.fit_about(values, 1.0, 0.01)
     assert found.low == pytest.approx(2.0 - found.high)

@@ -1,4 +1,4 @@
-"""Results as colours: what is measured on them, over which range it is shown, and what becomes of that."""
+"""Colours of results: the measures, their range, and what later changes do to them."""
 
 from __future__ import annotations
 
@@ -220,7 +220,7 @@ def test_all_sheets_have_the_range_of_the_shell():
     assert_allclose(colours(plan.cmc.gauss), colours(plan.cmc.f_minus))
 
 
-def test_a_range_of_ones_own():
+def test_a_range_set_by_hand():
     """It begins with the fitted one, stays through the next solve, and is dropped for another quantity."""
     plan = hall()
     result = solve(plan)
@@ -239,7 +239,7 @@ def test_a_range_of_ones_own():
     assert module("results.colours").stored_range(result).low == 1.0
 
 
-def test_what_is_not_known_is_grey():
+def test_missing_values_are_grey():
     """An older result has no distortion until it is solved again."""
     plan = hall()
     result = solve(plan)
@@ -329,59 +329,3 @@ def test_undo_save_and_load(tmp_path):
     assert_allclose(colours(plan.cmc.f_plus), found)
     plan.cmc.colour_by = "DISTORTION"
     assert not np.allclose(colours(plan.cmc.f_plus), found)
-
-
-# --- the viewports -------------------------------------------------------------------------
-
-def views() -> list:
-    return module("drawing.shading").views(bpy.context.window_manager)
-
-
-@pytest.fixture
-def windows():
-    """Factory settings with their screens, and the add-on in them."""
-    bpy.ops.wm.read_homefile(use_factory_startup=True)
-    import addon_utils
-
-    addon_utils.enable("cmc_formfinding", default_set=True)
-    if not views():
-        pytest.skip("no viewport here")
-
-
-def test_viewports_show_colours_and_go_back(windows):
-    plan = hall()
-    solve(plan)
-    views()[0].shading.color_type = "OBJECT"
-    plan.cmc.colour_by = "DISTORTION"
-    assert views()[0].shading.color_type == "VERTEX"
-    plan.cmc.colour_by = "GAUSS_CURVATURE"
-    other = quad_disc()
-    other.cmc.colour_by = "DISTORTION"
-    plan.cmc.colour_by = "NONE"
-    assert views()[0].shading.color_type == "VERTEX"
-    other.cmc.colour_by = "NONE"
-    assert views()[0].shading.color_type == "OBJECT"
-
-
-def test_another_shading_chosen_meanwhile_stays(windows):
-    plan = hall()
-    solve(plan)
-    plan.cmc.colour_by = "DISTORTION"
-    views()[0].shading.color_type = "RANDOM"
-    solve(plan)
-    assert views()[0].shading.color_type == "RANDOM"
-    plan.cmc.colour_by = "NONE"
-    assert views()[0].shading.color_type == "RANDOM"
-
-
-def test_undoing_the_click_brings_the_shading_back(windows):
-    plan = hall()
-    solve(plan)
-    views()[0].shading.color_type = "OBJECT"
-    bpy.ops.ed.undo_push(message="Solved")
-    plan.cmc.colour_by = "DISTORTION"
-    bpy.ops.ed.undo_push(message="Coloured")
-    bpy.ops.ed.undo()
-    assert views()[0].shading.color_type == "OBJECT"
-    bpy.ops.ed.redo()
-    assert views()[0].shading.color_type == "VERTEX"

@@ -1,4 +1,4 @@
-"""The panel Look: its legend, strokes and the Gauss image beside the shell."""
+"""The panel Look: its legend, curvature lines, and normals on a sphere."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def test_it_says_that_something_was_not_measured():
     result = solve(plan)
     result.data.attributes.remove(result.data.attributes["cmc_distortion"])
     plan.cmc.colour_by = "DISTORTION"
-    assert legend().labels == [] and "Solve" in legend().subtitle
+    assert legend().labels == [] and "solve again" in legend().subtitle
 
 
 def test_the_legend_of_instances_is_that_of_the_shell():
@@ -85,13 +85,13 @@ def test_the_legend_of_instances_is_that_of_the_shell():
     assert legend().labels == of_shell.labels
 
 
-# --- strokes -------------------------------------------------------------------------------
+# --- curvature lines -----------------------------------------------------------------------
 
 def lines(result, which="BOTH", spacing=0.0):
     return module("drawing.curvature_lines_overlay").lines_of(result.data, which, spacing)
 
 
-def test_strokes_run_across_and_along_a_hall():
+def test_curvature_lines_run_across_and_along_a_hall():
     """In the middle of a long hall the shell bends across it, and least along it."""
     plan = hall(12, 24)
     result = solve(plan)
@@ -104,7 +104,7 @@ def test_strokes_run_across_and_along_a_hall():
         assert (np.abs(along[:, axis]) > 0.9 * np.linalg.norm(along, axis=1)).all()
 
 
-def test_strokes_are_evenly_spread_and_as_long_as_their_distance_allows():
+def test_curvature_lines_are_evenly_spread_and_as_long_as_their_spacing():
     plan = hall(16, 32)
     result = solve(plan)
     first, second = lines(result, "MAX", 0.6)
@@ -124,12 +124,12 @@ def test_a_sphere_has_none():
     assert len(first) == len(second) == 0
 
 
-def test_directions_are_an_attribute_once_strokes_are_shown():
+def test_directions_are_an_attribute_once_curvature_lines_are_shown():
     """Unit vectors in the surface, zero where there are none; kept up to date by the next solve, gone without them."""
     plan = hall()
     result = solve(plan)
     assert "cmc_direction" not in result.data.attributes
-    plan.cmc.strokes = "BOTH"
+    plan.cmc.curvature_lines = "BOTH"
     found = np.array(values(result.data.attributes["cmc_direction"]))
     normals = np.array(values(result.data.attributes["cmc_normal"]))
     length = np.linalg.norm(found, axis=1)
@@ -145,20 +145,20 @@ def test_directions_are_an_attribute_once_strokes_are_shown():
         assert both.mean() > 0.9
         assert np.abs(np.einsum("ni,ni->n", told, again))[both].min() > 0.99
     assert not np.allclose(lines(result)[0], before)
-    plan.cmc.strokes = "NONE"
+    plan.cmc.curvature_lines = "NONE"
     solve(plan)
     assert "cmc_direction" not in result.data.attributes
 
 
 @pytest.mark.parametrize("combinatorics", ["DUAL", "CORNER"])
-def test_other_meshes_have_strokes_too(combinatorics):
+def test_other_meshes_have_curvature_lines_too(combinatorics):
     plan = hall()
-    plan.cmc.strokes = "MAX"
+    plan.cmc.curvature_lines = "MAX"
     first, _ = lines(solve(plan, combinatorics=combinatorics), "MAX")
     assert len(first) > 50
 
 
-def test_strokes_stay_where_they_are_while_a_shell_changes_its_shape():
+def test_curvature_lines_stay_where_they_are_while_a_shell_changes_its_shape():
     plan = hall()
     result = solve(plan)
     before = module("drawing.curvature_lines_overlay")._places
@@ -169,7 +169,7 @@ def test_strokes_stay_where_they_are_while_a_shell_changes_its_shape():
     assert module("drawing.curvature_lines_overlay")._places[result.data.session_uid][1] is kept
 
 
-def test_strokes_are_drawn_a_little_nearer_and_at_the_same_place():
+def test_curvature_lines_are_drawn_a_little_nearer_and_at_the_same_place():
     from mathutils import Matrix, Vector
 
     projection = Matrix(((1.2, 0, 0, 0), (0, 1.6, 0, 0), (0, 0, -1.002, -0.2), (0, 0, -1, 0)))

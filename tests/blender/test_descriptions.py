@@ -1,4 +1,4 @@
-"""Tooltips that depend on what a button would do: made for every choice, as Blender does it when the mouse rests."""
+"""Tooltips that depend on the properties of a button, for every choice."""
 
 from __future__ import annotations
 

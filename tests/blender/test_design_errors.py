@@ -1,4 +1,4 @@
-"""What cannot be designed is said in a sentence, and the scene stays as it was."""
+"""Fits that are refused: one sentence, and an unchanged scene."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def test_a_flat_surface_has_no_nearest_one():
 def test_no_curve():
     plan = small_disc()
     fails("'Disc' has no curve", bpy.ops.cmc.fit_outline, fit_to="CURVE")
-    fails("no object 'Nobody'", bpy.ops.cmc.fit_outline, curve="Nobody")
+    fails("No object is called 'Nobody'", bpy.ops.cmc.fit_outline, curve="Nobody")
     curve, _ = raised_loop()
     plan.cmc.fit_to, plan.cmc.fit_curve = "CURVE", curve
     bpy.context.scene.collection.objects.unlink(curve)
@@ -104,4 +104,4 @@ def test_no_anchors():
     small_disc()
     fails("There are no anchors", bpy.ops.cmc.fit_outline, fit_to="ANCHORS")
     fails("'Nothing' has no empties", bpy.ops.cmc.fit_outline, anchors="Nothing")
-    fails("no collection 'Nobody'", bpy.ops.cmc.fit_outline, anchors="Nobody")
+    fails("No collection is called 'Nobody'", bpy.ops.cmc.fit_outline, anchors="Nobody")

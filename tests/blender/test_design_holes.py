@@ -53,7 +53,7 @@ def test_a_courtyard_closes(plan, addon):
     for rim, line in zip(rims(points), rims(drawn), strict=True):
         assert off_line(rim, line).max() < 0.05 * 8.0
     assert report(plan)["distances"]["period"] < 1e-3 * 8.0
-    assert "Period" in dict(addon.cmc_addon.panels.design_panel.design_rows(report(plan)))
+    assert "Gap" in dict(addon.cmc_addon.panels.design_panel.design_rows(report(plan)))
 
 
 def test_layers_stay(plan):
@@ -89,7 +89,7 @@ def test_more_splines_than_loops(plan):
     assert plan.cmc.fit is None
 
 
-def test_a_gap_that_is_left_is_said(addon, plan, monkeypatch):
+def test_a_remaining_gap_is_reported(addon, plan, monkeypatch):
     """And the layers go over the cut."""
     monkeypatch.setattr(addon.cmc_addon.tasks.fit_outline, "_FIRST_SLICE", 1)
     monkeypatch.setattr(addon.cmc_addon.tasks.fit_outline, "LIMIT", 1)

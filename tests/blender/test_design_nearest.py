@@ -1,4 +1,4 @@
-"""Approximate Surface: the nearest shell, how far it is off, how calm its rim."""
+"""Approximate Surface: the nearest shell, its deviation, and the smoothness of its rim."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def test_smoothness_calms_the_rim():
 
 
 def test_position_brings_it_nearer():
-    """And what is not asked for does not count."""
+    """A weight that is not in use does not count."""
     surface = wavy()
     approximated(surface)
     by_planes = report(surface)

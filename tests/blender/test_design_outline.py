@@ -1,4 +1,4 @@
-"""Fit to Outline: the height_parameters, what it is fitted to, which way up."""
+"""Fit to Outline: height parameters, targets, standing and hanging."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ def test_a_curve_object():
 
 
 def test_free_heights():
-    """Seen from above the rim is on the outline; told to keep its heights it is on it in space, too."""
+    """In plan the rim is on the outline; with its heights kept it is on it in space, too."""
     plan = quad_disc(rings=5, columns=32)
     plan.scale = (1.6, 1.0, 1.0)
     points = fitted(plan, free_heights=True, fit_rise=0.4)
@@ -124,7 +124,7 @@ def test_a_collection_of_anchors_with_weights():
     assert report(plan)["distances"]["anchors"] < 0.01 * 8.0, "one without weight does not count"
 
 
-def test_a_weak_anchor_that_is_missed_is_told_of():
+def test_a_missed_weak_anchor_is_reported():
     supports = bpy.data.collections.new("Supports")
     bpy.context.scene.collection.children.link(supports)
     weak = empties([(4.0, 0.0, 6.0), *FEET[1:]], supports)[0]

@@ -1,4 +1,4 @@
-"""What both leave behind: result objects, settings, undo; and how they end early."""
+"""Results of both designs: objects, settings, undo, and cancelling."""
 
 from __future__ import annotations
 

@@ -10,7 +10,8 @@ import pytest
 import bmesh  # is on the path once bpy is imported
 
 from .scenes import activate, mesh_object
-from .test_panels import STATES, draw, said
+from .sidebar import draw, said
+from .test_panels import STATES
 
 BARE = "context is incorrect"  # what Blender says where a poll says nothing
 

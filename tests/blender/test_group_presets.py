@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from .scenes import activate
-from .test_panels import Layout, Properties
+from .sidebar import Layout, Properties
 
 FINISHED = {"FINISHED"}
 

@@ -10,8 +10,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from .scenes import activate, positions
+from .sidebar import draw, said
 from .solved_modules import FINISHED, module, solved
-from .test_panels import draw, said
 
 
 def plane(which: str) -> np.ndarray:
@@ -125,11 +125,11 @@ def test_the_panel_shows_the_plane_of_a_group_after_a_solve():
     plan.data.cmc.active_index = plan.data.cmc.groups.find("Right")
     before = draw("CMC_PT_boundary")
     assert "cmc.group_plane" in before.operators and "across" in before.props
-    assert "Plane at" not in said(before)
+    assert "Plane At" not in said(before)
     assert before.operators.count("cmc.flip_corner") == 2 and "At Back: faces +Z" in said(before)
     bpy.ops.cmc.solve()
     after = said(draw("CMC_PT_boundary"))
-    assert "Plane at" in after and "Off Plane" in after
+    assert "Plane At" in after and "Off Plane" in after
     report = json.loads(plan.cmc.report)
     right = next(plane for plane in report["planes"] if plane["name"] == "Right")
     rim = positions(plan.cmc.f_plus)[:, 0]
@@ -138,7 +138,7 @@ def test_the_panel_shows_the_plane_of_a_group_after_a_solve():
 
 def test_the_panel_of_symmetry_shows_counts_then_gaps():
     plan = module("UNDULOID")
-    assert "Solve to see how many copies" in said(draw("CMC_PT_symmetry"))
+    assert "Solve to see the number of copies" in said(draw("CMC_PT_symmetry"))
     bpy.ops.cmc.solve()
     assert f"24 Faces {24 * len(plan.data.polygons):,}" in said(draw("CMC_PT_symmetry"))
     bpy.ops.cmc.complete()

@@ -1,4 +1,4 @@
-"""Close Periods: in every way, in place, with the layers; what moves; what is said; undo."""
+"""Close Gaps: each way to close, in place, with the layers; what moves; the messages; undo."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from .scenes import activate, add_group, boundary_edges, positions, quad_ring, snapshot, values
-from .test_panels import draw
+from .sidebar import draw
 
 FINISHED = {"FINISHED"}
 COLUMNS = 32
@@ -49,7 +49,7 @@ def sources_of(mesh) -> np.ndarray:
 
 
 def uv_corners(mesh) -> set:
-    """What is at each corner: the plan's vertex by number, and its UV."""
+    """Per corner: the plan's vertex by number, and its UV."""
     sources = sources_of(mesh)
     drawn = values(mesh.attributes["Drawing"])
     return {(int(sources[loop.vertex_index]), *np.round(uv, 6)) for loop, uv in zip(mesh.loops, drawn, strict=True)}
@@ -60,14 +60,14 @@ def seams(mesh) -> set:
     return {tuple(sorted(sources[list(edge.vertices)].tolist())) for edge in mesh.edges if edge.use_seam}
 
 
-def test_solve_says_that_there_is_a_gap_and_what_to_press(plan, addon):
+def test_solve_reports_the_gap_and_the_buttons(plan, addon):
     told = report(plan)
     (hole,) = told["holes"]
     assert told["is_open"] and hole["name"] == "hole 1" and 0.02 < hole["relative"] < 1.0
     assert_allclose(hole["length"], told["gap"], rtol=1e-9)
     text = addon.cmc_addon.panels.periods_text
     said = text.gap_sentence(told)
-    assert "has a gap of" in said and "Close Periods" in said and "Tile by Periods" in said
+    assert "is open by" in said and "Close Gaps" in said and "Repeat by Gaps" in said
     assert f"{100 * hole['relative']:.2g} %" in said
     rows = dict(text.gap_rows(told))
     assert f"{hole['length']:.4g}"[:4] in rows["Hole 1"]
@@ -128,12 +128,12 @@ def test_a_court_closes_in_place(plan, way):
     assert_allclose(H, told["mean_curvature"], rtol=0.15)
 
 
-def test_the_panel_tells_what_changed(plan, addon):
+def test_the_panel_lists_the_changes(plan, addon):
     assert bpy.ops.cmc.close_periods(close_by="BOTH", close_size=True) == FINISHED
     rows = dict(addon.cmc_addon.panels.periods_text.closing_rows(report(plan)))
     assert set(rows) == {
-        "Gap before", "Gap now", "Normals turned", "Hole x", "Hole y", "Hole twist", "Hole size", "Steps"}
-    assert "°" in rows["Normals turned"] and rows["Hole size"].startswith("×")
+        "Gap Before", "Gap Now", "Normals Turned", "Hole X", "Hole Y", "Hole Twist", "Hole Size", "Steps"}
+    assert "°" in rows["Normals Turned"] and rows["Hole Size"].startswith("×")
     assert dict(addon.cmc_addon.panels.periods_text.gap_rows(report(plan)))["Hole 1"] == "Closed"
     assert addon.cmc_addon.panels.periods_text.gap_sentence(report(plan)) == ""
 
@@ -168,7 +168,7 @@ def test_a_plan_that_is_turned_and_moved_closes_by_its_hole():
     assert_allclose(shift[:2], [closing["moved"]["x"], closing["moved"]["y"]], atol=1e-5)
 
 
-def test_a_gap_that_is_left_is_said(plan, addon):
+def test_a_remaining_gap_is_reported(plan, addon):
     """A hole that may only grow does not close it."""
     assert bpy.ops.cmc.close_periods(
         close_by="HOLE", close_shift=False, close_twist=False, close_size=True) == FINISHED
@@ -176,7 +176,7 @@ def test_a_gap_that_is_left_is_said(plan, addon):
     assert not told["closing"]["closed"] and told["is_open"]
     assert len(plan.cmc.f_plus.data.vertices) > len(plan.data.vertices)
     said = addon.cmc_addon.panels.periods_text.gap_sentence(told)
-    assert said.startswith(told["closing"]["message"]) and "has a gap of" in said
+    assert said.startswith(told["closing"]["message"]) and "is open by" in said
     assert told["warnings"][0] == told["closing"]["message"]
 
 
@@ -200,7 +200,7 @@ def refused(said: str, **options) -> None:
     assert snapshot() == before
 
 
-def test_what_cannot_be_closed_is_said(plan):
+def test_a_plan_that_cannot_close_is_refused(plan):
     refused("The holes need a motion", close_by="HOLE", close_shift=False, close_twist=False)
     plan.cmc.sites, plan.cmc.energy = "FACES", "MOBIUS"
     refused("Closing needs normals on vertices")
@@ -281,7 +281,7 @@ def test_esc_leaves_everything_as_it_was(plan, addon):
 
 def test_results_and_periods_of_a_gap_and_of_a_closed_shell(plan):
     said = " ".join(draw("CMC_PT_results").texts)
-    assert "has a gap of" in said and "Close Periods" in said
+    assert "is open by" in said and "Close Gaps" in said
     open_panel = draw("CMC_PT_periods")
     assert open_panel.operators == ["cmc.close_periods", "cmc.tile_periods"]
     assert {"close_by", "tile_as", "tile_repeat"} <= set(open_panel.props) and "close_shift" not in open_panel.props
@@ -290,7 +290,7 @@ def test_results_and_periods_of_a_gap_and_of_a_closed_shell(plan):
     assert {"close_shift", "close_twist", "close_size", "close_weight"} <= set(draw("CMC_PT_periods").props)
     assert bpy.ops.cmc.close_periods() == FINISHED
     closed = draw("CMC_PT_periods")
-    assert closed.operators == ["cmc.close_periods"] and "Closed" in closed.texts and "Normals turned" in closed.texts
+    assert closed.operators == ["cmc.close_periods"] and "Closed" in closed.texts and "Normals Turned" in closed.texts
     assert "The surface closes" in " ".join(draw("CMC_PT_results").texts)
 
 
@@ -299,11 +299,11 @@ def test_a_plan_that_cannot_be_moved_any_more(plan, addon):
     tasks, settings = addon.cmc_addon.tasks.close_periods, addon.cmc_addon.properties.periods_settings
     wanted = SimpleNamespace(**{name: getattr(plan.cmc, name) for name in settings.CLOSE_SETTINGS})
     wanted.close_by = "HOLE"
-    order = tasks.take_closing(bpy.context, plan, wanted)
-    outcome = order.work(lambda *_: True)
-    assert outcome.converged and outcome.moved is not None
+    task = tasks.CloseTask.read(bpy.context, plan, wanted)
+    result = task.work(lambda *_: True)
+    assert result.converged and result.moved is not None
     plan.shape_key_add(name="Basis")
     before = snapshot()
     with pytest.raises(tasks.CmcError, match="has shape keys"):
-        order.deliver(bpy.context, plan, outcome)
+        task.write(bpy.context, plan, result)
     assert snapshot() == before

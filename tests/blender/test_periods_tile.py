@@ -1,4 +1,4 @@
-"""Tile by Periods: copies where the gap leads, one mesh or instances; counts; what cannot be tiled."""
+"""Repeat by Gaps: copies along the gap, one mesh or instances; counts; refusals."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def test_three_periods_as_one_mesh(plan):
     assert tuple(plan.cmc.tile_repeat) == (3, 1, 1) and plan.cmc.tile_as == "MESH"
 
 
-def test_copies_are_told_and_the_gap_is_no_warning(plan, addon):
+def test_copies_are_reported_and_the_gap_is_no_warning(plan, addon):
     hand = hand_for(addon.cmc_addon.operators.periods)
     assert hand.execute(bpy.context) == FINISHED
     ((kind, text),) = hand.reports

@@ -1,4 +1,4 @@
-"""Preferences: read with and without them, and the tab of the sidebar that they choose."""
+"""Preferences: read with and without the add-on enabled, and the sidebar tab."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def test_they_are_read_with_the_add_on_and_without(module, monkeypatch):
 
 def test_the_viewport_draws_with_these_colours(addon, module):
     own = bpy.context.preferences.addons["cmc_formfinding"].preferences
-    for name in ("colour_ungrouped", "colour_periods", "colour_cut"):
+    for name in ("colour_ungrouped", "colour_gaps", "colour_cut"):
         setattr(own, name, (0.25, 0.5, 0.75))
         assert addon.cmc_addon.drawing.palette.other_colour(name) == (0.25, 0.5, 0.75)
 

@@ -12,7 +12,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from .scenes import activate, add_group, boundary_edges, mesh_object, positions, snapshot
-from .test_panels import draw
+from .sidebar import draw
 
 
 def wente_torus():
@@ -215,7 +215,7 @@ def test_a_start_is_taken_from_a_shell(addon):
     bubble = report(plan)["degree"]
     bpy.ops.cmc.solve(shell="FIRST", sheet="F_MINUS")
     assert_allclose(report(plan)["degree"], bubble, rtol=0, atol=1e-3)
-    assert "Has map to start from" in draw("CMC_PT_advanced").texts
+    assert "Own start map" in draw("CMC_PT_advanced").texts
     activate(plan)
     bpy.ops.cmc.start_clear()
     bpy.ops.cmc.solve(shell="FIRST")

@@ -1,4 +1,4 @@
-"""Complete by Symmetry: one welded mesh where the shell is, which copies, and how it goes with Solve."""
+"""Repeat by Symmetry: one welded mesh at the shell, the choice of copies, and the interplay with Solve."""
 
 from __future__ import annotations
 
@@ -185,7 +185,7 @@ def test_the_panel_knows_the_counts_before_it_runs():
 
 
 def test_a_finite_group_has_no_more_copies_than_it_has():
-    """A corner of three mirrors: eight, however many are asked for."""
+    """A corner of three mirrors: eight, whatever number is set."""
     from cmc_formfinding.cmc_addon.panels.symmetry_panel import wanted_of
     from cmc_formfinding.cmc_addon.tasks.complete import counts
 
@@ -264,7 +264,7 @@ def refused(said: str, **options) -> None:
     assert snapshot() == before
 
 
-def test_without_a_mirror_or_a_plane_there_is_nothing_to_complete():
+def test_without_a_mirror_or_a_plane_nothing_repeats():
     plan = solved("UNDULOID")
     for group in plan.data.cmc.groups:
         group.across = "OFF"

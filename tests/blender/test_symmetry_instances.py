@@ -1,4 +1,4 @@
-"""Complete by Symmetry with instances: linked duplicates that meet without a gap."""
+"""Repeat by Symmetry with instances: linked duplicates that meet without a gap."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Eyes for a Blender window: take a picture of it, and read what is written there.
+"""Eyes for a Blender window: take pictures of it and read its text.
 
 Places are window pixels from the bottom left, as Blender counts them; in pictures they are from the top left.
 """
@@ -32,7 +32,7 @@ class Box:
 
 @dataclass(frozen=True)
 class Word:
-    """A word that was read, and where; icons come out as stray letters."""
+    """A word and its place; icons read as stray letters."""
 
     text: str
     box: Box
@@ -53,7 +53,7 @@ def _crop(box: Box, window_height: int) -> list[str]:
 
 
 def read(box: Box, window_height: int, scattered: bool = False) -> list[Line]:
-    """The lines that are written in a part of the window; taken for a column of lines, or for scattered words."""
+    """The lines of text in a part of the window, read as a column of lines or as scattered words."""
     larger = [*_crop(box, window_height), "-resize", f"{LARGER}00%", "-negate", "png:-"]
     shot = subprocess.run(larger, check=True, capture_output=True).stdout
     command = ["tesseract", "-", "-", "--psm", "11" if scattered else "6", "tsv"]
@@ -70,15 +70,15 @@ def read(box: Box, window_height: int, scattered: bool = False) -> list[Line]:
 
 
 def find(lines: list[Line], wanted: str) -> Line | None:
-    """The neighbouring words that are most like these, whole lines before parts of longer ones; None if none are."""
+    """The neighbouring words most like these, whole lines before parts of longer ones; None if none are similar."""
     count = len(wanted.split())
     shortest = sorted(lines, key=len)
     runs = [line[k : k + count] for line in shortest for k in range(len(line) - count + 1)]
-    best = max(runs, key=lambda run: _alike(said(run), wanted), default=None)
-    return best if best is not None and _alike(said(best), wanted) >= ALIKE else None
+    best = max(runs, key=lambda run: _alike(text_of(run), wanted), default=None)
+    return best if best is not None and _alike(text_of(best), wanted) >= ALIKE else None
 
 
-def said(line: Line) -> str:
+def text_of(line: Line) -> str:
     return " ".join(word.text for word in line)
 
 

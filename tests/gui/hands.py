@@ -1,4 +1,4 @@
-"""Hands for a Blender window: move, click, drag, type, find a button by what it does or says, take a picture.
+"""Hands for a Blender window: move, click, drag, type, find a button by its command or its text, take a picture.
 
 Everything that takes time is a generator; a story goes through it with `yield from`, and what it yields is how
 many seconds to wait while Blender handles events and draws. Coordinates are window pixels from the bottom left.
@@ -25,7 +25,7 @@ Place = tuple[int, int]
 
 
 class NotThereError(LookupError):
-    """What was looked for is not in the window."""
+    """The thing sought is not in the window."""
 
 
 class Hands:
@@ -300,11 +300,11 @@ class Hands:
         return eyes.read(box or self.whole, self.window.height)
 
     def words(self, text: str, box: Box | None = None) -> Box:
-        """Where the window says this; NotThereError tells what it says instead."""
+        """Where the window shows this text; NotThereError lists its text."""
         lines = self.read(box)
         found = eyes.find(lines, text)
         if found is None:
-            raise NotThereError(f"nothing in the window says {text!r}, but {[eyes.said(line) for line in lines]}")
+            raise NotThereError(f"no text in the window is {text!r}, but {[eyes.text_of(line) for line in lines]}")
         return eyes.around(found)
 
     def click_words(self, text: str, box: Box | None = None) -> Steps:

@@ -1,4 +1,4 @@
-"""Colours by hand: Colour by from its menu, the legend, strokes, the Gauss image, undo, and the shading as it was."""
+"""Colours by hand: each Colour By, the legend, curvature lines, normals on a sphere, undo, and the former shading."""
 
 from __future__ import annotations
 
@@ -37,18 +37,18 @@ def tell(hands):
         assert shading(hands) == "VERTEX"
         yield from hands.picture(by.lower().replace("_", "-"))
     plan().cmc.colour_by = "GAUSS_CURVATURE"
-    plan().cmc.strokes = "BOTH"
-    yield from hands.picture("strokes")
+    plan().cmc.curvature_lines = "BOTH"
+    yield from hands.picture("curvature-lines")
     hands.area.spaces.active.region_3d.view_rotation = (0.35, 0.9, 0.2, 0.1)
     yield from hands.picture("below")
-    bpy.ops.ed.undo_push(message="Strokes")
+    bpy.ops.ed.undo_push(message="Curvature Lines")
     hands.area.spaces.active.region_3d.view_rotation = (0.81, 0.46, 0.17, 0.3)
     yield from hands.click_button("cmc.gauss_image")
     assert plan().cmc.gauss is not None
     yield from hands.picture("gauss-image")
     yield from hands.press("Z", ctrl=True)
     assert plan().cmc.gauss is None
-    plan().cmc.strokes = "NONE"
+    plan().cmc.curvature_lines = "NONE"
     plan().cmc.colour_by = "NONE"
     assert shading(hands) == was
     yield from hands.picture("none")

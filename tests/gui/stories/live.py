@@ -140,5 +140,5 @@ def quiet(hands):
     assert len(calls) < 5, f"{len(calls)} ticks although nothing has changed"
     bpy.context.scene.tool_settings.use_proportional_edit = False
     plan().data.cmc.groups[0].kind = "FREE"
-    yield from hands.wait_for(lambda: live().problem_of(plan()), "a problem is told")
+    yield from hands.wait_for(lambda: live().problem_of(plan()), "a problem is shown")
     yield from hands.picture("problem")

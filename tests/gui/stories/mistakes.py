@@ -1,5 +1,5 @@
-"""What goes wrong by hand: a popup with one sentence, the offenders selected; Esc while a plan is meshed, and what the
-status bar says meanwhile."""
+"""Errors by hand: a popup with one sentence, the named elements selected; Esc while a plan is meshed, and the text
+in the status bar."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ def tell(hands):
     fin = add_fin(plan)
     bpy.ops.ed.undo_push(message="Fin")
     yield from hands.click_button("cmc.solve")
-    yield from hands.wait_for(lambda: bpy.context.mode == "EDIT_MESH", "the offender is shown")
+    yield from hands.wait_for(lambda: bpy.context.mode == "EDIT_MESH", "the named edge is shown")
     yield from hands.picture("popup")
     bm = bmesh.from_edit_mesh(plan.data)
     assert [tuple(sorted(v.index for v in edge.verts)) for edge in bm.edges if edge.select] == [fin]

@@ -1,4 +1,4 @@
-"""A court by hand: the gap, its arrow and what to press; closed with a bar, undone; tiled."""
+"""A court by hand: the gap, its arrow and the buttons; closed with a progress bar, undone; repeated."""
 
 from __future__ import annotations
 

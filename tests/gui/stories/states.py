@@ -1,4 +1,4 @@
-"""The tab in every state it can be in: drawn without an error, and saying what to do next."""
+"""The tab in every state: drawn without an error, with a hint on the next step."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 """A whole day by hand: a plane, its plan, groups from selected edges, Solve, a tilt dragged with Live on, a long fit
-called off, all of it undone and done again, a module and Complete by Symmetry, saved and loaded again.
+cancelled, everything undone and redone, a module and Repeat by Symmetry, saved and loaded again.
 
 Everything is clicked, dragged or typed; Blender's data are only looked at.
 """
@@ -181,7 +181,7 @@ def undo_all(hands):
 
 
 def complete(hands):
-    """Add > Mesh > CMC > Column Capital, by typing; Solve, Complete by Symmetry: a roof on columns."""
+    """Add > Mesh > CMC > Column Capital, by typing; Solve, Repeat by Symmetry: a roof on columns."""
     middle = (hands.viewport.width // 2, hands.viewport.height // 2)
     yield from hands.press("A", middle, shift=True)
     yield from hands.type("column", middle)

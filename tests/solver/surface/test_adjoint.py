@@ -76,8 +76,8 @@ def test_the_differential_against_finite_differences_and_the_adjoint(extension):
 def test_periods_are_the_sums_along_the_loops():
     holes = [ring(0.2) + centre for centre in ([0.4, 0.3], [-0.4, 0.2], [0.0, -0.5])]
     shape = shapes.polygon(ring(1.0), holes=holes, max_edge=0.12)
-    sides = [conditions.binormal(shape.domain, shape.positions, e, 0.2 * k) for k, e in enumerate(shape.sides.values())]
-    rim = sides[0] + sides[1] + sides[2] + sides[3]
+    a, b, c, d = (conditions.binormal(shape, name, tilt=0.2 * k) for k, name in enumerate(list(shape.sides)[:4]))
+    rim = a + b + c + d
     _, normals = rim.resolve()
     state = AdjointSolver(HarmonicSolver(shape.domain), rim)(normals, tolerance=1e-12)
     surface = CmcSolver(shape.domain).solve(rim, tolerance=1e-12)

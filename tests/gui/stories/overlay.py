@@ -1,4 +1,4 @@
-"""What is drawn over the viewport, seen: normals, tangent planes, edges in no group, mirrors, a cut and its gap."""
+"""The overlay in a window: normals, tangent planes, edges in no group, mirrors, a cut and its gap."""
 
 from __future__ import annotations
 

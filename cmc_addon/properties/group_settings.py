@@ -1,0 +1,50 @@
+"""Settings of a boundary group: its kind and the parameters of that kind, for the group and for operators.
+
+Kinds come from the solver's registry of boundary conditions: a kind added there appears here.
+"""
+
+from collections.abc import Iterable
+
+from bpy.props import EnumProperty, FloatProperty, FloatVectorProperty
+
+from ...solver.gauss.conditions import KINDS
+
+
+def kind_items() -> list[tuple[str, str, str]]:
+    """(identifier, label, description) of every boundary condition, for an EnumProperty."""
+    return [(name.upper(), kind.label, kind.description) for name, kind in KINDS.items()]
+
+
+def kind_parameters(kind: str) -> tuple[str, ...]:
+    """Names of the parameters of a kind (an enum identifier)."""
+    return tuple(parameter.name for parameter in KINDS[kind.lower()].parameters)
+
+
+def parameter_values(kind: str, owner) -> dict:
+    """The parameters of a kind, read from a group or an operator, as the solver takes them."""
+    values = {}
+    for name in kind_parameters(kind):
+        value = getattr(owner, name)
+        values[name] = value if isinstance(value, (int, float)) else tuple(value)
+    return values
+
+
+def _parameter_property(parameter, options: set, more: dict):
+    texts = {**more, "name": parameter.label, "description": parameter.description, "options": options}
+    if isinstance(parameter.default, (tuple, list)):
+        return FloatVectorProperty(**texts, size=3, default=parameter.default, subtype="DIRECTION")
+    if parameter.unit in ("radians", "rad", "angle", "degrees"):
+        return FloatProperty(**texts, default=parameter.default, subtype="ANGLE", step=100)
+    return FloatProperty(**texts, default=parameter.default)
+
+
+def condition_annotations(options: Iterable[str] = (), **more) -> dict:
+    """`kind` and the parameters of every kind, for a group or an operator; `more` is passed to each property."""
+    options = set(options)
+    annotations = {"kind": EnumProperty(
+        name="Kind", description="Boundary condition of the shell along these edges",
+        items=kind_items(), default="BINORMAL", options=options, **more)}
+    for kind in KINDS.values():
+        for parameter in kind.parameters:
+            annotations[parameter.name] = _parameter_property(parameter, options, more)
+    return annotations
