@@ -23,8 +23,6 @@ import sys
 import tomllib
 from pathlib import Path
 
-from help_pages import write_pages
-
 ROOT = Path(__file__).resolve().parents[2]
 MANIFEST = ROOT / "blender_manifest.toml"
 WHEELS = ROOT / "wheels"
@@ -139,6 +137,8 @@ def stage(name: str, source: Path, wheels: list[str]) -> Path:
     text = replace_list(text, "wheels", "".join(f'  "./wheels/{wheel}",\n' for wheel in wheels))
     text = re.sub(r"^platforms = .*$", f'platforms = ["{name}"]', text, flags=re.M)
     (folder / MANIFEST.name).write_text(text, encoding="utf-8")
+    from help_pages import write_pages  # needs the solver, for the pages of its public names
+
     write_pages(ROOT / "docs", folder / "help")
     return folder
 

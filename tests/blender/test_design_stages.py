@@ -16,7 +16,7 @@ class Stage:
     """What a slice needs to know of a fit."""
 
     status: object
-    met: bool = True
+    is_met: bool = True
     history: list[float] = field(default_factory=list)
 
 

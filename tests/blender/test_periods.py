@@ -296,6 +296,8 @@ def test_results_and_periods_of_a_gap_and_of_a_closed_shell(plan):
 
 def test_a_plan_that_cannot_be_moved_any_more(plan, addon):
     """Shape keys added while the work runs: the shell is refused, and nothing has changed."""
+    from cmc_formfinding.solver.errors import CmcError
+
     tasks, settings = addon.cmc_addon.tasks.close_periods, addon.cmc_addon.properties.periods_settings
     wanted = SimpleNamespace(**{name: getattr(plan.cmc, name) for name in settings.CLOSE_SETTINGS})
     wanted.close_by = "HOLE"
@@ -304,6 +306,6 @@ def test_a_plan_that_cannot_be_moved_any_more(plan, addon):
     assert result.converged and result.moved is not None
     plan.shape_key_add(name="Basis")
     before = snapshot()
-    with pytest.raises(tasks.CmcError, match="has shape keys"):
+    with pytest.raises(CmcError, match="has shape keys"):
         task.write(bpy.context, plan, result)
     assert snapshot() == before

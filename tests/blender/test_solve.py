@@ -539,8 +539,3 @@ def test_the_message_says_how_even_the_curvature_is(addon):
         errors.append(report["sheets"]["f+"]["mean_curvature"]["relative_l2"])
         assert plan.cmc.message == report["message"] == f"Done. Curvature is even to {100 * errors[-1]:.2g} %."
     assert errors[1] < errors[0] < 1.0
-
-
-@pytest.mark.parametrize(("part", "text"), [(1e-9, "0.01 %"), (0.00612, "0.61 %"), (0.14, "14 %"), (1.234, "123 %")])
-def test_percentages_have_no_powers_of_ten(addon, part, text):
-    assert addon.cmc_addon.tasks.solve.percent(part) == text

@@ -14,7 +14,7 @@ from solver import CmcSurface, Domain, conditions, solve_cmc
 from solver.catalogue import shapes
 from solver.errors import CmcError, MeshError, Status
 from solver.measure import mean_curvature_of, report
-from solver.measure.report import to_plain
+from solver.measure.report import _sentence, to_plain
 from tests.solver.sampled_surfaces import Delaunay
 
 
@@ -301,3 +301,13 @@ def test_figures_inside_leave_out_the_faces_at_the_rim(open_ring):
     assert H.linf == pytest.approx(error.max(), rel=1e-9)
     assert H.inside_linf < 0.9 * H.linf
     assert H.inside_l2 < 0.9 * H.l2
+
+
+@pytest.mark.parametrize(
+    ("part", "text"), [(1e-9, "0.01 %"), (0.00612, "0.61 %"), (0.14, "14 %"), (1.234, "123 %"), (43.2, "4320 %")]
+)
+def test_the_sentence_has_two_digits_and_no_powers_of_ten(part, text):
+    surface = solved_disc(300, tolerance=1e-8)
+    measured = report(surface)
+    uneven = replace(measured.shown.mean_curvature, relative_l2=part)
+    assert f"even to {text}." in _sentence(surface, replace(measured.shown, mean_curvature=uneven), 1.0)
