@@ -11,6 +11,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
+from ..domain.domain import Domain
 from ..domain.shape import DomainLike, as_domain
 from ..domain.sites import SiteGraph
 from ..errors import ConditionError, Progress, Status, check_choice

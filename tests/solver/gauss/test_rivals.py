@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from solver import HarmonicSolver, Status, conditions, modes_of, shapes
+from solver import Domain, HarmonicSolver, Status, conditions, modes_of, shapes
 from solver.gauss.newton import newton
 from solver.gauss.rivals import escaped, falling_direction, fits_in_hemisphere
 
@@ -87,3 +87,17 @@ def test_hemispheres():
     assert not fits_in_hemisphere(wavy / np.linalg.norm(wavy, axis=1, keepdims=True))
     turn = np.linalg.qr(np.random.default_rng(1).standard_normal((3, 3)))[0]
     assert fits_in_hemisphere(tilted @ turn.T)
+
+
+def test_negative_weights_end_the_descent_at_once():
+    """Faces of a jittered mesh that is not Delaunay: the dual cotangent energy has no minimum there."""
+    shape = shapes.disc(900)
+    inside = np.linalg.norm(shape.positions, axis=1) < 1 - 1e-9
+    points = shape.positions * [3.0, 1.0]
+    moved = np.random.default_rng(3).uniform(-1, 1, (inside.sum(), 2))
+    points[inside] += 0.5 * shape.domain.edge_lengths.mean() * moved
+    domain = Domain.from_positions(points, shape.domain.faces)
+    rim = conditions.binormal(domain, points, domain.boundary_edges, 0.3)
+    found = HarmonicSolver(domain, sites="faces", energy="dual_cotan").solve(rim)
+    assert found.status is Status.UNBOUNDED and found.iterations <= 3
+    assert "Delaunay" in found.status.sentence
