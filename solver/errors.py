@@ -77,8 +77,8 @@ _SENTENCES = {
     Status.SADDLE: "The map is a saddle: small changes lower its energy; refine the mesh, or give an initial map.",
     Status.OTHER_DEGREE: "A map was found, but not of the degree wanted: over this boundary that one may not exist, or "
     "the mesh is too coarse for it.",
-    Status.UNBOUNDED: "The energy fell below zero: edges that are not Delaunay have negative weights. Solve on the Delaunay "
-    "triangulation (delaunay), or with the Möbius energy.",
+    Status.UNBOUNDED: "The energy fell below zero: edges that are not Delaunay have negative weights. Solve on the "
+    "Delaunay triangulation (delaunay), or with the Möbius energy.",
     Status.GAP: "The surface does not close around the holes of the plan: it is cut open and has a gap.",
 }
 
