@@ -55,6 +55,9 @@ class Status(Enum):
     COLLAPSED = "collapsed"
     CANCELLED = "cancelled"
     GAP = "gap"
+    SADDLE = "saddle"
+    OTHER_DEGREE = "other degree"
+    UNBOUNDED = "unbounded"
 
     @property
     def sentence(self) -> str:
@@ -71,6 +74,11 @@ _SENTENCES = {
     "refine it, or round the corners of the plan.",
     Status.COLLAPSED: "The normals are all the same, so the surface shrinks to a point; tilt some boundary normals.",
     Status.CANCELLED: "The solve was cancelled; the map is the last one reached.",
+    Status.SADDLE: "The map is a saddle: small changes lower its energy; refine the mesh, or give an initial map.",
+    Status.OTHER_DEGREE: "A map was found, but not of the degree wanted: over this boundary that one may not exist, or "
+    "the mesh is too coarse for it.",
+    Status.UNBOUNDED: "The energy fell below zero: edges that are not Delaunay have negative weights. Solve on the "
+    "Delaunay triangulation (delaunay), or with the Möbius energy.",
     Status.GAP: "The surface does not close around the holes of the plan: it is cut open and has a gap.",
 }
 

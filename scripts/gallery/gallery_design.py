@@ -9,8 +9,9 @@ import bpy
 import numpy as np
 from cmc_formfinding.solver import Domain, mean_curvature_of, shapes
 from cmc_formfinding.solver.fitting.fit import Fit
-from cmc_formfinding.solver.fitting.gauss_map import fit_gauss_map, vertex_normals
+from cmc_formfinding.solver.fitting.gauss_map import fit_gauss_map
 from cmc_formfinding.solver.fitting.outline import fit_outline
+from cmc_formfinding.solver.gauss.drawn_normals import drawn_normals
 from scipy.sparse import csr_array, hstack, vstack
 from scipy.sparse.linalg import splu
 
@@ -32,7 +33,7 @@ def approximation() -> None:
     domain = Domain.from_positions(given.points, given.faces)
     uv = 5.0 * conformal_coordinates(given.points, given.faces)
     found = [fit_gauss_map(domain, given.points, weight) for weight in WEIGHTS]
-    columns = [("input", given.points, vertex_normals(domain, given.points))]
+    columns = [("input", given.points, drawn_normals(domain, given.points))]
     for weight, fit in zip(WEIGHTS, found, strict=True):
         tell(f"λ = {weight:g}", fit)
         columns.append((f"λ = {weight:g}", fit.points(), outward(fit)))

@@ -13,9 +13,10 @@ from ..domain.shape import DomainLike, as_domain
 from ..errors import ConditionError, Progress
 from ..gauss.boundary_data import Conditions
 from ..gauss.conditions import gauss_map
-from ..gauss.frames import area_vectors, in_space, unit_rows
+from ..gauss.drawn_normals import drawn_normals
+from ..gauss.frames import in_space
 from ..gauss.sphere import inner
-from ..linalg import check_number, sum_rows
+from ..linalg import check_number
 from ..surface.options import with_options
 from ..surface.placement import procrustes
 from ..surface.solve import CmcSolver
@@ -99,15 +100,6 @@ def fit_gauss_map(domain: DomainLike, positions: ArrayLike, options: GaussMapOpt
     return replace(places, history=planes.history + places.history)
 
 
-def vertex_normals(domain: Domain, points: Array) -> Array:
-    """Unit normals (V, 3) of a surface: those of the faces, weighted by their angles at each vertex."""
-    faces = domain.faces
-    of_faces = unit_rows(area_vectors(points, faces), "face", "has no area in these positions")
-    weighted = of_faces[:, None, :] * domain.corner_angles[:, :, None]
-    sums = sum_rows(faces.ravel(), weighted.reshape(-1, 3), domain.vertex_count)
-    return unit_rows(sums, "vertex", "has faces whose normals cancel")
-
-
 @dataclass(frozen=True, eq=False)
 class _Given:
     """The surface φ, its normals, and the weights of the targets. A sign of -1 stands for -φ: same normals."""
@@ -120,7 +112,7 @@ class _Given:
 
     @classmethod
     def of(cls, domain: Domain, points: Array, options: GaussMapOptions) -> _Given:
-        normals, L = vertex_normals(domain, points), dirichlet_matrix(domain)
+        normals, L = drawn_normals(domain, points), dirichlet_matrix(domain)
         if inner(L @ normals, normals) < _FLAT:
             raise ConditionError(
                 "The surface is flat or a point: no CMC surface of finite size has its tangent planes."

@@ -27,6 +27,7 @@ class Conditions:
     """Prescribed unit normals and mirrors, not yet combined: owners (n,) may repeat. Sums by `+`.
 
     vertices, vertex_normals: at vertices. edges, edge_normals: the same conditions in the middle of boundary edges.
+    behind_normals: (n, 3) the same at the faces behind `edges`, where a drawn surface knows them; else `edge_normals`.
     faces, face_normals: at faces, prescribed one by one. only_vertices: those of `vertices` that were prescribed one
     by one and so hold no faces.
     mirrors, mirror_normals, windings: boundary edges, the unit normal of their mirror's plane, and the extra full turns
@@ -41,6 +42,7 @@ class Conditions:
     vertex_normals: Array = field(default_factory=_no_normals)
     edges: Int = field(default_factory=_none)
     edge_normals: Array = field(default_factory=_no_normals)
+    behind_normals: Array = field(default_factory=_no_normals)
     faces: Int = field(default_factory=_none)
     face_normals: Array = field(default_factory=_no_normals)
     only_vertices: Int = field(default_factory=_none)
@@ -63,6 +65,10 @@ class Conditions:
         parts = [f"{len(np.unique(items))} {noun}" for noun, items in counts.items() if len(items)]
         parts += ["balanced"] if self.is_balanced else []
         return f"Conditions({', '.join(parts) or 'free'})"
+
+    def __post_init__(self) -> None:
+        if len(self.behind_normals) != len(self.edges):
+            object.__setattr__(self, "behind_normals", self.edge_normals)
 
     def __add__(self, other: Conditions) -> Conditions:
         names = [item.name for item in fields(self) if item.name not in ("up", "is_balanced")]
@@ -89,7 +95,8 @@ class Conditions:
         self._refuse(self.only_vertices, "vertex", "vertices", sites)
         if owners is None:
             raise ConditionError("With normals at faces, resolve needs owners: the site that each boundary edge fixes.")
-        edges, edge_normals = blend(self.edges, self.edge_normals, np.ones(len(self.edges)), "conditions", "edge")
+        along = self.behind_normals if sites == "faces" else self.edge_normals
+        edges, edge_normals = blend(self.edges, along, np.ones(len(self.edges)), "conditions", "edge")
         fixed = np.concatenate([of_boundary(edges, owners), self.faces])
         normals = np.concatenate([edge_normals, self.face_normals])
         return blend(fixed, normals, np.ones(len(fixed)), "conditions", "face")

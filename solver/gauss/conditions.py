@@ -26,12 +26,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..domain.shape import DomainLike, Shape, as_domain, is_names
 from ..errors import ConditionError
-from ..linalg import as_numbers, sum_rows
+from ..linalg import as_numbers
 from .boundary_data import Conditions
+from .drawn_normals import drawn_normals
 from .frames import (
     EdgeFrames,
     Frames,
-    area_vectors,
     at_ends,
     boundary_edges,
     check_range,
@@ -195,23 +195,21 @@ def _turned(conormals: Array, normals: Array, angles: Array) -> Array:
 def gauss_map(
     domain: DomainLike, positions: ArrayLike | None = None, edges: ArrayLike | None = None
 ) -> Conditions:
-    """The normals of the surface `positions` (V, 2|3) itself along boundary edges.
+    """The normals of the surface `positions` (V, 2|3) itself along boundary edges, to second order.
 
-    At a vertex the mean over its faces, weighted by their angles there; at a face its own. With a shape:
-    `gauss_map(shape, "outer")`.
+    At a vertex the normal of a quadratic fitted to its neighbours (`drawn_normals`); in the middle of an edge the mean
+    of its ends; at a face its own. With a shape: `gauss_map(shape, "outer")`.
     """
     domain, positions, edges, _ = _placed(domain, positions, edges)
     chosen = boundary_edges(domain, edges)
     domain = as_domain(domain)
     points = in_space(domain, positions)
-    faces = domain.faces
-    face_normals = unit_rows(area_vectors(points, faces), "face", "has no area in these positions")
-    weighted = face_normals[:, None, :] * domain.corner_angles[:, :, None]
-    sums = sum_rows(faces.ravel(), weighted.reshape(-1, 3), domain.vertex_count)
     sites = np.unique(domain.edges[chosen]).astype(np.int64)
-    normals = unit_rows(sums[sites], "vertex", "has faces whose normals cancel", sites)
-    behind = face_normals[domain.edge_faces[chosen, 0]]
-    return Conditions(sites, normals, chosen, behind, up=area_vectors(points, faces).sum(axis=0))
+    normals = drawn_normals(domain, points, sites)
+    ends = normals[np.searchsorted(sites, domain.edges[chosen])]
+    middles = unit_rows(ends.sum(axis=1), "edge", "has opposite normals at its ends", chosen)
+    behind = edge_frames(domain, points, chosen)
+    return Conditions(sites, normals, chosen, middles, behind.normals, up=behind.up)
 
 
 def mirror(domain: DomainLike, edges: ArrayLike, plane_normal: ArrayLike, winding: float = 0) -> Conditions:

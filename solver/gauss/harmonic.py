@@ -11,6 +11,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
+from ..domain.domain import Domain
 from ..domain.shape import DomainLike, as_domain
 from ..domain.sites import SiteGraph
 from ..errors import ConditionError, Progress, Status, check_choice
@@ -26,6 +27,7 @@ from .methods import BALANCED, METHODS, Method
 from .mirror_start import side_normals
 from .newton import Iterate
 from .problem import EnergyProblem, equal_laplacian
+from .rivals import escaped, lowest_start
 
 Array = NDArray[np.float64]
 
@@ -35,6 +37,8 @@ _KEPT_FACTORS = 4
 _FAR = 12
 # Energy, as a part of 4π, below which a map counts as constant.
 _COLLAPSED = 1e-12
+# A map whose degree is off by more than this is of another class: bubbles change it by one.
+_OTHER_CLASS = 0.5
 # Sites of each kind in a message.
 _AT = {"vertices": "vertices", "faces": "faces", "faces_and_rim": "faces and edges of the rim"}
 
@@ -170,7 +174,11 @@ class HarmonicSolver:
                 f"All normals are fixed, at {self.graph.count} {_AT[self.graph.name]}, so none is unknown; "
                 f"subdivide the mesh, so that it has {_AT[self.graph.name]} inside."
             )
-        if initial is None:
+        from_itself = initial is None and degree is None and method.minimises
+        lowest = lowest_start(self.graph, conditions, side, self._vertex_problem) if from_itself else None
+        if lowest is not None:
+            held, start = admissible.fixed, admissible.pin(lowest)
+        elif initial is None:
             held, start = self._start(admissible, conditions, side)
         else:
             given = _as_unit(initial, self.graph)
@@ -183,18 +191,30 @@ class HarmonicSolver:
         dirichlet = self.dirichlet(admissible.fixed)
         problem = EnergyProblem(self.graph, self.energy, dirichlet, self._laplacian, admissible.mirrors)
         minimum = method.of(problem, start, tolerance=tolerance, progress=progress, **limit)
+        if from_itself and lowest is not None and minimum.status in (Status.CONVERGED, Status.STALLED):
+            minimum = escaped(problem, minimum, conditions.up, side, tolerance=tolerance, progress=progress)
         normals = admissible.pin(minimum.N)  # steps of length zero leave rounding
+        reached = sphere.degree(normals, self.graph.triangles)
+        status = self._status(normals, dirichlet, minimum.status)
+        if degree is not None and status is Status.CONVERGED and abs(reached - degree) > _OTHER_CLASS:
+            status = Status.OTHER_DEGREE
         return HarmonicMap(
             normals,
             minimum.history[-1].energy,
             minimum.residual,
-            sphere.degree(normals, self.graph.triangles),
-            self._status(normals, dirichlet, minimum.status),
+            reached,
+            status,
             len(minimum.history) - 1,
             minimum.history,
             admissible,
             None if len(self.domain.boundary_edges) else float(np.linalg.norm(imbalance(problem, normals))),
         )
+
+    def _vertex_problem(self, domain: Domain, conditions: Conditions) -> EnergyProblem:
+        """The cotangent energy at the vertices of another domain."""
+        solver = HarmonicSolver(domain)
+        fixed, _ = conditions.resolve()
+        return EnergyProblem(solver.graph, solver.energy, solver.dirichlet(fixed), solver._laplacian)
 
     def _start(self, admissible: Admissible, conditions: Conditions, side: int) -> tuple[NDArray[np.integer], Array]:
         """A blend of the fixed normals and those along mirrors: the sites of these, and a map (S, 3)."""

@@ -27,6 +27,9 @@ Array = NDArray[np.float64]
 _COPLANAR = 1e-6
 # An extension shorter than this somewhere is not normalised: its direction there would be an accident of the mesh.
 _SHORTEST = 0.2
+_VANISHING = 1e-9
+# Principal axes count as equal above this ratio.
+_EQUAL = 0.9
 # Boundary normals that lean away from the wanted side by this much on average need the way over the pole.
 _LEANING = 0.05
 # A mean of unit normals shorter than this has no direction.
@@ -42,6 +45,30 @@ def harmonic_start(dirichlet: Dirichlet, data: Array, up: Array, side: int) -> A
     extension itself, unless the data are coplanar; lifted along each principal axis of the data, the least one first.
     Raises `ConditionError` where all vanish somewhere.
     """
+    candidates = _candidates(dirichlet, data, up, side)
+    shortest = np.array([np.sqrt(dot(c, c).min()) for c in candidates])
+    good = np.flatnonzero(shortest >= _SHORTEST)
+    best = int(good[0]) if good.size else int(np.argmax(shortest))
+    if shortest[best] < _VANISHING:
+        raise ConditionError("The boundary normals cancel inside, so no start exists; give an initial map.")
+    start = normalize(candidates[best])
+    start[dirichlet.fixed] = data
+    return start
+
+
+def every_start(dirichlet: Dirichlet, data: Array, up: Array, side: int) -> list[Array]:
+    """The candidates of `harmonic_start` and some more, each (S, 3), but for those that vanish somewhere."""
+    candidates = _candidates(dirichlet, data, up, side)
+    extension = dirichlet.extend(data)
+    room = np.sqrt(np.maximum(0.0, 1.0 - dot(extension, extension)))
+    candidates += [extension + sign * room * axis for axis in _between_axes(data) for sign in (1, -1)]
+    starts = [normalize(c) for c in candidates if np.sqrt(dot(c, c).min()) > _VANISHING]
+    for start in starts:
+        start[dirichlet.fixed] = data
+    return starts
+
+
+def _candidates(dirichlet: Dirichlet, data: Array, up: Array, side: int) -> list[Array]:
     extension = dirichlet.extend(data)
     axes = _axes(data, up if up.any() else _winding(dirichlet, data))
     room = np.sqrt(np.maximum(0.0, 1.0 - dot(extension, extension)))
@@ -49,15 +76,18 @@ def harmonic_start(dirichlet: Dirichlet, data: Array, up: Array, side: int) -> A
     over = leaning(data, up, side)
     if over is not None:
         candidates.insert(0, extension + 2.0 * _depth(dirichlet)[:, None] * over)
-    candidates += [extension + sign * side * room * axis for axis in axes for sign in (1, -1)]
-    shortest = np.array([np.sqrt(dot(c, c).min()) for c in candidates])
-    good = np.flatnonzero(shortest >= _SHORTEST)
-    best = int(good[0]) if good.size else int(np.argmax(shortest))
-    if shortest[best] < 1e-9:
-        raise ConditionError("The boundary normals cancel inside, so no start exists; give an initial map.")
-    start = normalize(candidates[best])
-    start[dirichlet.fixed] = data
-    return start
+    return candidates + [extension + sign * side * room * axis for axis in axes for sign in (1, -1)]
+
+
+def _between_axes(data: Array) -> list[Array]:
+    """The diagonals between principal axes (3,) along which the data spread equally, where symmetry hides a choice."""
+    _, spread, basis = np.linalg.svd(data, full_matrices=False)
+    return [
+        (basis[k] + sign * basis[k + 1]) / np.sqrt(2.0)
+        for k in range(len(spread) - 1)
+        if spread[k + 1] > _EQUAL * spread[k]
+        for sign in (1, -1)
+    ]
 
 
 def over_the_other_pole(dirichlet: Dirichlet, N: Array) -> Array:

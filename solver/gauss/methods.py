@@ -21,6 +21,7 @@ class Method:
     label: str
     description: str
     of: Callable[..., Minimum] = field(repr=False)
+    minimises: bool = True
 
 
 METHODS = {
@@ -28,13 +29,14 @@ METHODS = {
     "flow": Method("Gradient flow", "The paper's H¹ gradient flow: steady, tens to hundreds of steps", flow),
     "gauss_seidel": Method("Gauss-Seidel", "Average the neighbours again and again: simple and slow", gauss_seidel),
     "lagrange": Method("Lagrange-Newton", "The paper's system with multipliers: a slow reference", lagrange),
-    "saddle": Method("Saddle", "Up along one unstable mode, down along all others: unstable maps", climb),
+    "saddle": Method("Saddle", "Up along one unstable mode, down along all others: unstable maps", climb, False),
     "critical": Method(
         "Nearest critical",
         "To the nearest critical map of any kind, from an initial map",
         partial(climb, index=None, max_iterations=30),  # it converges quickly or not at all
+        False,
     ),
 }
 
-BALANCED = Method("Balanced", "Descent among maps whose normals balance: for closed domains", balanced)
+BALANCED = Method("Balanced", "Descent among maps whose normals balance: for closed domains", balanced, False)
 """The method for `conditions.balanced`; not a choice for other conditions."""

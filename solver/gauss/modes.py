@@ -83,7 +83,7 @@ def saddle(
     """
     if index is not None and not (isinstance(index, (int, np.integer)) and index >= 0):
         raise ConditionError(f"The index of a saddle must be a whole number, 0 or more, not {index!r}.")
-    method = Method("Saddle", "", partial(climb, index=index, null=null))
+    method = Method("Saddle", "", partial(climb, index=index, null=null), False)
     reached = solver.solve(
         conditions,
         initial,

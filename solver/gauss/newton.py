@@ -88,6 +88,8 @@ def descend(
     while True:
         goes_on = progress is None or progress(len(history), point.residual) is not False
         status = _ended(point.residual, tolerance, len(history), max_iterations, goes_on)
+        if point.energy < 0.0:  # a sum of squares is not, unless some weights are negative
+            status = Status.UNBOUNDED
         if status is not None:
             history.append(Iterate(point.energy, point.residual, 0, 0.0))
             return Minimum(point.N, point.residual, status, history)

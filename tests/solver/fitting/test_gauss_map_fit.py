@@ -10,9 +10,9 @@ from solver import ConditionError, Domain, conformal_distortion, fit_gauss_map, 
 from solver.fitting import gauss_map
 from solver.fitting.closest_point import Triangles
 from solver.fitting.fit import FitStatus, fit
-from solver.fitting.gauss_map import vertex_normals
 from solver.fitting.shape_similarity import LEAST, ShapeSimilarity, bending, cosine, dirichlet_matrix
 from solver.fitting.target import Shape
+from solver.gauss.drawn_normals import drawn_normals
 from tests.solver.exact_surfaces import rates
 
 
@@ -103,7 +103,7 @@ def test_saddles_keep_their_shape(name):
 @pytest.mark.parametrize("side", [1, -1])
 def test_of_two_sides_the_nearer_one_is_taken(side):
     domain, points = over_the_disc(200, lambda x, y: 0.3 * side * (x**2 - 1.3 * y**2))
-    assert abs(cosine(dirichlet_matrix(domain), vertex_normals(domain, points), points)) < 0.2
+    assert abs(cosine(dirichlet_matrix(domain), drawn_normals(domain, points), points)) < 0.2
     assert fit_gauss_map(domain, points).sign == side
 
 
@@ -212,7 +212,7 @@ def test_the_derivatives_of_likeness(height):
     random = np.random.default_rng(2)
     L = dirichlet_matrix(domain)
     target = ShapeSimilarity(points, L)
-    N = vertex_normals(domain, points)
+    N = drawn_normals(domain, points)
     x, a, b = points + 0.1 * random.normal(size=points.shape), random.normal(size=N.shape), random.normal(size=N.shape)
 
     def value(t):
@@ -228,7 +228,7 @@ def test_bending_is_mean_curvature_over_all_curvature():
     """Of a saddle y² - x²/2 and a bowl at their middle, where h is (k₁ + k₂) / √(2 (k₁² + k₂²))."""
     for a, b in ((1.0, 1.0), (1.0, 0.0), (1.0, -0.5), (1.0, -1.0)):
         domain, points = over_the_disc(2000, lambda x, y, a=a, b=b: -0.025 * (a * x**2 + b * y**2))
-        N, L = vertex_normals(domain, points), dirichlet_matrix(domain)
+        N, L = drawn_normals(domain, points), dirichlet_matrix(domain)
         h = (a + b) / np.sqrt(2 * (a**2 + b**2))
         assert_allclose(bending(domain, L, N)[0], h**2, rtol=0, atol=0.01)
         assert_allclose(cosine(L, N, points), h, rtol=0, atol=0.02)
