@@ -21,6 +21,7 @@ def paragraph(layout: bpy.types.UILayout, context: bpy.types.Context, text: str,
     letters = max(16, int((context.region.width / scale - 60) / _LETTER))
     column = layout.column(align=True)
     column.scale_y = 0.8
+    text = text.replace(" %", "\u00a0%")  # stays with its number
     for k, line in enumerate(textwrap.wrap(text, letters)):
         column.label(text=line, icon=icon if k == 0 else "BLANK1")
 

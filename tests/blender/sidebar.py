@@ -122,4 +122,4 @@ class Drawn:
 
 
 def said(record) -> str:
-    return " ".join(record.texts)
+    return " ".join(record.texts).replace("\u00a0", " ")

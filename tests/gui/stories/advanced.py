@@ -23,7 +23,7 @@ def tell(hands):
 
     yield from hands.press("F9")
     yield from hands.picture("vertices")
-    yield from hands.redo_choose("Normals On", "Faces")
+    yield from hands.redo_choose("Normals On Vertices", "Faces")  # not "Normals on a Sphere"
     usual = ("FACES", "DUAL_COTAN")
     yield from hands.wait_for(lambda: choice() == usual, "normals are on faces, with their usual energy")
     assert [tuple(vertex.co) for vertex in plan().cmc.f_plus.data.vertices] != before
