@@ -7,3 +7,7 @@ from solver import conditions
 
 def rim(domain, points, tilt=0.0):
     return conditions.binormal(domain, points, domain.boundary_edges, tilt=tilt)
+
+
+def once_twisted(domain, points):
+    return conditions.twisted(domain, points, domain.boundary_edges, 1)
