@@ -1,4 +1,4 @@
-"""Plans whose results are objects to look at: solve them, tilt part of their rim."""
+"""Plans for tests of result objects: a solve, a partly tilted rim."""
 
 from __future__ import annotations
 

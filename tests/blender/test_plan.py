@@ -1,4 +1,4 @@
-"""Mesh Plan: outlines of every kind in, a well-shaped plan out, in the outline's place."""
+"""Mesh Plan: outlines of every kind in, a well-shaped plan in their place out."""
 
 from __future__ import annotations
 

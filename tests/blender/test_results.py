@@ -1,4 +1,4 @@
-"""Result objects: what they carry of the plan, and what of the user's they keep."""
+"""Result objects carry the plan's data and keep the user's: materials, modifiers, place."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Intrinsic Delaunay triangulations: every edge is Delaunay, the metric stays, libigl or not."""
+"""Intrinsic Delaunay triangulations: every edge is Delaunay, the metric stays, with libigl and without."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Job files: what they may say, and the plan and settings that they give."""
+"""Job files: conditions, shapes and settings, and the plan read from them."""
 
 from __future__ import annotations
 

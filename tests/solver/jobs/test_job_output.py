@@ -1,4 +1,4 @@
-"""The files that a job writes: shells with all the plan carries, cut open, with other faces; reports."""
+"""The files of a job: shells with the UVs and groups of the plan, cut open, with other faces; reports."""
 
 from __future__ import annotations
 

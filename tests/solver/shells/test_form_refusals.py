@@ -1,4 +1,4 @@
-"""What `form` refuses: the message names the group, the vertices and the way out."""
+"""Bad plans and settings that `form` refuses: the message names the group, the vertices, the way out."""
 
 from __future__ import annotations
 
