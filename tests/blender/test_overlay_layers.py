@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from .overlay_scenes import arcs, disc, frame, layers, matrix_of, only, sides_of, square
 from .scenes import activate, add_group, boundary_edges, positions, quad_disc, quad_ring
-from .test_overlay import arcs, disc, frame, layers, matrix_of, only, sides_of, square
 
 
 def test_arrows_stand_on_the_rim_and_point_outwards(addon):

@@ -41,6 +41,27 @@ def errors_of(surface: CmcSurface, sheet: str = "f+") -> Errors:
     )
 
 
+def curvature_errors(surface):
+    """L² and L∞ errors of H over the area of f+."""
+    H = mean_curvature_of(surface.f_plus, surface.faces, surface.normals)
+    a, b, c = (surface.f_plus[surface.faces[:, k]] for k in range(3))
+    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    error = H - surface.mean_curvature
+    return np.sqrt(np.average(error**2, weights=areas)), np.abs(error).max()
+
+
+# --- the distance between corresponding points, translation aside --------------------------
+
+
+def centred(points):
+    return points - points.mean(axis=0)
+
+
+def worst(a, b):
+    """Largest distance between corresponding points, translation aside."""
+    return np.linalg.norm(centred(a) - centred(b), axis=1).max()
+
+
 # --- the distance between two triangle meshes ----------------------------------------------
 
 

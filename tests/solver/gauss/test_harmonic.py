@@ -1,20 +1,16 @@
-"""Harmonic maps: known energies, starts, statuses, and the contract of the solver."""
+"""Harmonic maps to the sphere: exact ones, sides, degrees, natural conditions."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from scipy.optimize import brentq
 
-from solver import ConditionError, HarmonicSolver, Status, conditions, linalg, shapes
+from solver import ConditionError, HarmonicSolver, Status, conditions, shapes
 from solver.gauss import sphere
-from solver.gauss.admissible import resolved
-from solver.gauss.energies import ENERGIES
 from solver.gauss.initial_map import wound_start
-from solver.gauss.newton import line_search, longest
-from solver.gauss.problem import EnergyProblem
 from tests.solver.exact_surfaces import Nodoid, cylinder, disc, hemisphere, rates
+from tests.solver.rim_conditions import rim
 
 L_PLAN = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
 PLANS = {
@@ -28,10 +24,6 @@ PLANS = {
 
 def outward(shape, tilt=0.0):
     return conditions.binormal(shape.domain, shape.positions, shape.domain.boundary_edges, tilt=tilt)
-
-
-def rim(domain, points, tilt=0.0):
-    return conditions.binormal(domain, points, domain.boundary_edges, tilt=tilt)
 
 
 def inside(domain):
@@ -209,174 +201,6 @@ def test_units_do_not_matter(factor):
     assert_allclose(other.energy, one.energy, rtol=1e-6, atol=0)
 
 
-KINDS_AND_ENERGIES = [(sites, name) for name, energy in ENERGIES.items() for sites in energy.sites]
-
-
-@pytest.mark.parametrize(("sites", "name"), KINDS_AND_ENERGIES)
-def test_gradient_and_hessian_against_finite_differences(sites, name):
-    """E along exp_N: its first derivative is <PG, d>, its second <d, Hd>."""
-    domain, points = disc(200)
-    solver = HarmonicSolver(domain, sites=sites, energy=name)
-    held = resolved(rim(domain, points, 0.2), solver.graph)
-    fixed, data = held.fixed, held.data
-    problem = EnergyProblem(solver.graph, solver.energy, solver.dirichlet(fixed))
-    random = np.random.default_rng(5)
-    spread = 0.3 * random.normal(size=(solver.graph.count, 3)) + [0.2, 0.1, 1.0]
-    N = sphere.normalize(spread)
-    N[fixed] = data
-    d = problem.project(N, random.normal(size=N.shape))
-    assert (d[fixed] == 0).all()
-    here = problem.at(N)
-
-    def energy(t):
-        return problem.at(sphere.exp(N, t * d)).energy
-
-    h = 1e-4
-    slope = (energy(h) - energy(-h)) / (2 * h)
-    curvature = (energy(h) - 2 * energy(0) + energy(-h)) / h**2
-    assert_allclose(slope, sphere.inner(here.gradient, d), rtol=1e-6, atol=0)
-    assert_allclose(curvature, sphere.inner(d, problem.hessian(here)(d)), rtol=1e-5, atol=0)
-    there = problem.at(sphere.exp(N, 1e-3 * d))
-    assert_allclose(problem.change(here, there), there.energy - here.energy, rtol=1e-6, atol=0)
-
-
-@pytest.mark.parametrize(("sites", "name"), KINDS_AND_ENERGIES)
-def test_the_sum_of_edge_energies_is_the_energy_reported(sites, name):
-    shape = shapes.disc(400)
-    domain, points = shape.domain, shape.positions
-    solver = HarmonicSolver(domain, sites=sites, energy=name)
-    result = solver.solve(rim(domain, points, 0.3))
-    i, j = solver.graph.links.T
-    c = np.einsum("ij,ij->i", result.normals[i], result.normals[j])
-    assert_allclose(ENERGIES[name].value(c, solver.graph).sum(), result.energy, rtol=1e-10, atol=0)
-
-
-def test_degree_counts_how_often_the_sphere_is_covered():
-    shape = shapes.sphere(500)
-    assert_allclose(sphere.degree(shape.positions, shape.domain.faces), 1, rtol=0, atol=1e-12)
-    flipped = shape.positions * [1, 1, -1]
-    assert_allclose(sphere.degree(flipped, shape.domain.faces), -1, rtol=0, atol=1e-12)
-
-
-def test_exp_stays_on_the_sphere_and_keeps_lengths():
-    random = np.random.default_rng(2)
-    N = sphere.normalize(random.normal(size=(50, 3)))
-    d = 0.4 * sphere.project(N, random.normal(size=(50, 3)))
-    moved = sphere.exp(N, d)
-    assert_allclose(np.linalg.norm(moved, axis=1), 1, rtol=0, atol=1e-14)
-    arcs = np.arccos(np.clip(np.sum(N * moved, axis=1), -1, 1))
-    assert_allclose(arcs, np.linalg.norm(d, axis=1), rtol=1e-6, atol=1e-8)
-    assert_array_equal(sphere.exp(N, 0 * d), sphere.normalize(N))
-
-
-def test_progress_is_reported_and_can_cancel():
-    domain, points = disc(1500)
-    seen = []
-
-    def progress(iteration, residual):
-        seen.append((iteration, residual))
-        return iteration < 2
-
-    result = HarmonicSolver(domain).solve(rim(domain, points), progress=progress)
-    assert result.status is Status.CANCELLED and result.iterations == 2
-    assert [k for k, _ in seen] == [0, 1, 2]
-    assert_allclose(seen[-1][1], result.residual, rtol=1e-12, atol=0)
-
-
-def test_the_iteration_limit_is_a_status():
-    domain, points = disc(1500)
-    result = HarmonicSolver(domain).solve(rim(domain, points), max_iterations=1)
-    assert result.status is Status.ITERATION_LIMIT and result.iterations == 1
-
-
-def test_a_tolerance_out_of_reach_is_stalled_or_met_never_endless():
-    domain, points = disc(800)
-    result = HarmonicSolver(domain).solve(rim(domain, points), tolerance=1e-30)
-    assert result.status in (Status.STALLED, Status.ITERATION_LIMIT)
-    assert result.residual < 1e-9
-
-
-def test_constant_data_collapse():
-    domain, _ = disc(300)
-    result = HarmonicSolver(domain).solve(conditions.fixed(domain, domain.boundary_edges, [0, 0, 1]))
-    assert result.status is Status.COLLAPSED
-
-
-def test_a_mesh_too_coarse_for_its_map_is_under_resolved():
-    shape = shapes.disc(19)
-    edges = shape.domain.boundary_edges
-    result = HarmonicSolver(shape.domain).solve(conditions.twisted(shape.domain, shape.positions, edges, 4))
-    assert result.status is Status.UNDER_RESOLVED
-
-
-def test_an_initial_map_is_taken():
-    domain, points = disc(1500)
-    solver = HarmonicSolver(domain)
-    condition = rim(domain, points, 0.2)
-    once = solver.solve(condition)
-    again = solver.solve(condition, once.normals)
-    assert again.iterations == 0
-    assert_allclose(again.normals, once.normals, rtol=0, atol=1e-15)
-
-
-def test_factors_are_kept_and_results_do_not_depend_on_them():
-    domain, points = disc(800)
-    solver = HarmonicSolver(domain)
-    first = solver.solve(rim(domain, points, 0.2))
-    solver.solve(rim(domain, points, 0.5))
-    again = solver.solve(rim(domain, points, 0.2))
-    assert_array_equal(first.normals, again.normals)
-    assert len(solver._factors) == 1
-    half = conditions.binormal(domain, points, domain.boundary_edges[:10])
-    solver.solve(half)
-    assert len(solver._factors) == 2
-
-
-def test_superlu_and_cholespy_agree(monkeypatch):
-    pytest.importorskip("cholespy")
-    domain, points = disc(1500)
-    fast = HarmonicSolver(domain).solve(rim(domain, points, 0.2))
-    monkeypatch.setattr("solver.gauss.dirichlet.factorize", linalg._SuperLU)
-    slow = HarmonicSolver(domain).solve(rim(domain, points, 0.2))
-    assert_allclose(slow.normals, fast.normals, rtol=0, atol=1e-8)
-
-
-@pytest.mark.parametrize(
-    ("make", "words"),
-    [
-        (lambda d, p: conditions.free(d, d.boundary_edges), "Nothing fixes the normals"),
-        (lambda d, p: conditions.fixed_at(d, np.arange(d.vertex_count), [0, 0, 1]), "are fixed"),
-    ],
-)
-def test_too_little_and_too_much_is_refused(make, words):
-    domain, points = disc(60)
-    with pytest.raises(ConditionError, match=words):
-        HarmonicSolver(domain).solve(make(domain, points))
-
-
-def test_a_closed_domain_has_nothing_to_prescribe():
-    with pytest.raises(ConditionError, match="closed"):
-        HarmonicSolver(shapes.sphere(100).domain).solve(conditions.Conditions())
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [{"side": 0}, {"method": "nosuch"}, {"initial": np.zeros((3, 3))}, {"initial": "zeros"}],
-)
-def test_bad_arguments_are_condition_errors(arguments):
-    domain, points = disc(60)
-    if isinstance(arguments.get("initial"), str):
-        arguments = {"initial": np.zeros((domain.vertex_count, 3))}
-    with pytest.raises(ConditionError):
-        HarmonicSolver(domain).solve(rim(domain, points), **arguments)
-
-
-@pytest.mark.parametrize("arguments", [{"sites": "nosuch"}, {"energy": "nosuch"}])
-def test_unknown_names_list_the_known_ones(arguments):
-    with pytest.raises(ConditionError, match="choose one of"):
-        HarmonicSolver(disc(60)[0], **arguments)
-
-
 def test_a_bubble_is_grafted_where_normals_point_to_all_sides():
     """There is no pole to go over then: on the flat map of a circle's outward normals, whose middle leans to one side
     as much as the vertices around it to the other."""
@@ -395,57 +219,3 @@ def test_a_bubble_is_grafted_where_normals_point_to_all_sides():
     wound = wound_start(dirichlet, flat, degree + 1.0)
     assert_allclose(sphere.degree(wound, shape.domain.faces), degree + 1.0, rtol=0, atol=1e-9)
     assert_allclose(wound[dirichlet.fixed], flat[dirichlet.fixed], rtol=0, atol=0)
-
-
-def test_a_step_that_does_not_lower_the_energy_is_halved():
-    """Armijo's rule: a full step to the far side of the valley, at equal height, is not taken."""
-    domain, points = disc(300)
-    condition = rim(domain, points, 0.3)
-    solver = HarmonicSolver(domain)
-    admissible = resolved(condition, solver.graph)
-    problem = EnergyProblem(solver.graph, solver.energy, solver.dirichlet(admissible.fixed))
-    tilted = np.random.default_rng(5).uniform(-0.05, 0.05, points.shape[:1] + (3,))
-    point = problem.at(admissible.pin(sphere.normalize(solver.solve(condition).normals + tilted)))
-    downhill = -problem.project(point.N, problem.dirichlet.precondition(point.tangent))
-
-    def change(length):
-        return problem.change(point, problem.at(sphere.exp(point.N, length * downhill)))
-
-    across = brentq(change, 0.5, 4.0)
-    slope = across * sphere.inner(point.tangent, downhill)
-    assert longest(across * downhill) < 0.5 and abs(change(across)) < 1e-6 * abs(slope)
-    step = line_search(problem, point, across * downhill, 0)
-    assert step.length == 0.5
-    assert problem.change(point, step.point) < 0.2 * slope
-
-
-@pytest.mark.parametrize(("angle", "status"), [(89.0, Status.ITERATION_LIMIT), (91.0, Status.UNDER_RESOLVED)])
-def test_a_map_is_torn_where_neighbouring_normals_are_more_than_90_degrees_apart(angle, status):
-    shape = shapes.disc(61)
-    centre = int(np.linalg.norm(shape.positions, axis=1).argmin())
-    initial = np.tile([0.0, 0.0, 1.0], (shape.domain.vertex_count, 1))
-    initial[centre] = [np.sin(np.radians(angle)), 0.0, np.cos(np.radians(angle))]
-    up = conditions.fixed(shape.domain, shape.domain.boundary_edges, [0, 0, 1])
-    result = HarmonicSolver(shape.domain).solve(up, initial, max_iterations=0)
-    assert_allclose(result.normals, initial, rtol=0, atol=1e-12)
-    assert result.status is status
-
-
-@pytest.mark.parametrize(("part", "status"), [(0.99, Status.COLLAPSED), (1.01, Status.ITERATION_LIMIT)])
-def test_a_map_of_hardly_any_energy_counts_as_collapsed(part, status):
-    """Below 10⁻¹² of the 4π of the whole sphere."""
-    shape = shapes.disc(61)
-    solver = HarmonicSolver(shape.domain)
-    up = conditions.fixed(shape.domain, shape.domain.boundary_edges, [0, 0, 1])
-    centre = int(np.linalg.norm(shape.positions, axis=1).argmin())
-
-    def solved(angle):
-        initial = np.tile([0.0, 0.0, 1.0], (shape.domain.vertex_count, 1))
-        initial[centre] = [np.sin(angle), 0.0, np.cos(angle)]
-        return solver.solve(up, initial, max_iterations=0, tolerance=0.0)
-
-    limit = 4.0 * np.pi * 1e-12
-    # the energy is quadratic in small angles
-    found = solved(1e-3 * np.sqrt(part * limit / solved(1e-3).energy))
-    assert found.energy == pytest.approx(part * limit, rel=1e-3)
-    assert found.status is status

@@ -1,4 +1,4 @@
-"""The plan mesher: boundary edges in their places, good triangles inside, and messages about bad plans."""
+"""The mesher: well-shaped triangles over plans of every kind, the same at each scale and place."""
 
 from __future__ import annotations
 
@@ -6,19 +6,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from solver import Domain, MeshError
+from solver import MeshError
 from solver.meshing.mesher import PlanMesh, mesh_plan
-from solver.meshing.outline import check_loops, inside, signed_area
+from solver.meshing.outline import check_loops, inside
 from solver.meshing.quality import smallest_angles
 from solver.meshing.triangulate import triangulate
-
-SQUARE = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]])
-L_SHAPE = np.array([[0.0, 0.0], [12.0, 0.0], [12.0, 4.0], [5.0, 4.0], [5.0, 10.0], [0.0, 10.0]])
-
-
-def ellipse(count: int, a: float, b: float, centre=(0.0, 0.0)) -> np.ndarray:
-    t = 2 * np.pi * np.arange(count) / count
-    return np.column_stack([centre[0] + a * np.cos(t), centre[1] + b * np.sin(t)])
+from tests.solver.drawn_outlines import L_SHAPE, SQUARE, check, ellipse
 
 
 def star(points: int) -> np.ndarray:
@@ -95,18 +88,6 @@ ZOO = {
     "skyline": dict(outline=skyline(), max_edge=0.0535, corner_radius=0.27),
     "coarse": dict(outline=L_SHAPE, max_edge=9.0),
 }
-
-
-def check(mesh: PlanMesh) -> Domain:
-    """The mesh covers exactly what its boundary edges bound, and its boundary is those edges."""
-    domain = Domain.from_positions(mesh.positions, mesh.triangles)
-    assert domain.euler_characteristic == 1 - mesh.loop.max()
-    rim = domain.edges[domain.boundary_edges]
-    assert_array_equal(rim[np.argsort(rim[:, 0])], mesh.edges)
-    bounded = sum(signed_area(mesh.positions[mesh.edges[mesh.loop == k, 0]]) for k in range(mesh.loop.max() + 1))
-    assert_allclose(domain.area, bounded, rtol=1e-11)
-    assert domain.vertex_count == len(mesh.positions)
-    return domain
 
 
 def smallest(mesh: PlanMesh) -> float:
@@ -191,81 +172,6 @@ def random_plan(random: np.random.Generator) -> tuple[PlanMesh, float]:
     return mesh, float(np.min(np.degrees(np.arctan2(cross, np.sum(ahead * back, axis=1))) % 360))
 
 
-def test_corners_stay_exactly_and_sides_are_divided_evenly():
-    mesh = mesh_plan(L_SHAPE, max_edge=0.7)
-    for corner in L_SHAPE:
-        assert np.any(np.all(np.abs(mesh.positions - corner) < 1e-12, axis=1))
-    length = np.linalg.norm(np.diff(mesh.positions[mesh.edges], axis=1)[:, 0], axis=1)
-    for k in range(6):
-        side = length[mesh.segment == k]
-        assert_allclose(side, side[0], rtol=0.02)  # sides of 0.667 beside sides of 0.7
-    assert_allclose(mesh.positions[0], L_SHAPE[0], atol=1e-12)
-
-
-@pytest.mark.parametrize("clockwise", [False, True])
-def test_edges_remember_the_segment_they_come_from(clockwise):
-    outline = L_SHAPE[::-1] if clockwise else L_SHAPE
-    hole = np.array([[1.0, 1.0], [3.0, 1.0], [3.0, 3.0], [1.0, 3.0]])
-    mesh = mesh_plan(outline, [hole], max_edge=0.5)
-    loops = [outline, hole]
-    middle = mesh.positions[mesh.edges].mean(axis=1)
-    for loop, segment, point in zip(mesh.loop, mesh.segment, middle, strict=True):
-        a, b = loops[loop][segment], loops[loop][(segment + 1) % len(loops[loop])]
-        along = (point - a) @ (b - a) / np.sum((b - a) ** 2)
-        assert 0 < along < 1
-        assert_allclose(a + along * (b - a), point, atol=1e-9)
-
-
-def test_an_arc_is_divided_at_its_middle():
-    mesh = mesh_plan(SQUARE, max_edge=0.5, corner_radius=2.0)
-    check(mesh)
-    middle = mesh.positions[mesh.edges].mean(axis=1)
-    nearest = np.argmin([middle[:, 1], 10 - middle[:, 0], 10 - middle[:, 1], middle[:, 0]], axis=0)
-    assert_array_equal(mesh.segment, nearest)
-    centre = np.clip(mesh.positions[: len(mesh.edges)], 2, 8)
-    assert_allclose(np.linalg.norm(mesh.positions[: len(mesh.edges)] - centre, axis=1), 2.0, atol=5e-4)
-    assert_allclose(mesh.positions[0], 2 - np.sqrt(2) * np.ones(2), atol=1e-9)
-
-
-def test_a_radius_too_large_makes_a_circle_of_a_square():
-    mesh = mesh_plan(SQUARE, max_edge=0.5, corner_radius=1e6)
-    assert_allclose(np.linalg.norm(mesh.positions[: len(mesh.edges)] - 5, axis=1), 5.0, atol=1e-3)
-
-
-def test_a_smooth_curve_is_no_corner():
-    plain = mesh_plan(ellipse(60, 5, 3), max_edge=0.8)
-    rounded = mesh_plan(ellipse(60, 5, 3), max_edge=0.8, corner_radius=1.0)
-    assert_array_equal(plain.positions, rounded.positions)
-
-
-def test_where_a_curve_meets_a_chord_the_corner_is_rounded_smoothly():
-    half = np.array([[np.cos(t), np.sin(t)] for t in np.linspace(0, np.pi, 80)]) * 5
-    mesh = mesh_plan(half, max_edge=0.3, corner_radius=1.0)
-    check(mesh)
-    boundary = mesh.positions[: len(mesh.edges)]
-    step = np.roll(boundary, -1, axis=0) - boundary
-    before = np.roll(step, 1, axis=0)
-    turn = np.arctan2(before[:, 0] * step[:, 1] - before[:, 1] * step[:, 0], np.sum(before * step, axis=1))
-    assert np.degrees(np.abs(turn).max()) < 18
-    assert_allclose(turn.sum(), 2 * np.pi, rtol=1e-12)
-
-
-def test_a_column_in_the_way_of_an_arc_shrinks_it():
-    column = ellipse(12, 0.2, 0.2, (0.6, 0.6))
-    mesh = mesh_plan(SQUARE, [column], max_edge=1.0, corner_radius=4.0)
-    check(mesh)
-    assert mesh.positions[: len(mesh.edges)].sum(axis=1).min() < 0.8  # this arc passes outside the column
-    assert np.linalg.norm(mesh.positions - [10, 10], axis=1).min() > 1.5  # the others are as asked
-
-
-def test_points_to_keep_and_points_between_long_segments_stay_vertices():
-    wall = np.array([[0, 0], [1.3, 0], [5, 0], [10, 0], [10, 6], [0, 6]], dtype=float)
-    mesh = mesh_plan(wall, max_edge=1.8, keep=[[1]])
-    for point in wall:
-        assert np.any(np.all(np.abs(mesh.positions - point) < 1e-12, axis=1))
-    assert set(mesh.segment) == set(range(6))
-
-
 @pytest.mark.parametrize("scale", [2.0**-10, 2.0**20])
 def test_scale_does_not_matter(scale):
     plan = mesh_plan(HALL, COLUMNS[:4], max_edge=0.75, corner_radius=0.5)
@@ -317,67 +223,3 @@ def test_inside_follows_the_even_odd_rule():
     points = np.random.default_rng(5).uniform(-2, 12, (500, 2))
     expected = np.all((points > 0) & (points < 10), axis=1) & ~np.all((points > 4) & (points < 6), axis=1)
     assert_array_equal(inside(points, starts, ends), expected)
-
-
-BOW_TIE = [(0, 0), (4, 3), (4, 0), (0, 3)]
-BAD = {
-    "shape": (dict(outline=[1, 2, 3]), r"shape \(3,\)", ()),
-    "words": (dict(outline=[("a", "b")] * 3), "not numbers", ()),
-    "two points": (dict(outline=[(0, 0), (1, 0)]), "has 2 points", ()),
-    "three that are two": (dict(outline=[(0, 0), (1, 0), (0, 0)]), "has 2 points", ()),
-    "nan": (dict(outline=[(0, 0), (4, 0), (4, np.nan), (0, 3)]), "Point 2 of the outline is not finite", (2,)),
-    "nan in a hole": (
-        dict(outline=SQUARE, holes=[[(1, 1), (2, 1), (2, np.inf)]]),
-        "Point 2 of hole 0 is not finite",
-        (6,),
-    ),
-    "repeated": (dict(outline=[(0, 0), (4, 0), (4, 0), (0, 3)]), "Points 1 and 2 of the outline", (1, 2)),
-    "pinched": (
-        dict(outline=[(0, 0), (4, 0), (4, 3), (2, 1), (0, 3), (2, 1)]),
-        "Points 3 and 5 of the outline",
-        (3, 5),
-    ),
-    "spike": (
-        dict(outline=[(0, 0), (4, 0), (4, 3), (4, 9), (4, 3.5), (0, 3)]),
-        "Point 3 of the outline is a spike",
-        (3,),
-    ),
-    "line": (dict(outline=[(0, 0), (4, 0), (9, 0)]), "encloses no area", (0, 1, 2)),
-    "bow tie": (dict(outline=BOW_TIE), "its segments 0 and 2 meet", (0, 1, 2, 3)),
-    "touching": (
-        dict(outline=[(0, 0), (8, 0), (8, 4), (6, 4), (4, 0), (2, 4), (0, 4)]),
-        "outline crosses or touches itself: its segments 0 and 3 meet",
-        (0, 1, 3, 4, 5),
-    ),
-    "hole across": (
-        dict(outline=SQUARE, holes=[[(8, 4), (12, 4), (12, 6), (8, 6)]]),
-        "outline and hole 0 cross or touch: segment 1 meets segment 0",
-        (1, 2, 4, 5, 6, 7),
-    ),
-    "hole outside": (dict(outline=SQUARE, holes=[[(12, 4), (13, 4), (13, 6)]]), "Hole 0 lies outside", (4, 5, 6)),
-    "holes across": (
-        dict(outline=SQUARE, holes=[[(1, 1), (4, 1), (4, 4), (1, 4)], [(3, 3), (6, 3), (6, 6), (3, 6)]]),
-        "hole 0 and hole 1 cross",
-        None,
-    ),
-    "hole in hole": (
-        dict(outline=SQUARE, holes=[[(1, 1), (6, 1), (6, 6), (1, 6)], [(3, 3), (5, 3), (5, 5)]]),
-        "Hole 1 lies inside hole 0",
-        (8, 9, 10),
-    ),
-    "length": (dict(outline=SQUARE, max_edge=0.0), "give a positive length", ()),
-    "no length": (dict(outline=SQUARE, max_edge=np.nan), "give a positive length", ()),
-    "too long": (dict(outline=SQUARE, max_edge=12.0), "larger than the plan, which measures 10; .* 0.5 ", ()),
-    "too short": (dict(outline=SQUARE, max_edge=1e-4), "would make about", ()),
-    "radius": (dict(outline=SQUARE, corner_radius=-1.0), "corner radius is -1", ()),
-    "keep": (dict(outline=SQUARE, keep=[[7]]), "Point 7 to keep", ()),
-}
-
-
-@pytest.mark.parametrize("name", BAD)
-def test_bad_plans_are_refused_by_name(name):
-    plan, message, vertices = BAD[name]
-    with pytest.raises(MeshError, match=f"(?i){message}") as caught:
-        mesh_plan(**{"max_edge": 0.5, **plan})
-    assert vertices is None or caught.value.vertices == vertices
-    assert str(caught.value).endswith(".")

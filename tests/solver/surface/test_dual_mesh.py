@@ -1,4 +1,4 @@
-"""The dual complex and the corner complex (Figure 5): counts, orientation, planes, sheets, convergence."""
+"""Dual complex and corner complex (Figure 5) as meshes: counts, orientation, cuts, Voronoi cells."""
 
 from __future__ import annotations
 
@@ -8,15 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from solver import ConditionError, Domain, conditions, shapes, solve_cmc
+from solver import Domain, shapes
 from solver.domain.topology import Homology
-from solver.surface.cmc_surface import COMBINATORICS
 from solver.surface.dual_mesh import CornerValues, corner_mesh, dual_mesh
-from tests.solver.exact_surfaces import disc, hemisphere, moved, rates
+from tests.solver.exact_surfaces import moved
+from tests.solver.polygon_meshes import area_vectors, assert_manifold, directed_edges
 
 HOLES = (
     [(0, 0), (4, 0), (4, 3), (0, 3)],
@@ -97,30 +95,6 @@ def random_corners(domain, sites, is_open=False, seed=0):
     return CornerValues(domain, values, normals, weights, rim, points, crossings, periods), form
 
 
-def directed_edges(polygons):
-    """(m, 2) rows of each step of each polygon, and the polygon of each (m,)."""
-    steps = np.concatenate([np.stack([p, np.roll(p, -1)], axis=1) for p in polygons])
-    return steps, np.repeat(np.arange(len(polygons)), [len(p) for p in polygons])
-
-
-def assert_manifold(polygons, count):
-    """Every edge in one polygon or, walked both ways, in two; one fan of polygons at each row. χ, boundary edges."""
-    steps, owner = directed_edges(polygons)
-    assert all(len(np.unique(p)) == len(p) >= 3 for p in polygons)
-    assert_array_equal(np.unique(steps), np.arange(count))
-    place = {(a, b): n for n, (a, b) in enumerate(steps.tolist())}
-    assert len(place) == len(steps), "two polygons walk an edge in the same direction"
-    twin = np.array([place.get((b, a), -1) for a, b in steps.tolist()])
-    joined = np.flatnonzero(twin >= 0)
-    # a step starts a corner of its polygon; the corner at its end is that of the step that follows
-    follower = {(int(p), int(a)): n for n, (p, (a, _)) in enumerate(zip(owner, steps, strict=True))}
-    after = np.array([follower[int(owner[n]), int(steps[n, 1])] for n in range(len(steps))])
-    graph = coo_array((np.ones(len(joined)), (joined, after[twin[joined]])), shape=(len(steps), len(steps)))
-    assert connected_components(graph, directed=False)[0] == count, "a row joins several fans of polygons"
-    edges = len(steps) - len(joined) // 2
-    return count - edges + len(polygons), int((twin < 0).sum())
-
-
 def volume(points, polygons):
     """Signed volume inside a closed surface, its polygons divided from their centres."""
     total = 0.0
@@ -128,11 +102,6 @@ def volume(points, polygons):
         q = points[p]
         total += np.einsum("ij,ij->", np.cross(q, np.roll(q, -1, axis=0)), np.broadcast_to(q.mean(axis=0), q.shape))
     return total / 6.0
-
-
-def area_vectors(points, polygons):
-    centred = [points[p] - points[p].mean(axis=0) for p in polygons]
-    return np.array([0.5 * np.cross(q, np.roll(q, -1, axis=0)).sum(axis=0) for q in centred])
 
 
 @pytest.mark.parametrize("sites", SITES)
@@ -292,162 +261,6 @@ def test_vertices_with_fewer_than_three_faces_have_no_polygon():
     mesh = corner_mesh(cone)
     assert Counter(map(len, mesh.polygons)) == {3: 2, 4: 2}  # face, edge to the tip; rim, vertex on the rim
     assert len(mesh.source) == 5 and dual_mesh(cone).polygons == []
-
-
-def twisted(sites, n=600, turns=1):
-    """A real surface over a jittered disc, solved to rounding; and the positions of its plan."""
-    domain, points = disc(n)
-    energy = "cotan" if sites == "vertices" else "mobius"
-    condition = conditions.twisted(domain, points, domain.boundary_edges, turns)
-    return solve_cmc(domain, condition, sites=sites, energy=energy, tolerance=1e-12, mean_curvature=0.25), points
-
-
-def off_plane(points, polygons, normals):
-    """Largest distance of a polygon's points from the plane through their mean with the normal given for it."""
-    return max(np.abs((points[p] - points[p].mean(axis=0)) @ n).max() for p, n in zip(polygons, normals, strict=True))
-
-
-def test_polygons_of_vertices_are_planar_and_orthogonal_to_their_normals():
-    """With normals on vertices: on g, and on f± of the corner complex; closed along the boundary too."""
-    surface, _ = twisted("vertices")
-    N = surface.harmonic.normals
-    dual = surface.as_mesh("g", "dual")
-    assert len(dual.polygons) == len(N) and off_plane(dual.vertices, dual.polygons, N) < 1e-8
-    for sheet in ("f+", "f-", "g"):
-        mesh = surface.as_mesh(sheet, "corner")
-        assert off_plane(mesh.vertices, mesh.polygons[-len(N) :], N) < 1e-8
-
-
-def test_triangles_are_orthogonal_to_the_normals_of_their_faces():
-    """With normals on faces: on g itself, and on f± of the corner complex; corners of a vertex on a sphere about g."""
-    surface, _ = twisted("faces")
-    N, faces = surface.harmonic.normals, surface.domain.faces
-    assert off_plane(surface.g, faces, N) < 1e-8
-    for sheet in ("f+", "f-"):
-        mesh = surface.as_mesh(sheet, "corner")
-        assert off_plane(mesh.vertices, mesh.polygons[: len(N)], N) < 1e-8
-        sign = surface.scale if sheet == "f+" else -surface.scale
-        assert_allclose(mesh.vertices - surface.g[mesh.source], sign * mesh.normals, rtol=0, atol=1e-12)
-
-
-@pytest.mark.parametrize("sites", SITES)
-def test_the_two_sheets_are_two_averaged_normals_apart(sites):
-    """f+ - f- = 2 A_*(N) on the dual: the average over the corners of each face, N of the face if it has one."""
-    surface, _ = twisted(sites, n=200)
-    plus, minus, gauss = (surface.as_mesh(name, "dual") for name in ("f+", "f-", "gauss"))
-    faces = len(surface.domain.faces)
-    mean = plus.interpolate(surface.normals)[:faces] if sites == "vertices" else surface.harmonic.normals
-    apart = 2 * surface.scale * mean
-    assert_allclose((plus.vertices - minus.vertices)[:faces], apart, rtol=0, atol=1e-12)
-    assert_allclose(plus.vertices - minus.vertices, 2 * gauss.vertices, rtol=0, atol=1e-12)
-    assert_allclose(np.linalg.norm(plus.normals, axis=1), 1, rtol=1e-12, atol=0)
-
-
-@pytest.mark.parametrize("sites", SITES)
-def test_all_meshes_of_a_sheet_lie_in_one_place_and_face_one_way(sites):
-    """The dual is where the triangles are, up to discretisation, and oriented as they are."""
-    apart = []
-    for n in (300, 1200):
-        surface, _ = twisted(sites, n)
-        triangles, dual = (surface.as_mesh("f+", name) for name in ("primal", "dual"))
-        far = np.linalg.norm(dual.vertices - dual.interpolate(triangles.vertices), axis=1)
-        apart.append(np.sqrt(np.mean(far**2)) / np.ptp(triangles.vertices, axis=0).max())
-        for mesh in (triangles, dual):
-            N = [mesh.normals[p].mean(axis=0) for p in mesh.polygons]
-            assert (np.einsum("px,px->p", area_vectors(mesh.vertices, mesh.polygons), N) > 0).all()
-    assert rates(apart)[0] > (1.7 if sites == "vertices" else 0.7) and apart[-1] < 2e-3
-
-
-@pytest.mark.parametrize("combinatorics", COMBINATORICS)
-@pytest.mark.parametrize("sites", SITES)
-def test_values_of_the_plan_come_to_every_mesh(sites, combinatorics):
-    """What is linear on the plan is linear on the mesh; `source` is the nearest of the triangle's vertices, or its."""
-    surface, points = twisted(sites, n=200)
-    mesh = surface.as_mesh("f-", combinatorics)
-    place = mesh.interpolate(points)
-    linear = np.array([[2.0, -1.0, 0.3], [0.5, 3.0, 1.0]])
-    assert_allclose(mesh.interpolate(points @ linear), place @ linear, rtol=0, atol=1e-12)
-    assert_allclose(mesh.interpolate_corners(points[surface.domain.faces]), place, rtol=0, atol=1e-13)
-    assert (mesh.anchors == mesh.source[:, None]).any(axis=1).all()
-    assert_array_equal(mesh.anchors, surface.domain.faces[mesh.triangles])
-    assert_allclose(mesh.barycentric.sum(axis=1), 1, rtol=0, atol=1e-12)
-    if combinatorics == "primal":
-        assert_array_equal(place, points[mesh.source])
-    if combinatorics == "dual":
-        centres = place[: len(surface.domain.faces), None] - points[surface.domain.faces]
-        radii = np.linalg.norm(centres, axis=2)  # of circumcircles
-        assert_allclose(radii, np.broadcast_to(radii[:, :1], radii.shape), rtol=1e-9, atol=0)
-
-
-def test_the_dual_converges_to_the_hemisphere():
-    """Second order with the circumcentre as the place where normals are averaged, on f+ and on the point f-."""
-    sphere, point = [], []
-    for n in (500, 2000, 8000):
-        domain, points = disc(n)
-        surface = solve_cmc(domain, conditions.binormal(domain, points, domain.boundary_edges), tolerance=1e-9)
-        mesh = surface.as_mesh("f+", "dual")
-        difference = mesh.vertices - 2.0 * hemisphere(mesh.interpolate(points))
-        sphere.append(np.linalg.norm(difference - difference.mean(axis=0), axis=1).max())
-        point.append(np.ptp(surface.as_mesh("f-", "dual").vertices, axis=0).max())
-    assert rates(sphere).mean() > 1.7 and rates(point).mean() > 1.7
-    assert sphere[-1] < 2e-3
-
-
-@pytest.mark.parametrize("combinatorics", COMBINATORICS)
-@pytest.mark.parametrize("sites", SITES)
-def test_a_courtyard_that_does_not_close_is_cut_open(sites, combinatorics):
-    """The mesh of a ring with a gap is a disc, and whole polygons continue it across the cut."""
-    shape = shapes.polygon(
-        [(0, 0), (4, 0), (4, 3), (0, 3)], [[(0.7, 0.7), (1.7, 0.7), (1.7, 1.7), (0.7, 1.7)]], max_edge=0.25
-    )
-    domain = shape.domain
-    energy = "cotan" if sites == "vertices" else "mobius"
-    condition = conditions.binormal(domain, shape.positions, domain.boundary_edges)
-    surface = solve_cmc(domain, condition, sites=sites, energy=energy, tolerance=1e-10)
-    assert surface.is_open
-    mesh = surface.as_mesh("f+", combinatorics)
-    euler, _ = assert_manifold(mesh.polygons, len(mesh.vertices))
-    assert euler == 1
-    steps, _ = directed_edges(mesh.polygons)
-    longest = np.linalg.norm(np.diff(mesh.vertices[steps], axis=1), axis=2).max()
-    assert longest < 0.8 * surface.gap < surface.gap
-    closed = solve_cmc(domain, condition, sites=sites, energy=energy, tolerance=1e-10, period_tolerance=10.0).as_mesh(
-        "f+", combinatorics
-    )
-    assert assert_manifold(closed.polygons, len(closed.vertices))[0] == 0
-
-
-def test_the_mesh_of_an_intrinsic_triangulation_has_its_dual():
-    domain, points = disc(300, jitter=0.45)
-    condition = conditions.binormal(domain, points, domain.boundary_edges)
-    surface = solve_cmc(domain, condition, delaunay=True)
-    triangles, dual = surface.as_mesh("f+"), surface.as_mesh("f+", "dual")
-    assert (surface.graph.domain.faces != domain.faces).any()
-    assert_array_equal(np.stack(triangles.polygons), domain.faces)
-    assert_array_equal(triangles.source, np.arange(len(points)))
-    assert_array_equal(dual.anchors, surface.graph.domain.faces[dual.triangles])
-    assert assert_manifold(dual.polygons, len(dual.vertices))[0] == 1
-    assert_array_equal(triangles.interpolate(points), points[triangles.source])
-
-
-def test_unknown_sheets_and_combinatorics_are_refused():
-    surface, _ = twisted("vertices", n=60)
-    for name in COMBINATORICS:
-        with pytest.raises(ConditionError, match="nosuch"):
-            surface.as_mesh("nosuch", name)
-    with pytest.raises(ConditionError, match="primal, dual, corner"):
-        surface.as_mesh("f+", "nosuch")
-
-
-def test_faces_of_the_corner_complex_turn_with_the_gauss_map():
-    """Triangles of f+ over saddles, where neighbouring normals run the other way around, are upside down."""
-    surface, _ = twisted("vertices", n=300)
-    mesh, faces = surface.as_mesh("f+", "corner"), surface.domain.faces
-    a, b, c = (surface.normals[faces[:, k]] for k in range(3))
-    gauss = np.einsum("ij,ij->i", np.cross(b - a, c - a), a + b + c)
-    turned = area_vectors(mesh.vertices, mesh.polygons[: len(faces)])
-    assert (gauss > 0).any() and (gauss < 0).any()
-    assert_array_equal(np.einsum("ij,ij->i", turned, a + b + c) > 0, gauss > 0)
 
 
 @pytest.mark.parametrize("builder", BUILDERS)

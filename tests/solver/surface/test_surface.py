@@ -1,4 +1,4 @@
-"""From normals to f±: exact surfaces, rates, symmetries, holes, and the promises of the result."""
+"""Surfaces of constant mean curvature against exact ones: convergence, symmetry, scale, arguments."""
 
 from __future__ import annotations
 
@@ -13,46 +13,16 @@ from solver import (
     Status,
     conditions,
     conformal_distortion,
-    mean_curvature_of,
     periods,
     shapes,
     solve_cmc,
 )
-from solver.domain.sites import SiteGraph
-from solver.gauss.energies import ENERGIES
 from solver.surface.averaging import AVERAGINGS
-from solver.surface.conjugate import Conjugation, solve_dual_poisson
-from solver.surface.vertex_fit import fit_weights
 from tests.solver.exact_surfaces import Nodoid, cylinder, disc, hemisphere, rates
+from tests.solver.rim_conditions import once_twisted, rim
+from tests.solver.surface_errors import centred, curvature_errors, worst
 
 CONSISTENT = [name for name in AVERAGINGS if name != "area"]
-COURTYARD = ([(0, 0), (4, 0), (4, 3), (0, 3)], [[(0.7, 0.7), (1.7, 0.7), (1.7, 1.7), (0.7, 1.7)]])
-
-
-def rim(domain, points, tilt=0.0):
-    return conditions.binormal(domain, points, domain.boundary_edges, tilt=tilt)
-
-
-def once_twisted(domain, points):
-    return conditions.twisted(domain, points, domain.boundary_edges, 1)
-
-
-def centred(points):
-    return points - points.mean(axis=0)
-
-
-def worst(a, b):
-    """Largest distance between corresponding points, translation aside."""
-    return np.linalg.norm(centred(a) - centred(b), axis=1).max()
-
-
-def curvature_errors(surface):
-    """L² and L∞ errors of H over the area of f+."""
-    H = mean_curvature_of(surface.f_plus, surface.faces, surface.normals)
-    a, b, c = (surface.f_plus[surface.faces[:, k]] for k in range(3))
-    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    error = H - surface.mean_curvature
-    return np.sqrt(np.average(error**2, weights=areas)), np.abs(error).max()
 
 
 @pytest.mark.parametrize("averaging", CONSISTENT)
@@ -149,55 +119,6 @@ def test_rotating_the_data_rotates_the_result():
         assert_allclose(other.f_plus, one.f_plus @ turn.T, rtol=0, atol=1e-9)
 
 
-def test_three_ways_to_the_conjugate_agree():
-    """The sum of τ along a tree, the dual Poisson equation (both at circumcentres) and the P1 solve (at vertices)."""
-    differences = []
-    for n in (500, 2000):
-        shape = shapes.disc(n)
-        domain = shape.domain
-        surface = solve_cmc(domain, once_twisted(domain, shape.positions), tolerance=1e-11)
-        by_tree = centred(surface.conjugate.g)
-        assert_allclose(solve_dual_poisson(surface.graph, surface.normals), by_tree, rtol=0, atol=1e-8)
-        faces, edges = fit_weights(domain, np.arange(domain.vertex_count))
-        conjugate = surface.conjugate
-        fitted = faces @ np.repeat(conjugate.g, 3, axis=0) + edges @ np.repeat(conjugate.boundary_points, 2, axis=0)
-        differences.append(worst(fitted, surface.g))
-    assert rates(differences)[0] > 1.5
-
-
-def test_tau_closes_exactly_as_far_as_the_map_is_harmonic():
-    domain, points = disc(800)
-    solver = CmcSolver(domain)
-    loose = solver.solve(once_twisted(domain, points), tolerance=1e-2, max_iterations=2)
-    tight = solver.solve(once_twisted(domain, points), tolerance=1e-12)
-    assert tight.conjugate.closure_error < 1e-12 < loose.conjugate.closure_error
-    random = np.random.default_rng(0).normal(size=(domain.vertex_count, 3))
-    N = random / np.linalg.norm(random, axis=1, keepdims=True)
-    conjugate = Conjugation(SiteGraph.of(domain, "vertices")).conjugate(N, ENERGIES["cotan"])
-    torques = np.linalg.norm(np.cross(N, domain.laplacian @ N), axis=1)
-    inside = np.setdiff1d(np.arange(domain.vertex_count), domain.boundary_vertices)
-    assert_allclose(conjugate.closure_error, torques[inside].max(), rtol=1e-10, atol=0)
-
-
-def test_edges_of_the_conjugate_are_orthogonal_to_both_normals():
-    domain, points = disc(300)
-    surface = solve_cmc(domain, once_twisted(domain, points))
-    for end in domain.edges.T:
-        assert_allclose(np.einsum("ij,ij->i", surface.conjugate.tau, surface.normals[end]), 0, rtol=0, atol=1e-14)
-
-
-def test_boundary_points_complete_the_dual_polygons():
-    """Figure 7: the dual polygon of a boundary vertex runs through its faces and a point on each of its two edges."""
-    domain, points = disc(300)
-    surface = solve_cmc(domain, once_twisted(domain, points))
-    conjugate = surface.conjugate
-    faces = domain.edge_faces[domain.boundary_edges, 0]
-    across = conjugate.g[faces] - conjugate.boundary_points
-    assert_allclose(across, conjugate.tau[domain.boundary_edges], rtol=0, atol=1e-14)
-    on_faces = solve_cmc(domain, once_twisted(domain, points), sites="faces", energy="dual_cotan").conjugate
-    assert on_faces.boundary_points.shape == (0, 3), "with normals on faces g is at the vertices already"
-
-
 @pytest.mark.parametrize("mean_curvature", [0.05, 0.5, 3.0])
 def test_the_mean_curvature_asked_for_is_the_one_obtained(mean_curvature):
     domain, points = disc(2000)
@@ -233,55 +154,6 @@ def test_free_sides_need_no_factor_of_their_own(free):
     condition = conditions.binormal(shape.domain, shape.positions, edges, tilt=0.5)
     one, other = (solve_cmc(shape.domain, condition, averaging=name) for name in CONSISTENT)
     assert worst(one.f_plus, other.f_plus) < 0.02 * np.ptp(one.f_plus, axis=0).max()
-
-
-def test_a_ring_with_symmetric_data_closes():
-    shape = shapes.annulus(0.5, 1.0, 1500)
-    surface = solve_cmc(shape.domain, rim(shape.domain, shape.positions))
-    assert surface.status is Status.CONVERGED and not surface.is_open
-    assert surface.gap < 1e-3 * np.ptp(surface.f_plus, axis=0).max()
-    assert len(surface.f_plus) == shape.domain.vertex_count
-
-
-@pytest.mark.parametrize("averaging", AVERAGINGS)
-def test_a_courtyard_off_centre_is_cut_and_its_gap_named(averaging):
-    shape = shapes.polygon(*COURTYARD, max_edge=0.08, corner_radius=0.3)
-    surface = solve_cmc(shape.domain, rim(shape.domain, shape.positions), averaging=averaging)
-    domain, n = shape.domain, len(surface.source)
-    assert surface.status is Status.GAP and surface.is_open and n > domain.vertex_count
-    assert f"{surface.gap:.4g}" in surface.message
-    assert_array_equal(surface.source[surface.faces], domain.faces)
-    extra = np.arange(domain.vertex_count, n)
-    jumps = surface.f_plus[extra] - surface.f_plus[surface.source[extra]]
-    assert_allclose(np.linalg.norm(jumps, axis=1), surface.gap, rtol=1e-9, atol=0)
-    if averaging != "area":
-        assert curvature_errors(surface)[0] < 0.05
-
-
-def test_the_seam_is_not_seen_in_the_curvature():
-    """Faces at the cut are as good as the others: where the domain is cut is an accident."""
-    shape = shapes.polygon(*COURTYARD, max_edge=0.1, corner_radius=0.3)
-    surface = solve_cmc(shape.domain, rim(shape.domain, shape.positions))
-    H = mean_curvature_of(surface.f_plus, surface.faces, surface.normals)
-    at_seam = (np.bincount(surface.source) > 1)[shape.domain.faces].any(axis=1)
-    at_rim = np.isin(shape.domain.faces, shape.domain.boundary_vertices).any(axis=1)
-    assert np.abs(H - 0.5)[at_seam & ~at_rim].max() < 3 * np.abs(H - 0.5)[~at_seam & ~at_rim].max()
-
-
-def test_small_periods_are_projected_out_and_reported():
-    shape = shapes.polygon(*COURTYARD, max_edge=0.15, corner_radius=0.3)
-    surface = solve_cmc(shape.domain, rim(shape.domain, shape.positions), period_tolerance=10.0)
-    assert not surface.is_open and surface.status is Status.CONVERGED
-    assert len(surface.f_plus) == shape.domain.vertex_count
-    assert surface.gap > 0.1 and periods(surface).shape == (1, 3)
-
-
-def test_the_period_does_not_depend_on_the_mesh():
-    gaps = []
-    for edge in (0.08, 0.04):
-        shape = shapes.polygon(*COURTYARD, max_edge=edge, corner_radius=0.3)
-        gaps.append(solve_cmc(shape.domain, rim(shape.domain, shape.positions)).gap)
-    assert_allclose(gaps[0], gaps[1], rtol=0.02, atol=0)
 
 
 def test_a_cached_solver_gives_the_same_surface():
@@ -337,27 +209,3 @@ def test_it_works_on_a_curved_plan():
     surface = solve_cmc(drawn, conditions.fixed_at(drawn, sites, cap[sites]))
     assert_allclose(surface.normals, cap, rtol=0, atol=2e-3)
     assert worst(surface.f_plus, 2 * cap) < 4e-3
-
-
-@pytest.mark.parametrize("name", ["disc", "annulus"])
-def test_linear_functions_are_reproduced_by_the_fit(name):
-    if name == "disc":
-        domain, points = disc(800)
-    else:
-        shape = shapes.annulus(0.4, 1.0, 800)
-        domain, points = shape.domain, shape.positions
-    values = lambda x: x @ np.array([[1.0, 2.0, 3.0], [0.5, -1.0, 2.0]]) + 1.0  # noqa: E731
-    a, b, c = (points[domain.faces[:, k]] for k in range(3))
-    ab, ac = b - a, c - a
-    twice = 2 * (ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0])
-    squares = np.sum(ab**2, axis=1), np.sum(ac**2, axis=1)
-    centre = a + np.column_stack(
-        [
-            (squares[0] * ac[:, 1] - squares[1] * ab[:, 1]) / twice,
-            (squares[1] * ab[:, 0] - squares[0] * ac[:, 0]) / twice,
-        ]
-    )
-    faces, edges = fit_weights(domain, np.arange(domain.vertex_count))
-    midpoints = points[domain.edges[domain.boundary_edges]].mean(axis=1)
-    fitted = faces @ np.repeat(values(centre), 3, axis=0) + edges @ np.repeat(values(midpoints), 2, axis=0)
-    assert_allclose(fitted, values(points), rtol=0, atol=1e-11)
