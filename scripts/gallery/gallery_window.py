@@ -60,7 +60,7 @@ CROPS: dict[str, tuple[str, str, tuple[int, int, int, int]]] = {
     "tangent-planes.jpg": ("overlay", "tangent-planes", VIEW),
     "mirrors.jpg": ("overlay", "mirrors-solved", VIEW),
     "colours.jpg": ("colours", "gauss-curvature", WIDE),
-    "strokes.jpg": ("colours", "curvature-lines", VIEW),
+    "curvature-lines.jpg": ("colours", "curvature-lines", VIEW),
     "gauss-image.jpg": ("colours", "gauss-image", WIDE),
     "presets.jpg": ("steps", "presets", MENU),
     "assign.jpg": ("steps", "assign", MENU),

@@ -1,4 +1,4 @@
-"""The tables of docs/bubbles.md, measured: Wente's cylinders and tori, the honeycomb ring, two shells over one rim.
+"""The tables of docs/measured/bubbles.md: Wente's cylinders and tori, the honeycomb ring, two shells over one rim.
 
     make gallery                                           # measures, writes the tables, draws the pictures
     .venv/bin/python -m scripts.tables.measure_bubbles heights    # some of them, printed only

@@ -1,4 +1,4 @@
-"""The tables of docs/combinatorics.md, measured: convergence, and robustness to poor triangles.
+"""The tables of docs/measured/combinatorics.md, measured: convergence, and robustness to poor triangles.
 
     make gallery                                                # measures, writes the tables, draws the pictures
     .venv/bin/python -m scripts.tables.measure_faces recovery needles  # some of them, printed only
@@ -107,19 +107,19 @@ def averages() -> list[str]:
             options = dict(averaging=name, delaunay=True)
             found = [errors(plan, 1, sites, energy, **options).l2 for plan in plans]
             rows.append(row(f"{sites}, `{name}`", "H of f+ on triangles", found))
-            for complex_name in ("primal", "dual"):
+            for combinatorics in ("primal", "dual"):
                 found = [
-                    off_the_hemisphere(plan, complex_name, sites=sites, energy=energy, **options) for plan in plans
+                    off_the_hemisphere(plan, combinatorics, sites=sites, energy=energy, **options) for plan in plans
                 ]
-                rows.append(row(f"{sites}, `{name}`", f"f+, {complex_name}", found))
+                rows.append(row(f"{sites}, `{name}`", f"f+, {combinatorics}", found))
     return rows
 
 
-def off_the_hemisphere(plan, complex_name: str, **options) -> float:
+def off_the_hemisphere(plan, combinatorics: str, **options) -> float:
     """Root mean square error of f+ over the unit disc; it lies on the sphere of radius 2."""
     domain, points = plan
     mesh = solve_cmc(domain, conditions.binormal(domain, points, domain.boundary_edges), **options).as_mesh(
-        "f+", complex_name
+        "f+", combinatorics
     )
     places = np.einsum("nk,nkx->nx", mesh.barycentric, points[mesh.anchors])
     away = mesh.vertices - 2.0 * hemisphere(places)

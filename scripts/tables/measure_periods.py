@@ -1,4 +1,4 @@
-"""The tables of docs/periods.md, measured: two ways to compute a period, and the work to close it.
+"""The tables of docs/measured/periods.md, measured: two ways to compute a period, and the work to close it.
 
     make gallery                                         # measures, writes the tables, draws the pictures
     .venv/bin/python -m scripts.tables.measure_periods planes   # some of them, printed only

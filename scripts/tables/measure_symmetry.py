@@ -1,4 +1,4 @@
-"""The tables of docs/symmetry.md, measured: surfaces between mirrors and planes, and their completions.
+"""The tables of docs/measured/symmetry.md, measured: surfaces between mirrors and planes, and their completions.
 
     make gallery                                               # measures, writes the tables, draws the pictures
     .venv/bin/python -m scripts.tables.measure_symmetry vaults gaps   # some of them, printed only

@@ -1,4 +1,4 @@
-"""Write tables into a page of docs/, between `<!-- table: NAME -->` and `<!-- end -->`."""
+"""Write tables into a page of docs/measured/, between `<!-- table: NAME -->` and `<!-- end -->`."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Tables = dict[str, Callable[[], list[str]]]
 
 def measure(page: Path, tables: Tables) -> None:
     """The command line of a page: names of tables to measure, and --write."""
-    parser = argparse.ArgumentParser(description=f"Measure the tables of docs/{page.name}.")
+    parser = argparse.ArgumentParser(description=f"Measure the tables of docs/measured/{page.name}.")
     parser.add_argument("names", nargs="*", choices=[*tables, []], help="which of them (all)")
     parser.add_argument("--write", action="store_true", help="write them into the page")
     arguments = parser.parse_args()
