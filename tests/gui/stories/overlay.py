@@ -118,7 +118,7 @@ def tell(hands):
     yield from mirrors(hands, settings)
     yield from court(hands)
     yield from popover(hands)
-    assert drawing().told == "", drawing().told
+    assert drawing().reported == "", drawing().reported
     assert drawing().handle is not None and 0 < len(drawing().batches) < 200
 
 
