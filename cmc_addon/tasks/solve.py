@@ -198,7 +198,7 @@ class SolveTask(Task[SolveResult]):
 
 
 def still_wanted(progress: Progress) -> Callable[[], bool]:
-    """For work without steps of its own: asks `progress` whether to go on, and reports nothing."""
+    """For work without steps: asks `progress` whether to continue, and reports nothing."""
     return lambda: progress(-1, 0.0) is not False
 
 

@@ -35,7 +35,7 @@ _START = 20.0
 _TIMES = 3.0
 # Real time that a processor shared with others may take for a second of its own.
 _SHARED = 15.0
-# Of tests that one mutant is tried with, in seconds of a processor.
+# Processor time, in seconds, of the tests tried with one mutant.
 _LONGEST = 20.0
 # Tests of what is installed elsewhere, not of the checkout.
 _IGNORED = "--ignore=tests/blender/test_extension.py"
