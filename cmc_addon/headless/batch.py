@@ -35,7 +35,7 @@ OUTPUTS = ("blend", *EXPORTERS)
 
 @dataclass(frozen=True)
 class Request:
-    """What a run writes, for every input.
+    """The files that a run writes for every input.
 
     output: the folder. formats: of `OUTPUTS`. plans: names of the plan objects, all if empty. settings:
     names of SETTINGS → values that override the plan's own. conditions: tables as in a job file, for mesh

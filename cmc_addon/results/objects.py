@@ -1,4 +1,4 @@
-"""Result objects: their names, their places, and what the next solve does with them.
+"""Result objects: their names, their places, and their update by the next solve.
 
 **Names.** The first solve of a plan called "Hall" makes the collection "CMC Hall" under the scene, and in it
 those of "Hall f+", "Hall f-", "Hall g" and "Hall Gauss image" that are wanted. Names are given once: links tie

@@ -91,13 +91,13 @@ def identity() -> None:
     for column, aspect in enumerate(figure20.ASPECTS):
         points, faces = figure20.sphere(1200, aspect)
         octant = (np.sign(points).prod(axis=1) > 0).astype(int)
-        found = [figure20.recover(points, faces, energy) for energy in ("mobius", "dual_cotan")]
+        recoveries = [figure20.recover(points, faces, energy) for energy in ("mobius", "dual_cotan")]
         place = np.array([2.3 * column, 0.0, 0.0])
         line = 0.007 / np.sqrt(max(1.0, aspect / 8))
         scene.add_text(str(aspect), place + [0.0, 0.0, 1.5], 0.36)
         faceted(f"{aspect} sphere", points + place, list(faces), PLASTER, line=line)
-        for row, recovery in enumerate(found, start=1):
-            image = recovery.found.normals + place + [0.0, 0.0, -2.4 * row]
+        for row, recovery in enumerate(recoveries, start=1):
+            image = recovery.harmonic.normals + place + [0.0, 0.0, -2.4 * row]
             faceted(f"{aspect} {row}", image, stars(points, faces), PLASTER, 2 * octant, line=line)
     for row, text in enumerate(("mesh", "Möbius", "dual cotan")):
         scene.add_text(text, (-1.6, 0.0, -2.4 * row), 0.36, turned=90.0)

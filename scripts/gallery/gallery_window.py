@@ -72,8 +72,8 @@ CROPS: dict[str, tuple[str, str, tuple[int, int, int, int]]] = {
 
 def taken(story: str, name: str) -> Path | None:
     """The picture of this name, whatever its number."""
-    found = sorted(TAKEN.glob(f"{story}-[0-9][0-9]-{name}.png"))
-    return found[-1] if found else None
+    pictures = sorted(TAKEN.glob(f"{story}-[0-9][0-9]-{name}.png"))
+    return pictures[-1] if pictures else None
 
 
 def crop(source: Path, target: Path, part: tuple[int, int, int, int]) -> None:

@@ -69,7 +69,7 @@ def run_pytest(folder: Path, arguments: list[str], seconds: float | None = None,
 
 
 def line_map(copy: Path, suite: str, rooms: list[str]) -> dict[str, dict]:
-    """What each test of a suite runs in the rooms; see `line_map.py`."""
+    """The lines that each test of a suite runs in the rooms; see `line_map.py`."""
     out = copy / "lines.json"
     arguments = ["-p", "scripts.mutation.line_map", _IGNORED, suite]
     run_pytest(copy, arguments, CMC_LINES_OF=",".join(rooms), CMC_LINES_IN=str(out))

@@ -28,4 +28,4 @@ def _written(page: Path, name: str, rows: list[str]) -> str:
     text = page.read_text(encoding="utf-8")
     if not place.search(text):
         raise SystemExit(f"{page.name} has no place for the table {name}; add <!-- table: {name} --> and <!-- end -->.")
-    return place.sub(lambda found: found[1] + "\n".join(rows) + "\n" + found[2], text)
+    return place.sub(lambda match: match[1] + "\n".join(rows) + "\n" + match[2], text)
