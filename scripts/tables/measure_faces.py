@@ -52,8 +52,7 @@ def recovery() -> list[str]:
 
 
 def in_words(recovery: figure20.Recovery) -> str:
-    is_found = recovery.harmonic.ok
-    return f"{recovery.error:.1f}°" if is_found else f"lost ({recovery.error:.0f}°)"
+    return f"{recovery.error:.1f}°" if recovery.harmonic.ok else "lost"
 
 
 def discs() -> list[str]:
