@@ -24,7 +24,7 @@ Keywords = ParamSpec("Keywords")
 
 @dataclass(frozen=True, eq=False)
 class SolveOptions:
-    """Options of `CmcSolver.solve`; `solve_cmc` describes them.
+    """What `CmcSolver.solve` takes besides the conditions; `solve_cmc` describes them.
 
     Raises `ConditionError` on a mean curvature or a tolerance that is out of range, and on an unknown average.
     """
@@ -65,7 +65,7 @@ class SolveOptions:
 
 @dataclass(frozen=True, eq=False)
 class CmcOptions(SolveOptions):
-    """Options of `solve_cmc`: those of the solver, and those of its solve."""
+    """What `solve_cmc` takes besides domain and conditions: the options of the solver, and those of its solve."""
 
     _: KW_ONLY
     sites: str = "vertices"

@@ -391,7 +391,7 @@ def test_meshes_that_are_no_surface(plan, message):
 
 
 def test_a_vertical_rim_is_no_overhang_worth_a_warning():
-    """Faces beside it lean by a degree or two, the surface does not; a rim that leans out by 20° is reported."""
+    """Faces beside it lean by a degree or two, the surface does not; a rim that leans out by 20° is told."""
     shape = shapes.polygon([(0, 0), (10, 0), (10, 10), (0, 10)], max_edge=0.25, corner_radius=1.0)
     points = np.column_stack([shape.positions, np.zeros(len(shape.positions))])
     plan = Plan(points, shape.domain.faces)
@@ -476,7 +476,7 @@ def area_vector(points: np.ndarray) -> np.ndarray:
 
 
 def test_a_polygon_belongs_to_the_drawn_one_below():
-    """On the dual of a grid, that of a vertex lies on the quads around it, most of it on its owner."""
+    """Of the dual of a grid: that of a vertex lies on the quads around it, most of it on its owner."""
     plan = grid(5, 4)
     sheet = polygon_sheet(form(plan, Settings(default_tilt=0.3)), "f+", "dual")
     owners = sheet.owners(plan.triangles, plan.triangle_polygons)

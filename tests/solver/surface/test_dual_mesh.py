@@ -1,4 +1,4 @@
-"""The dual mesh and the corner mesh (Figure 5): counts, orientation, planes, sheets, convergence."""
+"""The dual complex and the corner complex (Figure 5): counts, orientation, planes, sheets, convergence."""
 
 from __future__ import annotations
 
@@ -152,7 +152,7 @@ def test_counts_of_the_dual(domain, sites):
 
 
 @pytest.mark.parametrize("sites", SITES)
-def test_counts_of_the_corner_mesh(domain, sites):
+def test_counts_of_the_corner_complex(domain, sites):
     corners, _ = random_corners(domain, sites)
     mesh = corner_mesh(corners)
     faces, rim = len(domain.faces), len(domain.boundary_edges)
@@ -308,7 +308,7 @@ def off_plane(points, polygons, normals):
 
 
 def test_polygons_of_vertices_are_planar_and_orthogonal_to_their_normals():
-    """With normals on vertices: on g, and on f± of the corner mesh; closed along the boundary too."""
+    """With normals on vertices: on g, and on f± of the corner complex; closed along the boundary too."""
     surface, _ = twisted("vertices")
     N = surface.harmonic.normals
     dual = surface.as_mesh("g", "dual")
@@ -319,7 +319,7 @@ def test_polygons_of_vertices_are_planar_and_orthogonal_to_their_normals():
 
 
 def test_triangles_are_orthogonal_to_the_normals_of_their_faces():
-    """With normals on faces: on g itself, and on f± of the corner mesh; corners of a vertex on a sphere about g."""
+    """With normals on faces: on g itself, and on f± of the corner complex; corners of a vertex on a sphere about g."""
     surface, _ = twisted("faces")
     N, faces = surface.harmonic.normals, surface.domain.faces
     assert off_plane(surface.g, faces, N) < 1e-8
@@ -439,7 +439,7 @@ def test_unknown_sheets_and_combinatorics_are_refused():
         surface.as_mesh("f+", "nosuch")
 
 
-def test_faces_of_the_corner_mesh_turn_with_the_gauss_map():
+def test_faces_of_the_corner_complex_turn_with_the_gauss_map():
     """Triangles of f+ over saddles, where neighbouring normals run the other way around, are upside down."""
     surface, _ = twisted("vertices", n=300)
     mesh, faces = surface.as_mesh("f+", "corner"), surface.domain.faces
@@ -455,9 +455,9 @@ def test_normals_that_cancel_are_left_zero(builder):
     """Where a vertex averages opposite normals there is no unit normal; the others have length one."""
     domain = DOMAINS["disc"]()
     corners, _ = random_corners(domain, "vertices")
-    mesh = BUILDERS[builder](corners)
-    normals = mesh.normals.copy()
+    complex_ = BUILDERS[builder](corners)
+    normals = complex_.normals.copy()
     normals[3] = 0.0
-    lengths = np.linalg.norm(replace(mesh, normals=normals).mesh(mesh.conjugate).normals, axis=1)
+    lengths = np.linalg.norm(replace(complex_, normals=normals).mesh(complex_.conjugate).normals, axis=1)
     assert lengths[3] == 0.0
     assert_allclose(np.delete(lengths, 3), 1.0, rtol=1e-12, atol=0)
