@@ -181,8 +181,8 @@ def test_none_leaves_nothing_behind():
 def test_changing_what_is_shown_solves_nothing(monkeypatch):
     plan = hall()
     result = solve(plan)
-    pipeline = module("tasks.solve").form
-    monkeypatch.setattr(pipeline, "form", lambda *_, **__: pytest.fail("it was solved again"))
+    form = module("tasks.solve").form
+    monkeypatch.setattr(form, "form", lambda *_, **__: pytest.fail("it was solved again"))
     seen = set()
     for by in ("MEAN_CURVATURE", "GAUSS_CURVATURE", "DISTORTION", "DEVIATION"):
         plan.cmc.colour_by = by
