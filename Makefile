@@ -49,7 +49,7 @@ extension: .venv/ready
 docs: .venv/ready
 	$(PYTHON) scripts/build/help_pages.py
 
-# Stories told in a real Blender with a window, in a Debian of its own, with the extension built for it and installed;
+# Stories in a real Blender with a window, in a Debian of its own, with the extension built for it and installed;
 # pictures in build/gui/. Needs root; CMC_GUI_ROOT is where that Debian is (.venvs/gui-root).
 gui-test: .venv/ready
 	tests/gui/run.sh

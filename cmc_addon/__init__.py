@@ -1,4 +1,4 @@
-"""The Blender side of the extension: what the user sees, and the way to the solver and back.
+"""The Blender side of the extension: the user interface, and the way to the solver and back.
 
 One Solve, from the click to the shell, room by room:
 

@@ -1,4 +1,4 @@
-"""Background tasks that start by themselves: what Follow and Live have in common.
+"""Background tasks that start by themselves: the common part of Follow and Live.
 
 A task runs in a thread; a tick of Blender's timer looks after it and writes its result.
 """
@@ -24,7 +24,7 @@ class BackgroundTask:
         self._steps = worker.steps(task.work, task.tolerance, wait=0.0, gives_way=True)
 
     def look(self) -> tuple[bool, Any]:
-        """Whether the task has ended, and its result: None if it has given way. Raises what the work raises."""
+        """Whether the task has ended, and its result: None if it has given way. Raises the errors of the work."""
         try:
             while next(self._steps) is not None:
                 pass

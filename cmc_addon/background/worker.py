@@ -30,7 +30,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Stop what runs, drop what is kept."""
+    """Stop the running work and drop the kept results."""
     cancel()
     forget()
     Patience.largest = math.inf
@@ -46,7 +46,7 @@ class Step:
 
 
 class Running:
-    """The work that runs now, if any: `cmc.cancel` stops it, and so does the next work where it gives way. `thread` is
+    """The running work, if any: `cmc.cancel` stops it, and so does the next work where it gives way. `thread` is
     the last one started; after being cancelled it may still be busy."""
 
     stop: threading.Event | None = None
@@ -67,7 +67,7 @@ def steps(
 ) -> Generator[Step | None, None, T | None]:
     """Run `work(progress)` in a thread; yield each step, or None after `wait` seconds without one.
 
-    Returns the result of the work, or None as soon as it is cancelled. Raises what the work raises, and `CmcError`
+    Returns the result of the work, or None as soon as it is cancelled. Raises the errors of the work, and `CmcError`
     while other work runs that does not give way. Closing the generator cancels. Nobody waits for a cancelled thread:
     it may be measuring, which has no steps to stop after. The next one starts when it has ended.
     """

@@ -1,4 +1,4 @@
-"""Changes of geometry, as Blender's dependency graph announces them: what tells a cache that it is out of date.
+"""Changes of geometry announced by Blender's dependency graph; caches that depend on them are then out of date.
 
 The sidebar and the viewport are redrawn at every movement of the mouse, so what they show is computed once a change,
 not once a redraw. A cache either has `version` in its keys, or is `watched` and emptied. Undo, redo and another file

@@ -1,4 +1,4 @@
-"""What the sidebar shows of a mesh, computed once a change, not once a redraw."""
+"""Numbers of a mesh in the sidebar, computed once a change, not once a redraw."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ def polygon_mesh(
 ) -> bpy.types.Mesh:
     """A new mesh with the polygons of `sheet`, shaded flat, its vertices not yet placed.
 
-    triangles (T, 3) of the plan that the sheet was formed on; owners (T,): their polygons.
+    triangles (T, 3) of the plan under the sheet; owners (T,): their polygons.
     """
     mesh = copy_mesh(ob, depsgraph)
     taken = mesh_layers(mesh, lambda name: name not in NOT_REFRESHED - {"material_index"} and name[0] != ".")

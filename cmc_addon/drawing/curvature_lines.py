@@ -28,7 +28,7 @@ def default_spacing_of(extent: ArrayLike) -> float:
 
 
 def spread(points: Array, spacing: float) -> Int:
-    """Indices of a maximal set of points (n, 3) no two of which are nearer than the spacing; at most 20000.
+    """Indices of a maximal subset of points (n, 3) at least the spacing apart; at most 20000.
 
     Reproducible: the points are visited in an order that depends on their number only.
     """

@@ -1,4 +1,4 @@
-"""What was computed for the viewport, kept until its sources change.
+"""Values computed for the viewport, kept until their sources change.
 
 A redraw compares keys, which contain `version`s of the geometry, and draws what is there. What is quick is computed
 again at once; what is slow waits for a pause in the changes and is then drawn by a redraw of its own, so that dragging
@@ -29,7 +29,7 @@ _kept: OrderedDict[object, _Entry] = watched(OrderedDict(), geometry=False)
 
 @dataclass
 class _Entry:
-    """A value with what it was made from, when and in how many seconds; what is wanted now, and since when."""
+    """A value with its key, its time and its seconds of work; the key wanted now, and since when."""
 
     value: object
     key: object

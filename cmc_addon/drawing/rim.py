@@ -72,7 +72,7 @@ class Rim:
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """The part of a plan that does not depend on what its groups prescribe.
+    """The part of a plan that does not depend on the conditions of its groups.
 
     positions (V, 3); lines and size as in `Rim`; strip: the faces along the rim, None if they are no surface.
     """

@@ -35,7 +35,7 @@ OUTPUTS = ("blend", *EXPORTERS)
 
 @dataclass(frozen=True)
 class Request:
-    """What a run writes, for every input.
+    """The files that a run writes for every input.
 
     output: the folder. formats: of `OUTPUTS`. plans: names of the plan objects, all if empty. settings:
     names of SETTINGS → values that override the plan's own. conditions: tables as in a job file, for mesh
@@ -101,7 +101,7 @@ def run_plan(context: bpy.types.Context, plan: bpy.types.Object, request: Reques
 def find_plans(context: bpy.types.Context, names: Sequence[str] = ()) -> list[bpy.types.Object]:
     """The plans of the scene by name; or all that have boundary groups, a start or results or come from Mesh Plan.
 
-    If the scene has one mesh only, that is the plan. Raises `JobError` where there is none.
+    If the scene has one mesh only, that is the plan. Raises `JobError` without a plan.
     """
     objects = {ob.name: ob for ob in context.view_layer.objects}
     missing = [name for name in names if name not in objects]

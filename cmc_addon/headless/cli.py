@@ -117,7 +117,7 @@ def _parser() -> argparse.ArgumentParser:
         "-o", "--output", type=Path, default=Path(), metavar="DIR", help="output folder (default: the current one)"
     )
     parser.add_argument(
-        "-f", "--format", nargs="+", choices=OUTPUTS, default=["blend"], help="what to write (default: blend)"
+        "-f", "--format", nargs="+", choices=OUTPUTS, default=["blend"], help="formats to write (default: blend)"
     )
     parser.add_argument(
         "--plan", action="append", default=[], metavar="NAME", help="solve only this object; may be repeated"

@@ -127,7 +127,7 @@ def stop() -> None:
 
 @persistent
 def _on_undo(*_) -> None:
-    """What Blender brings back need not fit the last settings."""
+    """State restored by Blender need not fit the last settings."""
     stop()
     Latest.settings = None
 

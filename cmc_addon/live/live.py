@@ -147,7 +147,7 @@ def _on_frame(*_: object) -> None:
 
 @persistent
 def _on_other_data(*_: object) -> None:
-    """Undo, redo, another file: find the live plans; what their results show is not known."""
+    """Undo, redo, another file: find the live plans; their results may be out of date."""
     _drop()
     Live.states = {ob.session_uid: State() for ob in bpy.data.objects if is_live(ob)}
     if Live.states:

@@ -69,7 +69,7 @@ def read(context: bpy.types.Context, plan: bpy.types.Object) -> Reading:
 
 @dataclass(frozen=True, eq=False)
 class Memory:
-    """What the next quick update starts from: a reading, its prepared plan, its map (S, 3), and where the results are
+    """The start of the next quick update: a reading, its prepared plan, its map (S, 3), and where the results are
     cut open their triangles (F, 3), which a cut elsewhere would not fit."""
 
     reading: Reading
@@ -88,7 +88,7 @@ class Memory:
 
 @dataclass(frozen=True, eq=False)
 class LiveTask(ABC, Generic[R]):
-    """A task as those of `tasks.task`, whose writing gives what the next quick update starts from."""
+    """A task as those of `tasks.task`, whose writing returns the start of the next quick update."""
 
     reading: Reading
     grade: int
@@ -192,7 +192,7 @@ def _alike(a: NDArray[np.int32] | None, b: NDArray[np.int32] | None) -> bool:
 
 
 def _hide_older(plan: bpy.types.Object, wanted: list[str]) -> None:
-    """Hide what was completed from an older shell, if it is shown, and show the shell."""
+    """Hide copies of an older shell that are shown, and show the shell."""
     completed = [thing for thing in (result_of(plan, "COMPLETED"), copies_of(plan)) if thing is not None]
     if any(not thing.hide_viewport for thing in completed):
         hide_completed(plan, True)

@@ -213,7 +213,7 @@ def select(context: bpy.types.Context, mesh: bpy.types.Mesh, edges: np.ndarray, 
 def selected_boundary(operator: bpy.types.Operator, mesh: bpy.types.Mesh) -> np.ndarray:
     """Indices of the selected boundary edges; selected ones off the boundary are counted in a report.
 
-    Raises MeshError if there are none, naming the edges that were selected off the boundary.
+    Raises MeshError without any, naming the selected edges off the boundary.
     """
     state = edge_bridge.read_edges(mesh)
     inner = np.nonzero(state.selected & ~state.boundary)[0]

@@ -29,7 +29,7 @@ _USUAL = 30
 
 
 class DesignOperator(TaskOperator):
-    """What the two have in common."""
+    """The common part of Fit to Outline and Approximate Surface."""
 
     _task: DesignTask | None = None
 

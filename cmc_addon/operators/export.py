@@ -36,7 +36,7 @@ def file_name(plan: bpy.types.Object, result: bpy.types.Object) -> str:
 
 
 class CMC_OT_export(ModalOperator, bpy.types.Operator):
-    """Write the formed, fitted or repeated shell as a GLB, OBJ, PLY or STL file, with its report beside it"""
+    """Write the solved, fitted or repeated shell as a GLB, OBJ, PLY or STL file, with its report beside it"""
 
     bl_idname = "cmc.export"
     bl_label = "Export Shell"

@@ -54,7 +54,7 @@ class CMC_OT_start_from_shell(OnStart, bpy.types.Operator):
         if known is None:
             raise CmcError(f"'{plan.name}' has no shell, or was changed since it was made; solve first.")
         if plan.cmc.apply_modifiers and len(plan.modifiers):
-            raise CmcError(f"The shell was formed with the modifiers of '{plan.name}'; apply them first.")
+            raise CmcError(f"The shell was solved with the modifiers of '{plan.name}'; apply them first.")
         surface = known.shell.surface
         first = np.unique(surface.source, return_index=True)[1]  # all copies of a vertex along a cut have its normal
         start_bridge.write_normals(plan.data, surface.normals[first])

@@ -22,7 +22,7 @@ _USUAL = 4
 
 
 class PeriodsOperator(TaskOperator):
-    """What the two have in common."""
+    """The common part of Close Gaps and Repeat by Gaps."""
 
     names: tuple[str, ...] = ()
 

@@ -13,7 +13,7 @@ RUNNING = "A solve is running; wait for it, or cancel it (Esc) first"
 
 
 def why_not_object_mode(context: bpy.types.Context) -> str:
-    """What to do first where an operator needs object mode; "" in object mode."""
+    """The step to take first where an operator needs object mode; "" in object mode."""
     return "" if context.mode == "OBJECT" else "Leave edit mode first"
 
 

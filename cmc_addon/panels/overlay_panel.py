@@ -1,4 +1,4 @@
-"""Overlay: what is drawn over the viewport, in the sidebar and in Blender's overlay popover."""
+"""Overlay: the switches of the viewport overlay, in the sidebar and in Blender's overlay popover."""
 
 import bpy
 

@@ -94,7 +94,7 @@ class CMC_PT_checks(ResultPanel, bpy.types.Panel):
 
 
 def check_rows(report: dict) -> list[tuple[str, str]]:
-    """How well the shown sheet keeps what it should."""
+    """Labels and numbers of the checks: curvature, distortion, distance from the outline, and others."""
     shown, rows = shown_sheet(report), []
     if shown["mean_curvature"]:
         rows.append(("H Off By", percent_text(shown["mean_curvature"]["relative_l2"])))

@@ -1,10 +1,10 @@
-"""The CMC tab of the sidebar, in the order of the work: the panels Plan and Shell, and what all panels share.
+"""The CMC tab of the sidebar, in the order of the work: the panels Plan and Shell, and the parts that all panels share.
 
 The `bl_order` of the panels:
 
     Plan 0, Boundary 1, Shell 2 (Options, Advanced, Design), Results 3, Look 4, Overlay 5, Repeat 50, Export 60
 
-What is drawn depends on the active object alone, and no state raises. A button that cannot be pressed is disabled by
+The panels depend on the active object alone, and no state raises. A button that cannot be pressed is disabled by
 its operator's `poll`, and its tooltip explains why.
 """
 

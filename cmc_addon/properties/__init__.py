@@ -1,4 +1,4 @@
-"""What a .blend file stores, and the settings of every operator and panel.
+"""Data stored in a .blend file, and the settings of every operator and panel.
 
 `stored` attaches the property groups to meshes, objects and scenes. Each `*_settings` file lists the settings of one
 capability once: as annotations for `Object.cmc`, as annotations for its operator, and as rows for the panel. `links`

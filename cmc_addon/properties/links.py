@@ -58,7 +58,7 @@ def copies_of(plan: bpy.types.Object) -> bpy.types.Collection | None:
 
 
 def plan_to_solve(context: bpy.types.Context) -> bpy.types.Object | None:
-    """The plan that Solve would take, see `plan_of`; None where there is none or it is not a mesh."""
+    """The plan that Solve would take, see `plan_of`; None without one, or where it is not a mesh."""
     try:
         plan = plan_of(context.object)
     except CmcError:

@@ -1,4 +1,4 @@
-"""Result objects: their names, their places, and what the next solve does with them.
+"""Result objects: their names, their places, and their update by the next solve.
 
 **Names.** The first solve of a plan called "Hall" makes the collection "CMC Hall" under the scene, and in it
 those of "Hall f+", "Hall f-", "Hall g" and "Hall Gauss image" that are wanted. Names are given once: links tie
@@ -76,7 +76,7 @@ def check_writable(plan: bpy.types.Object) -> None:
 class Writer:
     """Writes shells into the result objects of a plan; the module's docstring lists what stays.
 
-    mesh: the plan's arrays that the shell was formed over; cut: where it is open.
+    mesh: the arrays of the plan under the shell; cut: where it is open.
     """
 
     def __init__(
@@ -130,7 +130,7 @@ class Writer:
         owners: NDArray,
         measures: Mapping[str, NDArray] | None = None,
     ) -> None:
-        """The same with the polygons of a dual or corner mesh, formed on the plan's triangles (see `polygon_mesh`)."""
+        """The same with the polygons of a dual or corner mesh, made of the plan's triangles (see `polygon_mesh`)."""
         fresh = polygon_mesh(self.plan, self.depsgraph, self.mesh, triangles, owners, sheet)
         result = self._put(role, fresh, row_weights(sheet, self.weights, len(self.mesh.positions)))
         put_points(result, self.origin, sheet.points, sheet.normals, measures)
@@ -227,7 +227,7 @@ def delete_result(result: bpy.types.Object) -> None:
 
 
 def show_wanted(plan: bpy.types.Object, wanted: list[str]) -> None:
-    """Hide results that are not wanted now; show those again that were hidden for that reason."""
+    """Hide results that are not wanted now; show again those that this hid before."""
     for role, result in results_of(plan).items():
         if (role not in wanted) == result.cmc.parked:
             continue

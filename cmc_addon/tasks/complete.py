@@ -147,7 +147,7 @@ class CompleteTask(ShellTask[CompleteResult]):
 
 
 def sheet_numbers(solved: SolveResult, sheet: str, task: SolveTask) -> Measured:
-    """What a task measures on a sheet that is the same on every copy: no directions, no distance from the outline."""
+    """The measures that are the same on every copy: no directions, no distance from the outline."""
     measured = solved.measures(sheet, task) or {}
     return {name: values for name, values in measured.items() if values.ndim == 1 and name != ATTRIBUTES[DEVIATION]}
 

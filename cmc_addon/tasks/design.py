@@ -1,4 +1,4 @@
-"""Design by target: what Fit to Outline and Approximate Surface share.
+"""Design by target: the common part of Fit to Outline and Approximate Surface.
 
 Solve takes the boundary conditions as given; these two search for them. During the work `latest` is the best shape so
 far, for the screen.
@@ -59,7 +59,7 @@ class DesignResult(Result):
 
     @property
     def message(self) -> str:
-        """How near the shell came to its target; where that is not near enough, what to change."""
+        """How near the shell is to its target, and what to change where that is not near enough."""
         if not self.converged:
             return self.fit.message
         if self.deviation is not None:
@@ -136,7 +136,7 @@ class DesignTask(Task[DesignResult]):
         """The fit in these coordinates; calls `show` with shapes on the way."""
 
     def outline(self, frame: Frame, prepared: plan_cache.Prepared) -> Array | list[Array] | None:
-        """What the rim's distance is measured from: drawn positions of the vertices, closed lines, or nothing."""
+        """The reference for the rim's distance: drawn positions of the vertices, closed lines, or nothing."""
         return self.mesh.positions
 
     def deviation(self, prepared: plan_cache.Prepared, points: Array) -> Array | None:

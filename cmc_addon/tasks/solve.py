@@ -56,7 +56,7 @@ class SolveResult(Result):
         return self._polygons[sheet]
 
     def measures(self, sheet: str, task: SolveTask) -> Measured | None:
-        """What the task measures on a placed sheet, each made once; None on g and the Gauss image."""
+        """The measures on a placed sheet, each made once; None on g and the Gauss image."""
         if sheet not in SHEETS:
             return None
         known, shell = self._measures.setdefault(sheet, {}), self.shell
@@ -77,7 +77,7 @@ class SolveResult(Result):
 
 @dataclass(frozen=True, eq=False)
 class SolveTask(Task[SolveResult]):
-    """A solve, without any Blender data. measured: names of what to measure."""
+    """A solve, without any Blender data. measured: names of the measures."""
 
     name: str
     mesh: PlanMesh
@@ -198,7 +198,7 @@ class SolveTask(Task[SolveResult]):
 
 
 def still_wanted(progress: Progress) -> Callable[[], bool]:
-    """For work without steps of its own: asks `progress` whether to go on, and reports nothing."""
+    """For work without steps: asks `progress` whether to continue, and reports nothing."""
     return lambda: progress(-1, 0.0) is not False
 
 
@@ -216,7 +216,7 @@ def check_unchanged(plan: bpy.types.Object, depsgraph: bpy.types.Depsgraph | Non
 def write_reports(
     context: bpy.types.Context, plan: bpy.types.Object, result: SolveResult, warnings: list[str]
 ) -> None:
-    """Put the solver's report on a plan and its results, with what only Blender knows: names and the scene's unit."""
+    """Put the solver's report on a plan and its results, with names and the scene's unit."""
     report = {
         "plan": plan.name,
         "unit_scale": context.scene.unit_settings.scale_length,

@@ -1,4 +1,4 @@
-"""What all tasks share: they read Blender's data, work on arrays and write the result.
+"""The base class of tasks: they read Blender's data, work on arrays and write the result.
 
     task = SolveTask.read(context, plan, settings)    from objects to arrays
     result = task.work(progress)                      no bpy: may run in a thread

@@ -118,12 +118,12 @@ def row(part_of, colours, gap: float, view: tuple[float, float], aspect: float, 
 def cylinder(completion: Completion) -> np.ndarray:
     """1 for the copies of one cylinder: those reached from the first without crossing its ends."""
     across = [seam.name != "bottom" for seam in completion.seams]
-    found, new = {0}, [0]
+    reached, new = {0}, [0]
     while new:
         here = completion.neighbours[new][:, across]
-        new = sorted(set(here.ravel().tolist()) - found)
-        found.update(new)
-    return np.isin(np.arange(len(completion.copies)), list(found)).astype(int)
+        new = sorted(set(here.ravel().tolist()) - reached)
+        reached.update(new)
+    return np.isin(np.arange(len(completion.copies)), list(reached)).astype(int)
 
 
 def sheets(completion: Completion) -> np.ndarray:

@@ -32,9 +32,9 @@ def approximation() -> None:
     given = surfaces.wavy_disc(disc.positions, disc.domain.faces)
     domain = Domain.from_positions(given.points, given.faces)
     uv = 5.0 * conformal_coordinates(given.points, given.faces)
-    found = [fit_gauss_map(domain, given.points, weight) for weight in WEIGHTS]
+    fits = [fit_gauss_map(domain, given.points, weight) for weight in WEIGHTS]
     columns = [("input", given.points, drawn_normals(domain, given.points))]
-    for weight, fit in zip(WEIGHTS, found, strict=True):
+    for weight, fit in zip(WEIGHTS, fits, strict=True):
         tell(f"λ = {weight:g}", fit)
         columns.append((f"λ = {weight:g}", fit.points(), outward(fit)))
     plaster, coloured = scene.checker("Plaster", "UVMap"), painted("Curvature")

@@ -1,4 +1,4 @@
-"""Pictures of surfaces for docs/combinatorics.md: the complexes, the identity of the sphere, a disc of needles.
+"""Pictures for docs/explanation/combinatorics.md: the three meshes of a surface, the sphere's identity, needles.
 
 `render_gallery.py` starts Blender and calls them.
 """
@@ -31,7 +31,7 @@ COLOURS = {
 
 
 def combinatorics() -> None:
-    """Paper, Figures 5 and 6: g and f+ of one map, normals at vertices above, at faces below, on every complex."""
+    """Paper, Figures 5 and 6: g and f+ of one map, normals on vertices above, on faces below; all three meshes."""
     disc = shapes.disc(91)
     plan = disc.positions * [1.15, 0.95]
     domain = Domain.from_positions(plan, disc.domain.faces)
@@ -41,13 +41,13 @@ def combinatorics() -> None:
         counts = (len(domain.faces), len(domain.edges), domain.vertex_count)
         own = "dual" if sites == "vertices" else "primal"
         columns = [("g", own), ("f+", "primal"), ("f+", "dual"), ("f+", "corner")]
-        for column, (sheet, complex_name) in enumerate(columns):
-            mesh = surface.as_mesh(sheet, complex_name)
-            kinds = np.repeat([0, 1, 2], counts) if complex_name == "corner" else None
+        for column, (sheet, combinatorics) in enumerate(columns):
+            mesh = surface.as_mesh(sheet, combinatorics)
+            kinds = np.repeat([0, 1, 2], counts) if combinatorics == "corner" else None
             place = np.array([2.35 * column, 0.0, -1.62 * row])
             points = fitted(mesh.vertices, 1.75) + place
             colour = BLUE if sheet == "g" else PLASTER
-            faceted(f"{sites} {sheet} {complex_name}", points, mesh.polygons, colour, kinds)
+            faceted(f"{sites} {sheet} {combinatorics}", points, mesh.polygons, colour, kinds)
         scene.add_text(f"normals on {sites}", (-1.25, 0.0, -0.05 - 1.62 * row), 0.17, turned=90.0)
     for column, text in enumerate(("g", "f+, primal", "f+, dual", "f+, corners")):
         scene.add_text(text, (2.35 * column, 0.0, 0.95), 0.2)
@@ -91,13 +91,13 @@ def identity() -> None:
     for column, aspect in enumerate(figure20.ASPECTS):
         points, faces = figure20.sphere(1200, aspect)
         octant = (np.sign(points).prod(axis=1) > 0).astype(int)
-        found = [figure20.recover(points, faces, energy) for energy in ("mobius", "dual_cotan")]
+        recoveries = [figure20.recover(points, faces, energy) for energy in ("mobius", "dual_cotan")]
         place = np.array([2.3 * column, 0.0, 0.0])
         line = 0.007 / np.sqrt(max(1.0, aspect / 8))
         scene.add_text(str(aspect), place + [0.0, 0.0, 1.5], 0.36)
         faceted(f"{aspect} sphere", points + place, list(faces), PLASTER, line=line)
-        for row, recovery in enumerate(found, start=1):
-            image = recovery.found.normals + place + [0.0, 0.0, -2.4 * row]
+        for row, recovery in enumerate(recoveries, start=1):
+            image = recovery.harmonic.normals + place + [0.0, 0.0, -2.4 * row]
             faceted(f"{aspect} {row}", image, stars(points, faces), PLASTER, 2 * octant, line=line)
     for row, text in enumerate(("mesh", "Möbius", "dual cotan")):
         scene.add_text(text, (-1.6, 0.0, -2.4 * row), 0.36, turned=90.0)

@@ -60,7 +60,7 @@ CROPS: dict[str, tuple[str, str, tuple[int, int, int, int]]] = {
     "tangent-planes.jpg": ("overlay", "tangent-planes", VIEW),
     "mirrors.jpg": ("overlay", "mirrors-solved", VIEW),
     "colours.jpg": ("colours", "gauss-curvature", WIDE),
-    "strokes.jpg": ("colours", "curvature-lines", VIEW),
+    "curvature-lines.jpg": ("colours", "curvature-lines", VIEW),
     "gauss-image.jpg": ("colours", "gauss-image", WIDE),
     "presets.jpg": ("steps", "presets", MENU),
     "assign.jpg": ("steps", "assign", MENU),
@@ -72,8 +72,8 @@ CROPS: dict[str, tuple[str, str, tuple[int, int, int, int]]] = {
 
 def taken(story: str, name: str) -> Path | None:
     """The picture of this name, whatever its number."""
-    found = sorted(TAKEN.glob(f"{story}-[0-9][0-9]-{name}.png"))
-    return found[-1] if found else None
+    pictures = sorted(TAKEN.glob(f"{story}-[0-9][0-9]-{name}.png"))
+    return pictures[-1] if pictures else None
 
 
 def crop(source: Path, target: Path, part: tuple[int, int, int, int]) -> None:

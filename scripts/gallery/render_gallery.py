@@ -97,7 +97,7 @@ def plans_and_shells(samples: int) -> None:
 
 
 def combinatorics(samples: int) -> None:
-    """The complexes of a coarse disc (paper, Figures 5 and 6)."""
+    """The dual and the corner mesh of a coarse disc (paper, Figures 5 and 6)."""
     gallery_faces.combinatorics()
     picture("combinatorics", (3.38, -30.0, 14.0), (3.38, 0.0, -0.72), 119.0, 0.42, samples, suffix=".jpg")
 

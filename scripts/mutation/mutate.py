@@ -35,7 +35,7 @@ _START = 20.0
 _TIMES = 3.0
 # Real time that a processor shared with others may take for a second of its own.
 _SHARED = 15.0
-# Of tests that one mutant is tried with, in seconds of a processor.
+# Processor time, in seconds, of the tests tried with one mutant.
 _LONGEST = 20.0
 # Tests of what is installed elsewhere, not of the checkout.
 _IGNORED = "--ignore=tests/blender/test_extension.py"
@@ -69,7 +69,7 @@ def run_pytest(folder: Path, arguments: list[str], seconds: float | None = None,
 
 
 def line_map(copy: Path, suite: str, rooms: list[str]) -> dict[str, dict]:
-    """What each test of a suite runs in the rooms; see `line_map.py`."""
+    """The lines that each test of a suite runs in the rooms; see `line_map.py`."""
     out = copy / "lines.json"
     arguments = ["-p", "scripts.mutation.line_map", _IGNORED, suite]
     run_pytest(copy, arguments, CMC_LINES_OF=",".join(rooms), CMC_LINES_IN=str(out))

@@ -1,4 +1,4 @@
-"""The tables of docs/approximation.md, measured: the distance of CMC surfaces from given ones.
+"""The tables of docs/measured/approximation.md, measured: the distance of CMC surfaces from given ones.
 
     make gallery                                            # measures, writes the tables, draws the pictures
     .venv/bin/python -m scripts.tables.measure_approximation cmc   # some of them, printed only
@@ -33,25 +33,25 @@ def drawn(make, count: int) -> tuple[Domain, np.ndarray]:
     return Domain.from_positions(given.points, given.faces), given.points
 
 
-def spread_of_curvature(found: Fit) -> float:
+def spread_of_curvature(fit: Fit) -> float:
     """Root mean square over the area of H / target - 1, measured."""
-    points, faces = found.points(), found.surface.faces
-    H = found.sign * mean_curvature_of(points, faces, found.surface.normals)
+    points, faces = fit.points(), fit.surface.faces
+    H = fit.sign * mean_curvature_of(points, faces, fit.surface.normals)
     a, b, c = (points[faces[:, k]] for k in range(3))
     areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) * np.isfinite(H)
-    return float(np.sqrt(np.average((np.nan_to_num(H) / found.surface.mean_curvature - 1) ** 2, weights=areas)))
+    return float(np.sqrt(np.average((np.nan_to_num(H) / fit.surface.mean_curvature - 1) ** 2, weights=areas)))
 
 
-def distortion(domain: Domain, found: Fit) -> tuple[float, float]:
+def distortion(domain: Domain, fit: Fit) -> tuple[float, float]:
     """½ (Q + 1/Q) - 1: the mean over the given surface, and the largest."""
-    Q = conformal_distortion(domain, found.points())
+    Q = conformal_distortion(domain, fit.points())
     energy = 0.5 * (Q + 1 / Q) - 1
     return float(np.average(energy, weights=domain.face_areas)), float(energy.max())
 
 
-def distances(domain: Domain, points: np.ndarray, found: Fit) -> tuple[float, float, float]:
+def distances(domain: Domain, points: np.ndarray, fit: Fit) -> tuple[float, float, float]:
     """Distances from the given surface in % of its diagonal: root mean square, largest, largest along the rim."""
-    away = 100 * Triangles(points, domain.faces).closest(found.points()).distances / size_of(points)
+    away = 100 * Triangles(points, domain.faces).closest(fit.points()).distances / size_of(points)
     mean = np.sqrt(np.average(away**2, weights=domain.vertex_areas))
     return float(mean), float(away.max()), float(away[domain.boundary_vertices].max())
 
@@ -66,13 +66,13 @@ def figure10() -> list[str]:
     ]
     for likeness in (0.1, 0.0):
         for weight in WEIGHTS:
-            found = fit_gauss_map(domain, points, weight, likeness=likeness)
-            mean, most = distortion(domain, found)
-            near, far, _ = distances(domain, points, found)
+            fit = fit_gauss_map(domain, points, weight, likeness=likeness)
+            mean, most = distortion(domain, fit)
+            near, far, _ = distances(domain, points, fit)
             rows.append(
-                f"| {weight:g} | {likeness:g} | {found.distances['Gauss map']:.3f} "
-                f"| {found.distances['smooth rim']:.2f} | {100 * spread_of_curvature(found):.2f} % | {mean:.0e} "
-                f"| {most:.0e} | {near:.1f} % | {far:.1f} % | {len(found.history)} |"
+                f"| {weight:g} | {likeness:g} | {fit.distances['Gauss map']:.3f} "
+                f"| {fit.distances['smooth rim']:.2f} | {100 * spread_of_curvature(fit):.2f} % | {mean:.0e} "
+                f"| {most:.0e} | {near:.1f} % | {far:.1f} % | {len(fit.history)} |"
             )
     return rows
 
@@ -102,11 +102,11 @@ def saddles() -> list[str]:
         domain, points = over_the_disc(2000, height)
         cells = []
         for likeness in (0.1, 0.0):
-            found = fit_gauss_map(domain, points, 1e-4, likeness=likeness)
-            near = 100 * off(domain, found.points(), points)
-            cells.append(f"{found.distances['Gauss map']:.3f} | {near:.1f} %")
+            fit = fit_gauss_map(domain, points, 1e-4, likeness=likeness)
+            near = 100 * off(domain, fit.points(), points)
+            cells.append(f"{fit.distances['Gauss map']:.3f} | {near:.1f} %")
             if likeness:
-                cells.append(f"{found.surface.mean_curvature * size_of(points):.2f} | {len(found.history)}")
+                cells.append(f"{fit.surface.mean_curvature * size_of(points):.2f} | {len(fit.history)}")
         rows.append(f"| {name} | {' | '.join(cells)} |")
     return rows
 
@@ -120,11 +120,11 @@ def places() -> list[str]:
     for name, make in (("wavy disc", surfaces.wavy_disc), ("cultural centre", surfaces.cultural_centre)):
         domain, points = drawn(make, 5000)
         for weight in (0.0, 10.0, 100.0, 1000.0):
-            found = fit_gauss_map(domain, points, 1e-4, near=weight)
-            mean, most, rim = distances(domain, points, found)
+            fit = fit_gauss_map(domain, points, 1e-4, near=weight)
+            mean, most, rim = distances(domain, points, fit)
             rows.append(
-                f"| {name} | {weight:g} | {found.distances['Gauss map']:.3f} | {mean:.2f} % | {most:.2f} % "
-                f"| {rim:.2f} % | {100 * spread_of_curvature(found):.1f} % | {len(found.history)} |"
+                f"| {name} | {weight:g} | {fit.distances['Gauss map']:.3f} | {mean:.2f} % | {most:.2f} % "
+                f"| {rim:.2f} % | {100 * spread_of_curvature(fit):.1f} % | {len(fit.history)} |"
             )
     return rows
 

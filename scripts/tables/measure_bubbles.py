@@ -1,4 +1,4 @@
-"""The tables of docs/bubbles.md, measured: Wente's cylinders and tori, the honeycomb ring, two shells over one rim.
+"""The tables of docs/measured/bubbles.md: Wente's cylinders and tori, the honeycomb ring, two shells over one rim.
 
     make gallery                                           # measures, writes the tables, draws the pictures
     .venv/bin/python -m scripts.tables.measure_bubbles heights    # some of them, printed only
@@ -137,13 +137,13 @@ def wholes() -> list[str]:
         torus = whole(complete(bubble.surface, bubble.sides))
         solver = HarmonicSolver(torus.domain)
         problem, start = problem_of(solver, Conditions()), nearby(solver, torus.normals)
-        found = saddle(solver, Conditions(), start, index=None, tolerance=1e-9)
-        before, after = (np.abs(imbalance(problem, N)).max() for N in (start, found.normals))
-        index, null = index_of(solver, Conditions(), found.normals)
+        result = saddle(solver, Conditions(), start, index=None, tolerance=1e-9)
+        before, after = (np.abs(imbalance(problem, N)).max() for N in (start, result.normals))
+        index, null = index_of(solver, Conditions(), result.normals)
         rows.append(
             line(
                 f"{angle}°", bubble.cylinders, torus.domain.vertex_count, f"{problem.at(start).residual:.1f}",
-                found.iterations, f"{found.residual:.0e}", f"{found.energy:.3f}", f"{before:.0e}", f"{after:.0e}",
+                result.iterations, f"{result.residual:.0e}", f"{result.energy:.3f}", f"{before:.0e}", f"{after:.0e}",
                 f"{index}, {null}",
             )
         )  # fmt: skip
@@ -155,19 +155,19 @@ def seeds() -> list[str]:
     head = ("angle", "columns around", "found", "steps", "index", "lowest λ", "E")
     rows = table(*head)
     for angle, columns in ((120, 64), (90, 80)):
-        found, modes = [], []
+        results, modes = [], []
         for seed in range(SEEDS):
             domain, held, start = jittered_cylinder(np.radians(angle), columns, seed)
             solver = HarmonicSolver(domain)
             result = saddle(solver, held, start)
             if result.status is Status.CONVERGED:
-                found.append(result)
+                results.append(result)
                 modes.append(modes_of(solver, held, result.normals, tolerance=1e-3))
-        steps, energies = [f.iterations for f in found], [f.energy for f in found]
+        steps, energies = [f.iterations for f in results], [f.energy for f in results]
         lowest = [mode.values[0] for mode in modes]
         rows.append(
             line(
-                f"{angle}°", columns, f"{len(found)} of {SEEDS}", span(steps, "d"),
+                f"{angle}°", columns, f"{len(results)} of {SEEDS}", span(steps, "d"),
                 span([mode.index for mode in modes], "d"), span(lowest, ".4f"), span(energies, ".3f"),
             )
         )  # fmt: skip
@@ -203,15 +203,15 @@ def rings() -> list[str]:
 
 
 def pentagon() -> list[str]:
-    """Closing from a spoke 12.5 % too long: the length found, and the necks beside those of the quadrilateral."""
+    """Closing from a spoke 12.5 % too long: its length, and the necks beside those of the quadrilateral."""
     rows = table("edge", "vertices", "gap", "steps", "gap after", "index", "spoke", "error", "necks", "quadrilateral")
     for edge in (0.2, 0.14, 0.1, 0.07):
         plan = closing_plans.pentagon(1.125 * LENGTH, edge)
         closing = plan.close()
         modes = modes_of(HarmonicSolver(closing.domain), closing.conditions, closing.surface.normals)
-        found, radii = spoke_of(closing, plan), closing_plans.necks(closing, plan)
+        spoke, radii = spoke_of(closing, plan), closing_plans.necks(closing, plan)
         cells = [edge, closing.domain.vertex_count, f"{closing.gaps[0]:.3f}", len(closing.gaps) - 1]
-        cells += [f"{closing.gaps[-1]:.0e}", modes.index, f"{found:.4f}", f"{abs(found / LENGTH - 1):.0e}"]
+        cells += [f"{closing.gaps[-1]:.0e}", modes.index, f"{spoke:.4f}", f"{abs(spoke / LENGTH - 1):.0e}"]
         whole_ring = ring(LENGTH, max_edge=edge)
         end = next(side for side in whole_ring.sides if side.name == "end")
         same = closing_plans.neck(whole_ring.piece, np.asarray(end.edges), np.array([1.0, 0.0, 0.0]))
@@ -232,13 +232,13 @@ def shells() -> list[str]:
             solver = HarmonicSolver(disc.domain)
             cap = solver.solve(held)
             bubble = solver.solve(held, degree=cap.degree - 1.0)
-            for name, found, exact in (("cap", cap, part), ("bubble", bubble, part - 1.0)):
-                steps = found.iterations if found.status is Status.CONVERGED else found.status.value
-                index, _ = index_of(solver, held, found.normals)
+            for name, result, exact in (("cap", cap, part), ("bubble", bubble, part - 1.0)):
+                steps = result.iterations if result.status is Status.CONVERGED else result.status.value
+                index, _ = index_of(solver, held, result.normals)
                 rows.append(
                     line(
-                        f"{tilt}°", disc.domain.vertex_count, name, steps, f"{found.degree:.4f}", f"{exact:.4f}",
-                        f"{found.energy / np.pi:.4f}", f"{4 * abs(exact):.4f}", index,
+                        f"{tilt}°", disc.domain.vertex_count, name, steps, f"{result.degree:.4f}", f"{exact:.4f}",
+                        f"{result.energy / np.pi:.4f}", f"{4 * abs(exact):.4f}", index,
                     )
                 )  # fmt: skip
     return rows

@@ -1,4 +1,4 @@
-"""The tables of docs/combinatorics.md, measured: convergence, and robustness to poor triangles.
+"""The tables of docs/measured/combinatorics.md, measured: convergence, and robustness to poor triangles.
 
     make gallery                                                # measures, writes the tables, draws the pictures
     .venv/bin/python -m scripts.tables.measure_faces recovery needles  # some of them, printed only
@@ -44,14 +44,15 @@ def recovery() -> list[str]:
     rows = ["| aspect ratio | vertices | not Delaunay | Möbius | dual cotangent | shell | tangent |", "|---" * 7 + "|"]
     for aspect in figure20.ASPECTS:
         mesh = figure20.sphere(1200, aspect)
-        found = [figure20.recover(*mesh, energy) for energy in ("mobius", "dual_cotan", "shell", "tan")]
-        cells = [f"{aspect}", f"{len(mesh[0])}", f"{100 * found[0].not_delaunay:.0f} %", *map(in_words, found)]
+        recoveries = [figure20.recover(*mesh, energy) for energy in ("mobius", "dual_cotan", "shell", "tan")]
+        share = recoveries[0].not_delaunay
+        cells = [f"{aspect}", f"{len(mesh[0])}", f"{100 * share:.0f} %", *map(in_words, recoveries)]
         rows.append(f"| {' | '.join(cells)} |")
     return rows
 
 
-def in_words(found: figure20.Recovery) -> str:
-    return f"{found.error:.1f}°" if found.found.status.value == "converged" else f"lost ({found.error:.0f}°)"
+def in_words(recovery: figure20.Recovery) -> str:
+    return f"{recovery.error:.1f}°" if recovery.harmonic.ok else "lost"
 
 
 def discs() -> list[str]:
@@ -72,9 +73,9 @@ def irregular() -> list[str]:
     for where, (make, delaunay) in IRREGULAR.items():
         for name, kind in KINDS.items():
             if delaunay or kind[1] != "dual_cotan":  # elsewhere it has no minimum
-                found = [errors(make(n), 1, *kind, delaunay=delaunay) for n in SIZES[:3]]
+                measured = [errors(make(n), 1, *kind, delaunay=delaunay) for n in SIZES[:3]]
                 cells = [f"| {where} | {name}"]
-                for values in ([e.l2 for e in found], [e.linf for e in found]):
+                for values in ([e.l2 for e in measured], [e.linf for e in measured]):
                     cells.append(f"{values[0]:.1e} | {values[-1]:.1e} | {rates(values).mean():.1f}")
                 rows.append(" | ".join(cells) + " |")
     return rows
@@ -105,21 +106,21 @@ def averages() -> list[str]:
         for name in names:
             plans = [disc(n, jitter=0.2) for n in SIZES[:3]]
             options = dict(averaging=name, delaunay=True)
-            found = [errors(plan, 1, sites, energy, **options).l2 for plan in plans]
-            rows.append(row(f"{sites}, `{name}`", "H of f+ on triangles", found))
-            for complex_name in ("primal", "dual"):
-                found = [
-                    off_the_hemisphere(plan, complex_name, sites=sites, energy=energy, **options) for plan in plans
+            measured = [errors(plan, 1, sites, energy, **options).l2 for plan in plans]
+            rows.append(row(f"{sites}, `{name}`", "H of f+ on triangles", measured))
+            for combinatorics in ("primal", "dual"):
+                measured = [
+                    off_the_hemisphere(plan, combinatorics, sites=sites, energy=energy, **options) for plan in plans
                 ]
-                rows.append(row(f"{sites}, `{name}`", f"f+, {complex_name}", found))
+                rows.append(row(f"{sites}, `{name}`", f"f+, {combinatorics}", measured))
     return rows
 
 
-def off_the_hemisphere(plan, complex_name: str, **options) -> float:
+def off_the_hemisphere(plan, combinatorics: str, **options) -> float:
     """Root mean square error of f+ over the unit disc; it lies on the sphere of radius 2."""
     domain, points = plan
     mesh = solve_cmc(domain, conditions.binormal(domain, points, domain.boundary_edges), **options).as_mesh(
-        "f+", complex_name
+        "f+", combinatorics
     )
     places = np.einsum("nk,nkx->nx", mesh.barycentric, points[mesh.anchors])
     away = mesh.vertices - 2.0 * hemisphere(places)

@@ -1,4 +1,4 @@
-"""The tables of docs/fitting.md, measured: the distance of shells from an outline, and the work it takes.
+"""The tables of docs/measured/fitting.md, measured: the distance of shells from an outline, and the work it takes.
 
     make gallery                                       # measures, writes the tables, draws the pictures
     .venv/bin/python -m scripts.tables.measure_fits outlines  # some of them, printed only
@@ -51,26 +51,26 @@ def outlines() -> list[str]:
     for name in OUTLINES:
         for vertices in SIZES:
             shape = plan(name, vertices)
-            found = [fit_outline(shape.domain, shape.positions, rise=rise) for rise in RISES]
-            cells = [cell(name, shape.positions, each) for each in found]
+            fits = [fit_outline(shape.domain, shape.positions, rise=rise) for rise in RISES]
+            cells = [cell(name, shape.positions, fit) for fit in fits]
             rows.append(f"| {name} | {len(shape.positions)} | {' | '.join(cells)} |")
     return rows
 
 
-def cell(name: str, points: Array, found: Fit) -> str:
+def cell(name: str, points: Array, fit: Fit) -> str:
     size = size_of(points)
-    far = 100 * found.distances["rim on curve"] / size
-    evaluations = len(found.history)
-    return f"{far:.2f}, {100 * away_from_corners(name, points, found) / size:.2f} ({evaluations})"
+    far = 100 * fit.distances["rim on curve"] / size
+    evaluations = len(fit.history)
+    return f"{far:.2f}, {100 * away_from_corners(name, points, fit) / size:.2f} ({evaluations})"
 
 
-def away_from_corners(name: str, points: Array, found: Fit) -> float:
+def away_from_corners(name: str, points: Array, fit: Fit) -> float:
     """Largest distance of rim vertices from the line, more than two radii away from the sharp corners."""
     outline, radius, _ = OUTLINES[name]
-    rim = found.points()[found.surface.domain.boundary_loops[0]]
+    rim = fit.points()[fit.surface.domain.boundary_loops[0]]
     corners = np.array(outline, dtype=np.float64)
     near = np.linalg.norm(rim[:, None, :2] - corners, axis=2).min(axis=1) < 2 * radius
-    line = points[found.surface.domain.boundary_loops[0]]
+    line = points[fit.surface.domain.boundary_loops[0]]
     line = np.column_stack([line[:, :2], np.zeros(len(line))])
     off = np.linalg.norm(rim - Curve(line, closed=True).closest(rim).points, axis=1)
     return float(off[~near].max())
@@ -78,12 +78,12 @@ def away_from_corners(name: str, points: Array, found: Fit) -> float:
 
 def height_parameters() -> list[str]:
     """Relative errors of height and volume, and for circles the distance from the spherical cap."""
-    rows = [f"| wish | vertices | {HEAD} |", "|---|---|" + "---|" * len(RISES)]
+    rows = [f"| goal | vertices | {HEAD} |", "|---|---|" + "---|" * len(RISES)]
     for name in OUTLINES:
         shape = plan(name, 5000)
-        found = [fit_outline(shape.domain, shape.positions, rise=rise) for rise in RISES]
+        fits = [fit_outline(shape.domain, shape.positions, rise=rise) for rise in RISES]
         half = 0.5 * np.ptp(shape.positions, axis=0).min()
-        cells = [f"{f.distances['crown height'] / (rise * half):.0e}" for f, rise in zip(found, RISES, strict=True)]
+        cells = [f"{f.distances['crown height'] / (rise * half):.0e}" for f, rise in zip(fits, RISES, strict=True)]
         rows.append(f"| height, {name} | {len(shape.positions)} | {' | '.join(cells)} |")
     for vertices in (800, 3200, 12800):
         disc = shapes.disc(vertices)
@@ -97,10 +97,10 @@ def height_parameters() -> list[str]:
 def cap(disc: shapes.Shape, rise: float) -> tuple[float, float]:
     """Relative error of the volume, and the largest distance from the sphere over a disc of radius 1."""
     volume = np.pi * rise * (3 + rise**2) / 6
-    found = fit_outline(disc.domain, disc.positions, volume=volume)
+    fit = fit_outline(disc.domain, disc.positions, volume=volume)
     radius = (1 + rise**2) / (2 * rise)
     exact = fit_outline(disc.domain, disc.positions, rise=rise).points() - [0, 0, rise - radius]
-    return found.distances["volume"] / volume, float(np.abs(np.linalg.norm(exact, axis=1) - radius).max())
+    return fit.distances["volume"] / volume, float(np.abs(np.linalg.norm(exact, axis=1) - radius).max())
 
 
 def raised() -> list[str]:
@@ -109,8 +109,8 @@ def raised() -> list[str]:
     rows = [f"| vertices | {HEAD} |", "|---|" + "---|" * len(RISES)]
     for vertices in SIZES:
         disc = shapes.disc(vertices)
-        found = [fit_outline(disc.domain, disc.positions, line, rise=rise) for rise in RISES]
-        cells = [f"{50 * f.distances['rim on curve']:.3f}{'' if f.is_met else ', not met'}" for f in found]
+        fits = [fit_outline(disc.domain, disc.positions, line, rise=rise) for rise in RISES]
+        cells = [f"{50 * f.distances['rim on curve']:.3f}{'' if f.is_met else ', not met'}" for f in fits]
         rows.append(f"| {disc.domain.vertex_count} | {' | '.join(cells)} |")
     return rows
 
@@ -129,15 +129,15 @@ def courtyards() -> list[str]:
         "|---|---|" + "---|" * len(rises),
     ]
     for name, shape in plans.items():
-        found = [fit_outline(shape.domain, shape.positions, rise=rise) for rise in rises]
+        fits = [fit_outline(shape.domain, shape.positions, rise=rise) for rise in rises]
         size = size_of(shape.positions)
-        cells = [f"{100 * f.distances['period'] / size:.0e}, {off(f, size):.1f}" for f in found]
+        cells = [f"{100 * f.distances['period'] / size:.0e}, {off(f, size):.1f}" for f in fits]
         rows.append(f"| {name} | {len(shape.positions)} | {' | '.join(cells)} |")
     return rows
 
 
-def off(found: Fit, size: float) -> float:
-    return 100 * found.distances["rim on curve"] / size
+def off(fit: Fit, size: float) -> float:
+    return 100 * fit.distances["rim on curve"] / size
 
 
 TABLES: Tables = {

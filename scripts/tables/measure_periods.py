@@ -1,4 +1,4 @@
-"""The tables of docs/periods.md, measured: two ways to compute a period, and the work to close it.
+"""The tables of docs/measured/periods.md, measured: two ways to compute a period, and the work to close it.
 
     make gallery                                         # measures, writes the tables, draws the pictures
     .venv/bin/python -m scripts.tables.measure_periods planes   # some of them, printed only
@@ -167,8 +167,8 @@ def planes() -> list[str]:
         sides = [plan.left, plan.right]
         length = tube(plan.domain, plan.corners, plan.tube, (1, 0))
         closing = close_periods(plan.domain, plan.held, by="moduli", moduli=length, coplanar=[sides])
-        found = [side_plane(closing.surface, side).offset for side in sides]
-        after = abs(found[0] - found[1]) / size_of(closing.surface.f_plus)
+        offsets = [side_plane(closing.surface, side).offset for side in sides]
+        after = abs(offsets[0] - offsets[1]) / size_of(closing.surface.f_plus)
         error = abs(np.exp(closing.moduli[0]) * 1.35 - 1)
         rows.append(f"| {columns} | {closing.gaps[0]:.3f} | {after:.0e} | {len(closing.gaps) - 1} | {error:.0e} |")
     return rows

@@ -1,4 +1,4 @@
-"""The tables of docs/symmetry.md, measured: surfaces between mirrors and planes, and their completions.
+"""The tables of docs/measured/symmetry.md, measured: surfaces between mirrors and planes, and their completions.
 
     make gallery                                               # measures, writes the tables, draws the pictures
     .venv/bin/python -m scripts.tables.measure_symmetry vaults gaps   # some of them, printed only
@@ -70,8 +70,8 @@ def delaunay(make, axis: int, wanted) -> tuple[list[float], list[float]]:
         piece = make(columns)
         whole = complete(piece.surface, piece.sides)
         around = radii(whole.mesh.vertices, axis)
-        found = [around.min(), around.max(), np.linalg.norm(whole.lattice)]
-        errors.append(float(np.abs(np.array(found) - wanted).max()))
+        measured = [around.min(), around.max(), np.linalg.norm(whole.lattice)]
+        errors.append(float(np.abs(np.array(measured) - wanted).max()))
     return list(wanted), errors
 
 
@@ -178,10 +178,10 @@ def gaps() -> list[str]:
         ("half an unduloid, 32 to 128", "mirror, free", lambda n: pieces.unduloid(-0.5, n, True), (32, 64, 128)),
         ("honeycomb", "mirrors", lambda h: pieces.between_mirrors(modules.node(3, 2.3, max_edge=h)), EDGES),
     ):  # fmt: skip
-        found = [gap(complete(piece.surface, piece.sides)) for piece in map(make, sizes)]
-        exact = max(found) < 1e-8
-        cells = ("rounding",) * 3 if exact else (f"{x:.1e}" for x in found)
-        rows.append(line(name, sides, *cells, "" if exact else order(found)))
+        gaps = [gap(complete(piece.surface, piece.sides)) for piece in map(make, sizes)]
+        exact = max(gaps) < 1e-8
+        cells = ("rounding",) * 3 if exact else (f"{x:.1e}" for x in gaps)
+        rows.append(line(name, sides, *cells, "" if exact else order(gaps)))
     return rows
 
 
@@ -197,12 +197,12 @@ def free() -> list[str]:
         ("half an unduloid, 32, 64, 128 columns", tube, (32, 64, 128)),
         ("capital, edges of 0.04, 0.02, 0.01", eye, (0.04, 0.02, 0.01)),
     ):
-        found = []
+        pairs = []
         for piece, side in map(make, sizes):
             plane = side_plane(piece.surface, next(s for s in piece.sides if s.name == side))
             away = np.linalg.norm(piece.surface.f_plus[plane.cut_vertices] - plane.point, axis=1)
-            found.append([plane.error, np.abs(away - 1.0).max()])
-        points, spheres = np.transpose(found)
+            pairs.append([plane.error, np.abs(away - 1.0).max()])
+        points, spheres = np.transpose(pairs)
         cells = [f"{x:.1e}" for x in points], [f"{x:.1e}" for x in spheres]
         rows.append(line(name, *cells[0], order(points), *cells[1], order(spheres)))
     return rows
@@ -234,9 +234,9 @@ def doubled() -> list[str]:
         given = conditions.fixed_at(whole, sites, known)
         start[sites] = known
         start /= np.linalg.norm(start, axis=1, keepdims=True)
-        found = HarmonicSolver(whole).solve(given, initial=start, tolerance=1e-12)
-        difference = np.abs(found.normals[: domain.vertex_count] - half.normals).max()
-        energies = abs(found.energy - 2 * half.energy)
+        result = HarmonicSolver(whole).solve(given, initial=start, tolerance=1e-12)
+        difference = np.abs(result.normals[: domain.vertex_count] - half.normals).max()
+        energies = abs(result.energy - 2 * half.energy)
         rows.append(line(whole.vertex_count, f"{np.degrees(tilt):.0f}°", f"{difference:.0e}", f"{energies:.0e}"))
     return rows
 

@@ -1,4 +1,4 @@
-"""Plans with a hole to start from: a ring around a court, and a tube as an endless strip; and what a start plan is."""
+"""Plans with a hole to start from: a ring around a court, and a tube as an endless strip; the type of start plans."""
 
 from __future__ import annotations
 

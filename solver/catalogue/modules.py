@@ -80,7 +80,7 @@ def pentagon(length: float, spoke: float, *, depth: float = 1.0, bend: float = 1
     across = np.array([-np.sqrt(0.75), 0.5, 0.0])
     turned = np.eye(3) - 2.0 * np.outer(across, across)
     ring, outer = (_quadrilateral(end, 3, depth, bend, max_edge) for end in (length, spoke))
-    beside = (outer @ turned[:2, :2])[-2:0:-1]  # its ends are corners, where quadrilaterals meet there is none
+    beside = (outer @ turned[:2, :2])[-2:0:-1]  # its ends are corners; where quadrilaterals meet there is no corner
     outline = np.concatenate([(ring * [1.0, -1.0])[:1:-1], ring[2:], beside])
     normals = {
         "middle": turned @ [0.0, -1.0, 0.0],

@@ -97,7 +97,7 @@ class PeriodOptions:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ClosingResult:
-    """The last surface of a closing, and what changed.
+    """The last surface of a closing, and the changes that led to it.
 
     domain: with the final moduli (m,), called `names`. conditions: with the final normals, at vertices. gaps: the
     longest period or distance of planes as a part of the size, before and after each step. left: the rest of each of
@@ -128,7 +128,7 @@ class ClosingResult:
 
     @property
     def message(self) -> str:
-        """How closing ended, the gap, and what changed."""
+        """How closing ended, the gap, and the changes of the boundary."""
         words = [self.status.sentence, f"The gap was {self.gaps[0]:.2g} of the size and is {self.gaps[-1]:.2g}."]
         if not self.closed:
             words.append("The rest: " + ", ".join(f"{name} {length:.2g}" for name, length in self.left.items()) + ".")

@@ -99,7 +99,7 @@ def _pattern(matrix: sp.csr_array) -> sp.csr_array:
 
 
 def _independent(joined: sp.csr_array, keys: Int) -> Int:
-    """A maximal set of rows no two of which are joined: the highest keys among open neighbours, again and again."""
+    """A maximal set of rows, no two joined: the highest keys among open neighbours, again and again."""
     i, j = joined.nonzero()
     is_open = np.ones(len(keys), dtype=bool)
     kept = np.zeros(len(keys), dtype=bool)

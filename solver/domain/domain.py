@@ -111,7 +111,7 @@ class Domain:
         return _with_proper_faces(mesh, triangles, _common_lengths(mesh, sides))
 
     def with_lengths(self, lengths: Array) -> Domain:
-        """The same faces with other edge lengths (E,); what is already computed of their topology is kept.
+        """The same faces with other edge lengths (E,); the topology computed so far is kept.
 
         Raises `MeshError` where a triangle inequality fails.
         """

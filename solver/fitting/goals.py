@@ -128,7 +128,7 @@ class Goals:
 
     @classmethod
     def of(cls, domain: Domain, points: Array, options: OutlineOptions) -> Goals:
-        """Over a plan with these points (V, 3). Raises `ConditionError` on what does not fit the plan."""
+        """Over a plan with these points (V, 3). Raises `ConditionError` on goals that do not fit the plan."""
         if len(domain.boundary_loops) == 0 or domain.genus:
             raise ConditionError("Fitting to an outline needs a plan: a mesh with a boundary and without handles.")
         lines, outer = _lines(domain, points, options.curve)

@@ -28,7 +28,7 @@ class Conditions:
 
     vertices, vertex_normals: at vertices. edges, edge_normals: the same conditions in the middle of boundary edges.
     behind_normals: (n, 3) the same at the faces behind `edges`, where a drawn surface knows them; else `edge_normals`.
-    faces, face_normals: at faces, prescribed one by one. only_vertices: those of `vertices` that were prescribed one
+    faces, face_normals: at faces, prescribed one by one. only_vertices: those of `vertices` prescribed one
     by one and so hold no faces.
     mirrors, mirror_normals, windings: boundary edges, the unit normal of their mirror's plane, and the extra full turns
     of the normal along their side. corners, corner_normals: vertices between two mirrors, and vectors on the chosen

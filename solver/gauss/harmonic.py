@@ -154,13 +154,14 @@ class HarmonicSolver:
     ) -> HarmonicMap:
         """A harmonic map with the prescribed normals, from `initial` (S, 3) or from a start made here.
 
-        `side` ±1 chooses between the two sides of coplanar data, and of corners between mirrors (see
-        `conditions.mirror`); `degree` selects a homotopy class. method: a name in `METHODS`, or a `Method`;
-        max_iterations: the limit of its steps, by default its own. Balanced conditions have their own method
-        (`balance.balanced`). Along the boundary, free sites get the natural condition ∂N/∂ν = 0.
-        There may be many harmonic maps for the same boundary: the result is the one reached, to be judged by its
-        energy, degree and status. Not converging is a status, not an error. Raises `ConditionError` when all sites are
-        fixed, or none is (not even by two mirrors that meet) and there is no initial map.
+        side: ±1, the choice between the two sides of coplanar data, between minimisers of nearly equal energy, and at
+        corners between mirrors (see `conditions.mirror`). degree: selects a homotopy class. method: a name in
+        `METHODS`, or a `Method`; max_iterations: the limit of its steps, by default its own. Balanced conditions have
+        their own method (`balance.balanced`). Along the boundary, free sites get the natural condition ∂N/∂ν = 0.
+        Of several minimisers the result is the lowest that a coarse copy of the domain shows (`rivals`). With
+        `initial`, `degree` or mirrors it is the one reached; judge it by energy, degree and status. Not converging is
+        a status, not an error. Raises `ConditionError` when all sites are fixed, or none is (not even by two mirrors
+        that meet) and there is no initial map.
         """
         method = _method(method, conditions.is_balanced)
         check_number(tolerance, "tolerance")

@@ -1,8 +1,10 @@
-"""Which of several minimisers: all are tried on a coarse mesh, and the lowest one is where the solve starts.
+"""Starts near the lowest of several minimisers, found on a coarse mesh.
 
 Boundary normals within a closed hemisphere have one minimiser, which lies in it (Jäger and Kaul), up to the choice of
-the hemisphere. Others may have several, and saddles that a start with their symmetry ends at. Of rivals whose energies
-the coarse mesh cannot tell apart the one on the side asked for is taken, so that refinement does not change it.
+the hemisphere. Others may have several, and saddles at which a start with their symmetry ends. On the coarse mesh each
+start descends to a minimiser, saddles are left along a direction that leads down, and the solve starts from the lowest.
+Where energies differ by less than the coarse mesh resolves, `side` decides, so that refinement does not change the
+answer.
 """
 
 from __future__ import annotations
@@ -37,7 +39,7 @@ _ALIKE = 0.01
 _UNSTABLE = -5e-3
 _ESCAPES = 4
 _LEAP = 0.5
-# Steps of Lanczos' method, looked at every few; the lowest value has settled when it changes by less than this.
+# Steps of Lanczos' method, checked every few; the lowest value has converged when it changes by less than this.
 _LOOKS, _EVERY, _SETTLED = 40, 4, 2e-3
 _TINY = 1e-14
 
@@ -63,8 +65,8 @@ def lowest_start(
     normals = data[np.searchsorted(fixed, coarse.vertices[is_kept])]
     held = Conditions(np.flatnonzero(is_kept), normals, up=conditions.up)
     problem = problem_on(coarse.domain, held)
-    found = _lowest(problem, normals, conditions.up, side)
-    return None if found is None else _smoothed(graph, found[coarse.region], fixed, data)
+    lowest = _lowest(problem, normals, conditions.up, side)
+    return None if lowest is None else _smoothed(graph, lowest[coarse.region], fixed, data)
 
 
 def fits_in_hemisphere(data: Array) -> bool:
@@ -75,27 +77,27 @@ def fits_in_hemisphere(data: Array) -> bool:
     return bool(best.status == 0 and -best.fun > 1e-9 * len(data))
 
 
-def escaped(problem: EnergyProblem, found: Minimum, up: Array, side: int, **limits: object) -> Minimum:
+def escaped(problem: EnergyProblem, minimum: Minimum, up: Array, side: int, **limits: object) -> Minimum:
     """A minimiser below a critical map that turns out to be a saddle; the map itself where no direction leads down.
 
     The status is SADDLE where it is still one after a few attempts.
     """
-    history = list(found.history)
+    history = list(minimum.history)
     for _ in range(_ESCAPES):
-        way = falling_direction(problem, problem.at(found.N))
+        way = falling_direction(problem, problem.at(minimum.N))
         if way is None:
-            return Minimum(found.N, found.residual, found.status, history)
+            return Minimum(minimum.N, minimum.residual, minimum.status, history)
         step = _LEAP * way / longest(way)
         facing = inner(problem.graph.areas[:, None] * step, np.broadcast_to(up, step.shape))
-        start = exp(found.N, step if side * facing >= 0.0 else -step)
-        found = newton(problem, start, **limits)  # pyright: ignore[reportArgumentType]
-        history += found.history
-        if found.status is Status.CANCELLED:
+        start = exp(minimum.N, step if side * facing >= 0.0 else -step)
+        minimum = newton(problem, start, **limits)  # pyright: ignore[reportArgumentType]
+        history += minimum.history
+        if minimum.status is Status.CANCELLED:
             break
     else:
-        if falling_direction(problem, problem.at(found.N)) is not None:
-            return Minimum(found.N, found.residual, Status.SADDLE, history)
-    return Minimum(found.N, found.residual, found.status, history)
+        if falling_direction(problem, problem.at(minimum.N)) is not None:
+            return Minimum(minimum.N, minimum.residual, Status.SADDLE, history)
+    return Minimum(minimum.N, minimum.residual, minimum.status, history)
 
 
 def falling_direction(problem: EnergyProblem, point: Point) -> Array | None:
@@ -139,35 +141,35 @@ def _itself(domain: Domain) -> Coarse:
 
 
 def _lowest(problem: EnergyProblem, data: Array, up: Array, side: int) -> Array | None:
-    """The lowest minimiser (n, 3) that the starts lead to; of several alike the one that faces the side asked for."""
-    found: list[tuple[float, float, Array]] = []
+    """The lowest minimiser (n, 3) below the starts; of those with nearly equal energies the one facing `side`."""
+    ends: list[tuple[float, float, Array]] = []
     for start in every_start(problem.dirichlet, data, up, side):
-        ended = _settled(problem, newton(problem, start, tolerance=_TOLERANCE))
-        if ended is not None:
-            mean = (problem.graph.areas[:, None] * ended.N).sum(axis=0)
-            found.append((ended.history[-1].energy, side * float(mean @ up), ended.N))
-    if not found:
+        minimum = _descended(problem, newton(problem, start, tolerance=_TOLERANCE))
+        if minimum is not None:
+            mean = (problem.graph.areas[:, None] * minimum.N).sum(axis=0)
+            ends.append((minimum.history[-1].energy, side * float(mean @ up), minimum.N))
+    if not ends:
         return None
-    least = min(energy for energy, _, _ in found)
-    alike = [one for one in found if one[0] <= (1.0 + _ALIKE) * least]
-    return max(alike, key=lambda one: one[1])[2]
+    least = min(energy for energy, _, _ in ends)
+    alike = [end for end in ends if end[0] <= (1.0 + _ALIKE) * least]
+    return max(alike, key=lambda end: end[1])[2]
 
 
-def _settled(problem: EnergyProblem, found: Minimum) -> Minimum | None:
+def _descended(problem: EnergyProblem, minimum: Minimum) -> Minimum | None:
     """The same, or a lower one where it is a saddle; None where it has not converged."""
     for _ in range(_ESCAPES):
-        if found.status not in (Status.CONVERGED, Status.STALLED):
+        if minimum.status not in (Status.CONVERGED, Status.STALLED):
             return None
-        way = falling_direction(problem, problem.at(found.N))
+        way = falling_direction(problem, problem.at(minimum.N))
         if way is None:
-            return found
-        found = newton(problem, exp(found.N, _LEAP * way / longest(way)), tolerance=_TOLERANCE)
+            return minimum
+        minimum = newton(problem, exp(minimum.N, _LEAP * way / longest(way)), tolerance=_TOLERANCE)
     return None
 
 
 def _smoothed(graph: SiteGraph, rough: Array, fixed: NDArray[np.integer], data: Array) -> Array:
     """A map (S, 3) at the sites from one at the vertices (V, 3) that is constant on regions: a few sweeps of means over
-    neighbours, so many that steps between regions are gone."""
+    neighbours, enough times to remove the steps between regions."""
     domain = graph.domain
     i, j = domain.edges.T
     ends, others = np.concatenate([i, j]), np.concatenate([j, i])

@@ -1,4 +1,4 @@
-"""The [close] table of a job: what may change to close the shell around the holes of its plan."""
+"""The [close] table of a job: the changes allowed to close the shell around the holes of its plan."""
 
 from __future__ import annotations
 

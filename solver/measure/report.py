@@ -33,9 +33,9 @@ _EVEN = 1e-4
 class Report:
     """A solve and its sheets in numbers. Lengths are those of the measured points, `scale` the factor to them.
 
-    `energy` is the Dirichlet energy of the normals, `residual` as in docs/conventions.md, `closure_error` and `gap`
-    (the longest period) are lengths; `periods` one vector for each hole or handle. `sheet` names the sheet that is
-    shown; `planes` says how well sides of it lie in their planes, if any are prescribed. `index` and `nullity` count
+    `energy` is the Dirichlet energy of the normals, `residual` as in docs/reference/conventions.md. `closure_error` and
+    `gap` (the longest period) are lengths; `periods` has one vector for each hole or handle. `sheet` names the shown
+    sheet; `planes` measures how well its sides lie in their planes, if any are prescribed. `index` and `nullity` count
     the unstable and the null modes of the map; None if they were not counted.
     """
 

@@ -102,7 +102,7 @@ def _check_count(loops: list[Loop], max_edge: float) -> None:
 
 class _Mesher:
     """Boundary points are `fixed`; inside, refinement and springs place the `free` points, and the others are lattice
-    points away from walls and finer places. Of these only a `margin` takes part in the work.
+    points away from walls and finer places. Only a `margin` of these takes part in the work.
 
     Lengths in units of the wanted edge length.
     """

@@ -236,7 +236,7 @@ def _check_parts(outline: Outline) -> None:
     ]
     if apart:
         raise MeshError(
-            f"{outline.wire.name} has {len(apart) + 1} outlines beside each other; mesh one plan at a time "
+            f"{outline.wire.name} has {len(apart) + 1} separate outlines; mesh one plan at a time "
             "(P separates loose parts), or join them into one.",
             vertices=np.concatenate([outline.vertices[k] for k in apart]),
         )

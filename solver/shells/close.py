@@ -97,7 +97,7 @@ class ClosedShell:
 
     @property
     def message(self) -> str:
-        """How closing ended, and what changed."""
+        """How closing ended, and the changes of the boundary."""
         closing, turned = self.closing, np.degrees(self.closing.turned)
         words = [closing.status.sentence, f"The gap was {_share(closing.gaps[0])} of the shell's size."]
         if not closing.closed:

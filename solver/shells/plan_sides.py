@@ -36,7 +36,7 @@ def goes_on(group: Group) -> bool:
 
 
 def plan_sides(plan: Plan, domain: Domain, names: Sequence[str] | None = None) -> list[Side]:
-    """The sides across which the shell over a plan continues: of the groups `names`, or of all groups that go on.
+    """The sides across which the shell continues: those of the groups `names`, or of all groups that `goes_on` accepts.
 
     Raises `JobError` on a name of no group, on a group whose kind has no rule of continuation, and without any group.
     """
@@ -49,21 +49,21 @@ def plan_sides(plan: Plan, domain: Domain, names: Sequence[str] | None = None) -
 
 
 def check_sides(groups: Sequence[Group], names: Sequence[str] | None = None) -> None:
-    """Raise `JobError` unless the shell can go on across groups `names`, or across any where none are named."""
+    """Raise `JobError` unless the shell can continue across groups `names`, or, without names, across any."""
     kinds = {group.name: group.kind for group in groups}
     for name in names or ():
         if name not in kinds:
-            raise JobError(f'There is no group "{name}" to go on across; there are {", ".join(kinds) or "none"}.')
+            raise JobError(f'There is no group "{name}" to continue across; there are {", ".join(kinds) or "none"}.')
         _check_kind(name, kinds[name])
     if not (any(goes_on(group) for group in groups) if names is None else names):
         raise JobError(
-            "There is no side to go on across: give a boundary group the kind Mirror or Constant plane, and solve."
+            "There is no side to continue across: give a boundary group the kind Mirror or Constant plane, and solve."
         )
 
 
 def _check_kind(name: str, kind: str) -> None:
     if kind not in SIDE_KINDS:
-        raise JobError(f'The shell cannot go on across "{name}": it must be a mirror, a plane or free.')
+        raise JobError(f'The shell cannot continue across "{name}": it must be a mirror, a plane or free.')
 
 
 def group_sides(group: Group, domain: Domain) -> list[Side]:

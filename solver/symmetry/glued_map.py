@@ -55,8 +55,8 @@ def whole(completion: Completion) -> GluedMap:
     surface = completion.surface
     if surface.is_open or not surface.graph.at_vertices or surface.graph.domain is not surface.domain:
         raise ConditionError(
-            "The map of the whole needs a piece that is not cut open, with normals at the vertices of its own mesh; "
-            'solve with sites="vertices" and delaunay=False, and close its periods first.'
+            "The map of the completed surface needs a piece that is not cut open, with normals at the "
+            'vertices of its own mesh; solve with sites="vertices" and delaunay=False, and close its periods first.'
         )
     domain, copies = surface.domain, completion.copies
     seams = []

@@ -2,7 +2,7 @@
 
 Reflections would count such a surface several times: two mirrors that meet at an obtuse angle generate reflections that
 lead back to a copy that is there already, turned by a symmetry of the surface. A ring of tubes between six mirrors is
-of this kind. It continues by translations, each of which joins one side to another.
+of this kind. It continues by translations, each joining one side to another.
 """
 
 from __future__ import annotations

@@ -28,7 +28,7 @@ def versions() -> dict:
 
 
 def install(archive: str) -> dict:
-    """Install and enable the zip; bundled packages that were there before, and the state of the add-on."""
+    """Install and enable the zip; bundled packages installed before, and the state of the add-on."""
     before = [name for name in BUNDLED if importlib.util.find_spec(name)]
     bpy.ops.extensions.package_install_files(
         filepath=archive, repo="user_default", enable_on_install=True, overwrite=True

@@ -121,5 +121,5 @@ class Drawn:
         return getattr(self._cls, name).__get__(self)
 
 
-def said(record) -> str:
+def text_of(record) -> str:
     return " ".join(record.texts).replace("\u00a0", " ")

@@ -76,7 +76,7 @@ def members(ob: bpy.types.Object, uid: int) -> set[int]:
 
 
 def on_side(ob: bpy.types.Object, axis: int, where: float) -> list[int]:
-    """Edges of which both ends have that coordinate."""
+    """Edges with both ends at that coordinate."""
     points = [vertex.co[axis] for vertex in ob.data.vertices]
     return [e.index for e in ob.data.edges if all(abs(points[v] - where) < 1e-6 for v in e.vertices)]
 

@@ -260,14 +260,14 @@ def test_messages_count_as_blender_does(addon, bridge):
     prepared = addon.cmc_addon.background.plan_cache.prepare(plan)
     quads = np.flatnonzero(prepared.owners >= 30)[:30]
     error = MeshError(f"{plural('face', quads).capitalize()} have no area.", faces=quads)
-    told = addon.cmc_addon.bridges.numbering.in_plan_numbers(error, plan, prepared.triangles, prepared.owners)
-    assert told.faces == tuple(range(30, 45))
-    assert str(told) == "Faces 30, 31, 32, 33, 34, 35, 36, 37 and 7 more have no area."
+    renumbered = addon.cmc_addon.bridges.numbering.in_plan_numbers(error, plan, prepared.triangles, prepared.owners)
+    assert renumbered.faces == tuple(range(30, 45))
+    assert str(renumbered) == "Faces 30, 31, 32, 33, 34, 35, 36, 37 and 7 more have no area."
 
     text = "Faces 24, 25 are wrong; see edge 0 (vertices 0, 1) and face 3."
     error = MeshError(text, faces=(24, 25), edges=(0,))
-    told = addon.cmc_addon.bridges.numbering.in_plan_numbers(error, plan, prepared.triangles, prepared.owners)
+    renumbered = addon.cmc_addon.bridges.numbering.in_plan_numbers(error, plan, prepared.triangles, prepared.owners)
     edge = next(e.index for e in ob.data.edges if set(e.vertices) == {0, 1})
-    assert str(told) == f"Face 24 is wrong; see edge {edge} (vertices 0, 1) and face 3."
-    assert told.edges == (edge,)
-    assert type(told) is MeshError
+    assert str(renumbered) == f"Face 24 is wrong; see edge {edge} (vertices 0, 1) and face 3."
+    assert renumbered.edges == (edge,)
+    assert type(renumbered) is MeshError

@@ -116,7 +116,7 @@ def test_the_table_is_the_ramp(maps):
 
 
 def test_known_rims_fade_out(maps):
-    """A row of points, of which the first is known: its colour, half of it, none."""
+    """A row of points, the first one known: its colour, half of it, none."""
     ramp, places = maps.Range(0.0, 1.0), np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0]])
     found = ramp.faded_colours([1.0, np.nan, np.nan, np.nan], places, 2.0)
     grey, dark = maps.linear(maps.NOT_KNOWN), maps.linear(maps.RAMPS["sequential"][-1])

@@ -63,17 +63,18 @@ def module(name: str):
 def test_numbers_are_on_the_shell():
     plan = hall()
     result = solve(plan, want_twin=True)
-    told = json.loads(plan.cmc.report)["sheets"]["f+"]
+    sheet = json.loads(plan.cmc.report)["sheets"]["f+"]
     for ob in (result, plan.cmc.f_minus):
         for name in MEASURES[:3]:
             assert (ob.data.attributes[name].domain, ob.data.attributes[name].data_type) == ("POINT", "FLOAT")
             assert np.isfinite(numbers(ob, name)).all()
     assert "CMC" not in result.data.attributes
-    assert np.median(numbers(result, "cmc_mean_curvature")) == pytest.approx(told["mean_curvature"]["target"], rel=0.05)
-    assert numbers(result, "cmc_distortion").mean() == pytest.approx(told["distortion"]["mean"], rel=0.1)
+    H = sheet["mean_curvature"]["target"]
+    assert np.median(numbers(result, "cmc_mean_curvature")) == pytest.approx(H, rel=0.05)
+    assert numbers(result, "cmc_distortion").mean() == pytest.approx(sheet["distortion"]["mean"], rel=0.1)
     off = numbers(result, "cmc_deviation")
     rim = np.unique([plan.data.edges[e].vertices[:] for e in boundary_edges(plan.data)])
-    assert off.max() == pytest.approx(told["outline"]["max"], rel=1e-5)
+    assert off.max() == pytest.approx(sheet["outline"]["max"], rel=1e-5)
     assert (off[rim] >= 0.0).all() and (np.delete(off, rim) == -1.0).all()
     assert "cmc_deviation" not in plan.cmc.f_minus.data.attributes
 
@@ -92,10 +93,10 @@ def test_curvature_is_measured_from_the_mesh_where_it_is_missing():
     for flip in (False, True):
         result = solve(plan, flip=flip)
         for name in MEASURES[:2]:
-            told = numbers(result, name)
+            measured = numbers(result, name)
             result.data.attributes.remove(result.data.attributes[name])
             found = module("bridges.colour_bridge").measure(result.data, name)
-            assert_allclose(found, told, rtol=1e-2, atol=1e-3 * np.abs(told).max())
+            assert_allclose(found, measured, rtol=1e-2, atol=1e-3 * np.abs(measured).max())
         assert module("bridges.colour_bridge").measure(result.data, "cmc_nothing") is None
 
 
@@ -130,9 +131,9 @@ def test_colours_are_those_of_the_numbers(by):
     plan.cmc.colour_by = by
     name = module("properties.colour_settings").QUANTITIES[by].attribute
     found = module("results.colours").stored_range(result)
-    told = numbers(result, name)
-    known = told >= 0.0 if by == "DEVIATION" else np.isfinite(told)
-    expected = maps().linear(found.colours(told))
+    measured = numbers(result, name)
+    known = measured >= 0.0 if by == "DEVIATION" else np.isfinite(measured)
+    expected = maps().linear(found.colours(measured))
     assert_allclose(colours(result)[known, :3], expected[known], atol=2e-3)
     assert_allclose(colours(result)[:, 3], 1.0)
     assert shown(result) == ("CMC", True)
@@ -180,8 +181,8 @@ def test_none_leaves_nothing_behind():
 def test_changing_what_is_shown_solves_nothing(monkeypatch):
     plan = hall()
     result = solve(plan)
-    pipeline = module("tasks.solve").form
-    monkeypatch.setattr(pipeline, "form", lambda *_, **__: pytest.fail("it was solved again"))
+    form = module("tasks.solve").form
+    monkeypatch.setattr(form, "form", lambda *_, **__: pytest.fail("it was solved again"))
     seen = set()
     for by in ("MEAN_CURVATURE", "GAUSS_CURVATURE", "DISTORTION", "DEVIATION"):
         plan.cmc.colour_by = by

@@ -138,12 +138,12 @@ def test_directions_are_an_attribute_once_curvature_lines_are_shown():
     before = lines(result)[0]
     for flip in (True, False):
         solve(plan, flip=flip, size="RISE", rise=2.5)
-        told = np.array(values(result.data.attributes["cmc_direction"]))
+        stored = np.array(values(result.data.attributes["cmc_direction"]))
         result.data.attributes.remove(result.data.attributes["cmc_direction"])
         again = module("bridges.colour_bridge").measure(result.data, "cmc_direction")
-        both = told.any(axis=1) & again.any(axis=1)
+        both = stored.any(axis=1) & again.any(axis=1)
         assert both.mean() > 0.9
-        assert np.abs(np.einsum("ni,ni->n", told, again))[both].min() > 0.99
+        assert np.abs(np.einsum("ni,ni->n", stored, again))[both].min() > 0.99
     assert not np.allclose(lines(result)[0], before)
     plan.cmc.curvature_lines = "NONE"
     solve(plan)

@@ -23,6 +23,6 @@ def test_the_sentence(addon, index, nullity, sentence):
 
 def test_the_sentence_is_that_of_the_shell(addon):
     tasks = addon.cmc_addon.tasks.count_modes
-    outcome = tasks.CountTask.read(bpy.context, quad_disc()).work(lambda *_: True)
-    assert outcome.converged
-    assert outcome.message == tasks.modes_text(0, 0)
+    result = tasks.CountTask.read(bpy.context, quad_disc()).work(lambda *_: True)
+    assert result.converged
+    assert result.message == tasks.modes_text(0, 0)

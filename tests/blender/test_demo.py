@@ -37,8 +37,8 @@ def test_the_demo_leaves_four_files_and_nothing_else(demo, tmp_path, capsys):
     }  # fmt: skip
     report = json.loads((folder / "report.json").read_text())
     assert report["converged"] and report["sheets"]["f+"]["intersections"]["count"] == 0
-    said = capsys.readouterr().out
-    assert f"{report['sheets']['f+']['span']:.1f} m" in said and "pavilion.glb" in said
+    printed = capsys.readouterr().out
+    assert f"{report['sheets']['f+']['span']:.1f} m" in printed and "pavilion.glb" in printed
 
 
 def test_the_glb_of_the_demo_carries_its_uvs(demo, tmp_path, capsys):

@@ -70,8 +70,8 @@ def test_each_spline_is_for_its_loop(plan):
     points = fitted(plan, curve="Lines", fit_rise=0.4)
     court, rim = rims(points)
     assert court[:, 2].mean() - rim[:, 2].mean() == pytest.approx(0.5, abs=0.15)
-    told = report(plan)["distances"]["rim on curve"]
-    assert told == pytest.approx(max(off_line(court, inner).max(), off_line(rim, outer).max()), rel=0.05)
+    off = report(plan)["distances"]["rim on curve"]
+    assert off == pytest.approx(max(off_line(court, inner).max(), off_line(rim, outer).max()), rel=0.05)
 
 
 def test_one_spline_is_for_the_outer_rim(plan):
@@ -96,8 +96,8 @@ def test_a_remaining_gap_is_reported(addon, plan, monkeypatch):
     layer = plan.data.uv_layers.new(name="Drawing")
     layer.uv.foreach_set("vector", np.random.default_rng(1).random(2 * len(plan.data.loops)).astype(np.float32))
     fitted(plan, fit_rise=1.0)
-    told = report(plan)
-    assert not told["met"] and told["distances"]["period"] > 1e-3 * 8.0
+    reported = report(plan)
+    assert not reported["met"] and reported["distances"]["period"] > 1e-3 * 8.0
     assert len(plan.cmc.fit.data.vertices) > len(plan.data.vertices), "it is cut open"
     drawn, kept = (set(values(ob.data.attributes["Drawing"])) for ob in (plan, plan.cmc.fit))
     assert kept == drawn, "a quad that is cut has two triangles' corners"

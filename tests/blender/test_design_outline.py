@@ -81,7 +81,7 @@ def test_a_curve_that_rises_and_falls():
     points = fitted(plan, curve="Curve", fit_rise=0.5)
     assert (plan.cmc.fit_to, plan.cmc.fit_curve) == ("CURVE", curve)
     assert off_line(points[rim_of(plan)], line).max() < 0.01 * 8.0
-    assert_allclose(fitted(plan), points, rtol=0, atol=1e-5)  # what was said is kept
+    assert_allclose(fitted(plan), points, rtol=0, atol=1e-5)  # what was shown is kept
 
 
 def test_a_curve_object():

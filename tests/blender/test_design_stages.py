@@ -68,7 +68,7 @@ def test_a_cancelled_slice_ends_it(addon):
 
 @pytest.mark.parametrize(("match", "near"), [("TANGENT_PLANES", 0.0), ("POSITION", 100.0)])
 def test_an_approximation_is_shown_after_five_evaluations(addon, monkeypatch, match, near):
-    """Then it goes on from there, with the weight of nearness only where places count."""
+    """Then it continues from there, with the weight of nearness only where places count."""
     import bpy
 
     approximate, calls = addon.cmc_addon.tasks.approximate, []

@@ -10,7 +10,7 @@ import pytest
 import bmesh  # is on the path once bpy is imported
 
 from .scenes import activate, mesh_object
-from .sidebar import draw, said
+from .sidebar import draw, text_of
 from .test_panels import STATES
 
 BARE = "context is incorrect"  # what Blender says where a poll says nothing
@@ -120,7 +120,7 @@ def test_linked_from_a_library(solved, tmp_path):
     activate(taken.objects[0])
     check({"solve": "is linked from another file; make it local", "group_add": "make it local",
            "mesh_plan": "make it local"})
-    assert "linked from another" in said(draw("CMC_PT_shell"))
+    assert "linked from another" in text_of(draw("CMC_PT_shell"))
 
 
 def test_no_shell_yet():
@@ -220,7 +220,7 @@ def test_how_near_the_rim_comes_stands_beside_solve(solved):
     record = draw("CMC_PT_shell")
     shown = json.loads(solved.cmc.report)["sheets"]["f+"]
     part = 100 * shown["outline"]["mean"] / shown["span"]
-    assert f"({part:.2g} % of span)" in said(record) and "cmc.fit_outline" in record.operators
+    assert f"({part:.2g} % of span)" in text_of(record) and "cmc.fit_outline" in record.operators
     assert "Fitted" not in record.texts
     bpy.ops.cmc.fit_outline()
     assert "Fitted" in draw("CMC_PT_shell").texts

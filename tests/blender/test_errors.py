@@ -59,7 +59,7 @@ def test_two_components():
     points, faces = grid(3)
     more, more_faces = grid(3, (10.0, 0.0))
     mesh_object("Two", points + more, faces + [tuple(i + len(points) for i in f) for f in more_faces])
-    # counted in polygons, of which each part has 9; its 18 triangles are the solver's business
+    # counted in polygons, 9 in each part; its 18 triangles are the solver's business
     fails("2 components.*faces 0, 1, 2, 3, 4, 5, 6, 7 and 1 more")
 
 
@@ -76,7 +76,7 @@ def test_moebius_strip():
             a, b = row * n + k, (row + 1) * n + k
             if k < n - 1:
                 faces.append((a, a + 1, b + 1, b))
-            else:  # half a turn: what was the lower side goes on as the upper
+            else:  # half a turn: the lower side continues as the upper
                 faces.append((a, (2 - row) * n, (1 - row) * n, b))
     ob = mesh_object("Moebius", points, faces)
     turned = [next(e.index for e in ob.data.edges if set(e.vertices) == pair) for pair in ({0, 12}, {12, 24})]
@@ -204,7 +204,7 @@ def test_a_plan_of_another_file(tmp_path):
 
 @pytest.mark.parametrize("failing", ["background.worker", "operators"])
 def test_a_registration_that_fails_is_taken_back(addon, monkeypatch, failing):
-    """The error goes on to Blender, and nothing of the add-on is left, so that it can be enabled again."""
+    """The error reaches Blender, and nothing of the add-on is left, so that it can be enabled again."""
     cmc_addon = addon.cmc_addon
     module = import_module(f"{cmc_addon.__name__}.{failing}")
     real = module.register

@@ -10,7 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from .scenes import activate, positions
-from .sidebar import draw, said
+from .sidebar import draw, text_of
 from .solved_modules import FINISHED, module, solved
 
 
@@ -125,10 +125,10 @@ def test_the_panel_shows_the_plane_of_a_group_after_a_solve():
     plan.data.cmc.active_index = plan.data.cmc.groups.find("Right")
     before = draw("CMC_PT_boundary")
     assert "cmc.group_plane" in before.operators and "across" in before.props
-    assert "Plane At" not in said(before)
-    assert before.operators.count("cmc.flip_corner") == 2 and "At Back: faces +Z" in said(before)
+    assert "Plane At" not in text_of(before)
+    assert before.operators.count("cmc.flip_corner") == 2 and "At Back: faces +Z" in text_of(before)
     bpy.ops.cmc.solve()
-    after = said(draw("CMC_PT_boundary"))
+    after = text_of(draw("CMC_PT_boundary"))
     assert "Plane At" in after and "Off Plane" in after
     report = json.loads(plan.cmc.report)
     right = next(plane for plane in report["planes"] if plane["name"] == "Right")
@@ -138,15 +138,15 @@ def test_the_panel_shows_the_plane_of_a_group_after_a_solve():
 
 def test_the_panel_of_symmetry_shows_counts_then_gaps():
     plan = module("UNDULOID")
-    assert "Solve to see the number of copies" in said(draw("CMC_PT_symmetry"))
+    assert "Solve to see the number of copies" in text_of(draw("CMC_PT_symmetry"))
     bpy.ops.cmc.solve()
-    assert f"24 Faces {24 * len(plan.data.polygons):,}" in said(draw("CMC_PT_symmetry"))
+    assert f"24 Faces {24 * len(plan.data.polygons):,}" in text_of(draw("CMC_PT_symmetry"))
     bpy.ops.cmc.complete()
-    assert "24 copies Seams" in said(draw("CMC_PT_symmetry"))
+    assert "24 copies Seams" in text_of(draw("CMC_PT_symmetry"))
     activate(plan.cmc.completed)
-    assert "24 copies Seams" in said(draw("CMC_PT_symmetry"))
+    assert "24 copies Seams" in text_of(draw("CMC_PT_symmetry"))
     plan.cmc.complete_extent = "BOX"
-    assert "No object is chosen for the box" in said(draw("CMC_PT_symmetry"))
+    assert "No object is chosen for the box" in text_of(draw("CMC_PT_symmetry"))
     plan.cmc.complete_report = "not a report"
     draw("CMC_PT_symmetry")
     for group in plan.data.cmc.groups:

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import bpy
 import pytest
 
-from .sidebar import ICONS, Drawn, Layout, draw, panel_class, said
+from .sidebar import ICONS, Drawn, Layout, draw, panel_class, text_of
 
 
 @pytest.fixture
@@ -66,7 +66,7 @@ STATES = {
 @pytest.mark.parametrize(("build", "text"), STATES.values(), ids=STATES.keys())
 def test_states(build, text) -> None:
     build()
-    assert text in said(draw())
+    assert text in text_of(draw())
 
 
 @pytest.mark.parametrize("mode", ["OBJECT", "EDIT", "SCULPT"])
@@ -177,7 +177,7 @@ def test_a_design_in_numbers(plan) -> None:
     assert "follow" in record.props and "tilt_max" in record.props
     for name in ("Span", "Rise", "Area", "Radius 1/H", "H", "Off Line", "Off Height", "Off Lean"):
         assert name in record.texts
-    assert json.loads(plan.cmc.design_report)["message"].split()[0] in said(record)
+    assert json.loads(plan.cmc.design_report)["message"].split()[0] in text_of(record)
     bpy.context.view_layer.objects.active = plan.cmc.fit
     assert "cmc.fit_outline" in draw("CMC_PT_design").operators
     plan.cmc.design_report = "not a report {"
@@ -195,20 +195,20 @@ def test_angles_in_the_list_are_degrees(plan) -> None:
 
 
 def test_the_count_follows_every_change(plan) -> None:
-    edges = said(draw("CMC_PT_boundary")).split()[0]
+    edges = text_of(draw("CMC_PT_boundary")).split()[0]
     bpy.ops.object.mode_set(mode="EDIT")
     bpy.context.tool_settings.mesh_select_mode = (False, True, False)
     bpy.ops.mesh.select_all(action="SELECT")
-    assert f"{edges} of {edges} edges" in said(draw("CMC_PT_boundary"))
+    assert f"{edges} of {edges} edges" in text_of(draw("CMC_PT_boundary"))
     bpy.ops.cmc.group_add(name="rim", assign=True)
-    assert "in no group" not in said(draw("CMC_PT_boundary"))
+    assert "in no group" not in text_of(draw("CMC_PT_boundary"))
     bpy.ops.mesh.select_all(action="DESELECT")
     bpy.ops.cmc.group_select()
     bpy.ops.cmc.group_remove_from()
     bpy.context.view_layer.update()
-    assert f"{edges} of {edges} edges" in said(draw("CMC_PT_boundary"))
+    assert f"{edges} of {edges} edges" in text_of(draw("CMC_PT_boundary"))
     bpy.ops.object.mode_set(mode="OBJECT")
-    assert f"{edges} of {edges} edges" in said(draw("CMC_PT_boundary"))
+    assert f"{edges} of {edges} edges" in text_of(draw("CMC_PT_boundary"))
 
 
 def test_the_count_is_kept_between_redraws(plan, monkeypatch) -> None:
@@ -221,11 +221,11 @@ def test_the_count_is_kept_between_redraws(plan, monkeypatch) -> None:
 
 
 def test_results_in_numbers(plan) -> None:
-    assert not said(draw("CMC_PT_results"))
+    assert not text_of(draw("CMC_PT_results"))
     bpy.ops.cmc.solve()
     record = draw("CMC_PT_results", "CMC_PT_checks", "CMC_PT_solver")
     report = json.loads(plan.cmc.report)
-    assert "Done. Curvature is even to 1.5 %." in said(record)
+    assert "Done. Curvature is even to 1.5 %." in text_of(record)
     for name in (
         "Span", "Rise", "Area", "Rim", "Radius 1/H", "H", "Energy E", "Overhang", "Distortion", "Crossing",
     ):
@@ -239,7 +239,7 @@ def test_warnings_stay_in_the_panel(plan) -> None:
     bpy.ops.cmc.solve()
     warnings = json.loads(plan.cmc.report)["warnings"]
     assert any("overhangs" in warning for warning in warnings)
-    assert "overhangs" in said(draw("CMC_PT_results"))
+    assert "overhangs" in text_of(draw("CMC_PT_results"))
 
 
 def test_units_are_the_scenes(plan) -> None:

@@ -61,15 +61,15 @@ def seams(mesh) -> set:
 
 
 def test_solve_reports_the_gap_and_the_buttons(plan, addon):
-    told = report(plan)
-    (hole,) = told["holes"]
-    assert told["is_open"] and hole["name"] == "hole 1" and 0.02 < hole["relative"] < 1.0
-    assert_allclose(hole["length"], told["gap"], rtol=1e-9)
+    reported = report(plan)
+    (hole,) = reported["holes"]
+    assert reported["is_open"] and hole["name"] == "hole 1" and 0.02 < hole["relative"] < 1.0
+    assert_allclose(hole["length"], reported["gap"], rtol=1e-9)
     text = addon.cmc_addon.panels.periods_text
-    said = text.gap_sentence(told)
-    assert "is open by" in said and "Close Gaps" in said and "Repeat by Gaps" in said
-    assert f"{100 * hole['relative']:.2g} %" in said
-    rows = dict(text.gap_rows(told))
+    sentence = text.gap_sentence(reported)
+    assert "is open by" in sentence and "Close Gaps" in sentence and "Repeat by Gaps" in sentence
+    assert f"{100 * hole['relative']:.2g} %" in sentence
+    rows = dict(text.gap_rows(reported))
     assert f"{hole['length']:.4g}"[:4] in rows["Hole 1"]
     assert text.vector_text([6.67e-5, -2.309, -2.7e-9], 2.309) == "(0.00, -2.31, 0.00)"
     assert text.vector_text([0.0123, 123.4, 0.0], 123.4) == "(0, 123, 0)"
@@ -104,13 +104,13 @@ def test_a_court_closes_in_place(plan, way):
     shell.data.materials.append(material)
     before = report(plan)["gap"]
     assert bpy.ops.cmc.close_periods(close_by=way) == FINISHED
-    told = report(plan)
+    reported = report(plan)
     assert plan.cmc.f_plus == shell and shell.data.materials[0] == material
     assert len(shell.data.vertices) == len(plan.data.vertices), "welded"
     assert len(shell.data.polygons) == len(plan.data.polygons)
     assert uv_corners(shell.data) == uv_corners(plan.data) and seams(shell.data) == seams(plan.data)
-    closing = told["closing"]
-    assert closing["closed"] and not told["is_open"] and told["gap"] < 1e-7 * before
+    closing = reported["closing"]
+    assert closing["closed"] and not reported["is_open"] and reported["gap"] < 1e-7 * before
     assert plan.cmc.message == closing["message"] and plan.cmc.close_by == way
     assert [(g.name, g.kind, g.tilt) for g in plan.data.cmc.groups] == groups
     moved = positions(plan) - drawn
@@ -125,7 +125,7 @@ def test_a_court_closes_in_place(plan, way):
     else:
         assert not moved.any() and closing["largest_turn"] > 0.5
     H = np.median(values(shell.data.attributes["cmc_mean_curvature"]))
-    assert_allclose(H, told["mean_curvature"], rtol=0.15)
+    assert_allclose(H, reported["mean_curvature"], rtol=0.15)
 
 
 def test_the_panel_lists_the_changes(plan, addon):
@@ -172,12 +172,12 @@ def test_a_remaining_gap_is_reported(plan, addon):
     """A hole that may only grow does not close it."""
     assert bpy.ops.cmc.close_periods(
         close_by="HOLE", close_shift=False, close_twist=False, close_size=True) == FINISHED
-    told = report(plan)
-    assert not told["closing"]["closed"] and told["is_open"]
+    reported = report(plan)
+    assert not reported["closing"]["closed"] and reported["is_open"]
     assert len(plan.cmc.f_plus.data.vertices) > len(plan.data.vertices)
-    said = addon.cmc_addon.panels.periods_text.gap_sentence(told)
-    assert said.startswith(told["closing"]["message"]) and "is open by" in said
-    assert told["warnings"][0] == told["closing"]["message"]
+    sentence = addon.cmc_addon.panels.periods_text.gap_sentence(reported)
+    assert sentence.startswith(reported["closing"]["message"]) and "is open by" in sentence
+    assert reported["warnings"][0] == reported["closing"]["message"]
 
 
 @pytest.mark.parametrize("way", ["NORMALS", "HOLE"])
@@ -193,9 +193,9 @@ def test_undo(plan, way):
     assert bpy.ops.cmc.tile_periods() == FINISHED, "the shell that is there now is tiled, not the one undone"
 
 
-def refused(said: str, **options) -> None:
+def refused(message: str, **options) -> None:
     before = snapshot()
-    with pytest.raises(RuntimeError, match=said):
+    with pytest.raises(RuntimeError, match=message):
         bpy.ops.cmc.close_periods(**options)
     assert snapshot() == before
 
@@ -268,11 +268,11 @@ def test_esc_leaves_everything_as_it_was(plan, addon):
     assert hand.modal(bpy.context, SimpleNamespace(type="ESC", value="PRESS")) == {"CANCELLED"}
     assert snapshot() == before and hand.reports == ["Close Periods was cancelled; nothing was changed."]
     again = Hand()
-    run, said = bpy.context.window_manager.cmc, set()
+    run, messages = bpy.context.window_manager.cmc, set()
     while (ended := again.modal(bpy.context, tick)) == {"RUNNING_MODAL"}:
-        said.add(run.message)
+        messages.add(run.message)
         assert 0.0 <= run.progress < 1.0
-    assert ended == FINISHED and all(text == "" or text.startswith("Step ") for text in said)
+    assert ended == FINISHED and all(text == "" or text.startswith("Step ") for text in messages)
     assert report(plan)["closing"]["closed"]
 
 
@@ -280,8 +280,8 @@ def test_esc_leaves_everything_as_it_was(plan, addon):
 
 
 def test_results_and_periods_of_a_gap_and_of_a_closed_shell(plan):
-    said = " ".join(draw("CMC_PT_results").texts)
-    assert "is open by" in said and "Close Gaps" in said
+    shown = " ".join(draw("CMC_PT_results").texts)
+    assert "is open by" in shown and "Close Gaps" in shown
     open_panel = draw("CMC_PT_periods")
     assert open_panel.operators == ["cmc.close_periods", "cmc.tile_periods"]
     assert {"close_by", "tile_as", "tile_repeat"} <= set(open_panel.props) and "close_shift" not in open_panel.props

@@ -130,9 +130,9 @@ def two_courts():
     return made
 
 
-def refused(said: str, **options) -> None:
+def refused(message: str, **options) -> None:
     before = snapshot()
-    with pytest.raises(RuntimeError, match=said):
+    with pytest.raises(RuntimeError, match=message):
         bpy.ops.cmc.tile_periods(**options)
     assert snapshot() == before
 
@@ -187,7 +187,7 @@ def test_an_annulus_is_solved_and_closed():
 
 
 def test_a_cylinder_is_a_long_strip():
-    """Its normals wind along both ends: a period along the axis, three of which are tiled without a gap."""
+    """Its normals wind along both ends: a period along the axis; three copies are tiled without a gap."""
     assert bpy.ops.cmc.add_plan(shape="CYLINDER", columns=32) == FINISHED
     plan = bpy.context.object
     assert bpy.ops.cmc.solve() == FINISHED

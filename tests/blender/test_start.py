@@ -77,7 +77,7 @@ def test_what_a_closed_shell_can_and_cannot_do(torus):
     low, high = before[:, 2].min(), before[:, 2].max()
     heights = positions(torus.cmc.f_plus)[:, 2]
     assert_allclose([heights.min(), heights.max()], [low, high], rtol=0, atol=1e-3)
-    fails("no side to go on across", bpy.ops.cmc.complete)
+    fails("no side to continue across", bpy.ops.cmc.complete)
     fails("closes|no hole|does not have a gap|nothing", bpy.ops.cmc.tile_periods)
     bpy.ops.cmc.solve(want_twin=True, want_g=True, want_gauss=True, combinatorics="DUAL")
     assert all(getattr(torus.cmc, name) is not None for name in ("f_plus", "f_minus", "g", "gauss"))

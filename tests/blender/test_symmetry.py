@@ -257,9 +257,9 @@ def test_undo(kind):
 # --- what cannot be done -----------------------------------------------------------------------
 
 
-def refused(said: str, **options) -> None:
+def refused(message: str, **options) -> None:
     before = snapshot()
-    with pytest.raises(RuntimeError, match=said):
+    with pytest.raises(RuntimeError, match=message):
         bpy.ops.cmc.complete(**options)
     assert snapshot() == before
 
@@ -268,10 +268,10 @@ def test_without_a_mirror_or_a_plane_nothing_repeats():
     plan = solved("UNDULOID")
     for group in plan.data.cmc.groups:
         group.across = "OFF"
-    refused("There is no side to go on across")
+    refused("There is no side to continue across")
     for group in plan.data.cmc.groups:
         group.kind = "BINORMAL"
-    refused("There is no side to go on across")
+    refused("There is no side to continue across")
 
 
 def test_sides_that_contradict_each_other_are_named():

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 LARGER = 3  # interface text is 11 pixels high; the reader wants about 30
-ALIKE = 0.8  # of the letters of a word or phrase: 1 and l, 0 and O are not told apart
+ALIKE = 0.8  # of the letters of a word or phrase: 1 and l, 0 and O look alike
 
 
 @dataclass(frozen=True)

@@ -323,6 +323,6 @@ class Hands:
 
 
 def is_it(copied: str, wanted: str) -> bool:
-    """Whether what was copied is this command or path, and not one whose name goes on."""
+    """Whether what was copied is this command or path, and not one whose name is longer."""
     after = copied.partition(wanted)[2]
     return wanted in copied and not (after[:1].isalnum() or after[:1] == "_")

@@ -1,5 +1,5 @@
-"""in_chroot.py [STORY…]: inside the Debian with Blender. Installs the extension, tells the stories (all of them), each
-in a Blender and on a screen of its own, and sums up. Exits 1 if a story did not go as told.
+"""in_chroot.py [STORY…]: inside the Debian with Blender. Installs the extension, runs the stories, by default all, each
+in a Blender and on a screen of its own, and sums up. Exits 1 if a story fails.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ def surroundings(display: str = "", story: str = "") -> dict[str, str]:
     return {**os.environ, "BLENDER_USER_RESOURCES": str(USER), "DISPLAY": display, "HOME": str(home)}
 
 
-def tell(story: str) -> tuple[str, bool, float]:
-    """Tell one story; its name, whether it went as told, and its seconds."""
+def run(story: str) -> tuple[str, bool, float]:
+    """Run one story; its name, whether it passed, and its seconds."""
     for old in PICTURES.glob(f"{story}-*.png"):
         old.unlink()
     begun = time.monotonic()
@@ -48,13 +48,13 @@ def tell(story: str) -> tuple[str, bool, float]:
         code = in_window(story, output)
     seconds = time.monotonic() - begun
     text = log.read_text(errors="replace")
-    told = code == 0 and f"told {story}\n" in text and "Traceback" not in text  # a panel's, which stops nothing
+    passed = code == 0 and f"passed {story}\n" in text and "Traceback" not in text  # a panel's, which stops nothing
     pictures = len(list(PICTURES.glob(f"{story}-*.png")))
-    print(f"{'told  ' if told else 'FAILED'} {story:12s} {seconds:4.0f} s, {pictures} pictures", flush=True)
-    if not told:
+    print(f"{'passed' if passed else 'FAILED'} {story:12s} {seconds:4.0f} s, {pictures} pictures", flush=True)
+    if not passed:
         reason = f"it took longer than {LIMIT:.0f} s" if code is None else "\n".join(text.splitlines()[-30:])
         print(reason, flush=True)
-    return story, told, seconds
+    return story, passed, seconds
 
 
 def in_window(story: str, output) -> int | None:
@@ -97,12 +97,12 @@ def main(stories: list[str]) -> int:
     install()
     jobs = int(os.environ.get("CMC_GUI_JOBS") or os.cpu_count() or 1)
     with ThreadPoolExecutor(jobs) as pool:
-        results = list(pool.map(tell, stories or known))
-    failed = [story for story, told, _ in results if not told]
+        results = list(pool.map(run, stories or known))
+    failed = [story for story, passed, _ in results if not passed]
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     took, worked = minutes(time.monotonic() - begun), minutes(used.ru_utime + used.ru_stime)
-    told = len(results) - len(failed)
-    print(f"{told} of {len(results)} stories went as told, in {took} minutes, {worked} of processor time")
+    passed = len(results) - len(failed)
+    print(f"{passed} of {len(results)} stories passed, in {took} minutes, {worked} of processor time")
     for story in failed:
         print(f"  not {story}: build/gui/{story}.log, build/gui/{story}-failed.png")
     return 1 if failed else 0

@@ -1,11 +1,11 @@
 #!/bin/bash
 # run.sh [STORY…]: drive a real Blender window without a screen and take pictures of it, into build/gui/. The
 # extension is built for that Blender's Python and installed as users install it.
-# run.sh --possible: only says whether it can be done here.
-# CMC_GUI_ROOT says where the Debian with Blender is or is to be made (default: .venvs/gui-root), CMC_GUI_JOBS how
-# many stories are told at a time (default: as many as there are processors), CMC_GUI_LIMIT how many seconds
+# run.sh --possible: only reports whether a window is possible here.
+# CMC_GUI_ROOT is the folder of the Debian with Blender, made if it is missing (default: .venvs/gui-root), CMC_GUI_JOBS how
+# many stories run at a time (default: as many as there are processors), CMC_GUI_LIMIT how many seconds
 # a story may take (default: 600).
-# Exits 0 if every story went as told, 1 if one did not, 2 if there can be no window here.
+# Exits 0 if every story passed, 1 if one failed, 2 if no window is possible here.
 set -euo pipefail
 HERE=$(cd "$(dirname "$0")" && pwd)
 CHECKOUT=$(cd "$HERE/../.." && pwd)

@@ -1,7 +1,7 @@
-"""Tell one story in a Blender window: blender --enable-event-simulate --python tell.py -- STORY
+"""Run one story in a Blender window: blender --enable-event-simulate --python tell.py -- STORY
 
 A story is a file in stories/ with `tell(hands)`, a generator that acts, yields seconds to wait, and asserts.
-Prints "told STORY" and ends Blender with 0, or prints the traceback and ends it with 3: an exception alone
+Prints "passed STORY" and ends Blender with 0, or prints the traceback and ends it with 3: an exception alone
 would leave Blender running and its exit code 0.
 """
 
@@ -69,7 +69,7 @@ def tick() -> float:
         return next(_steps)
     except StopIteration:
         code = 0
-        print(f"told {STORY}", flush=True)
+        print(f"passed {STORY}", flush=True)
     except BaseException:
         code = 3
         traceback.print_exc()

@@ -26,16 +26,16 @@ PINS = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) / np.sqrt(3.
 
 @dataclass(frozen=True)
 class Recovery:
-    """A sphere, its own normals (F, 3), and the map found from them; errors (F,) and their mean, in degrees."""
+    """A sphere, its own normals (F, 3), and the map recovered from them; errors (F,) and their mean, in degrees."""
 
     points: Array
     domain: Domain
     identity: Array
-    found: HarmonicMap
+    harmonic: HarmonicMap
 
     @property
     def errors(self) -> Array:
-        cosines = np.einsum("ij,ij->i", self.found.normals, self.identity)
+        cosines = np.einsum("ij,ij->i", self.harmonic.normals, self.identity)
         return np.degrees(np.arccos(np.clip(cosines, -1.0, 1.0)))
 
     @property
@@ -44,7 +44,7 @@ class Recovery:
 
     @property
     def is_lost(self) -> bool:
-        return self.found.status is not Status.CONVERGED or self.error > 20.0
+        return self.harmonic.status is not Status.CONVERGED or self.error > 20.0
 
     @property
     def not_delaunay(self) -> float:

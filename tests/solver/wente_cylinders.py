@@ -14,7 +14,7 @@ from tests.solver.fundamental_pieces import edges_where
 
 
 def jittered_cylinder(angle: float, columns: int, seed: int):
-    """A cylinder of the height that closes, its conditions, and the start of docs/bubbles.md. angle in radians."""
+    """A closing cylinder, its conditions, the start of docs/explanation/bubbles.md. angle: radians."""
     height = wente_height(angle)
     domain, points = exact_surfaces.cylinder(height, columns, seed=seed)
     bottom, top = (edges_where(domain, points, lambda p, y=y: np.abs(p[:, 1] - y) < 1e-9) for y in (0.0, height))

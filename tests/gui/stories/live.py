@@ -129,7 +129,7 @@ def grab(hands, before):
 
 
 def quiet(hands):
-    """At rest nothing goes on: no ticks, although the mouse moves and the window is drawn."""
+    """At rest nothing happens: no ticks, although the mouse moves and the window is drawn."""
     yield from hands.wait_for(at_rest, "it is at rest")
     calls, real = [], live()._read
     live()._read = lambda *args: calls.append(1) or real(*args)

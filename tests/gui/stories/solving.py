@@ -1,4 +1,4 @@
-"""A click on Solve: the window goes on, Esc and the panel's cross stop it, F9 changes it, undo takes it back."""
+"""A click on Solve: the window stays responsive, Esc and the cross stop it, F9 changes it, undo takes it back."""
 
 from __future__ import annotations
 

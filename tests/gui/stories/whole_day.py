@@ -198,7 +198,7 @@ def complete(hands):
 
 
 def save(hands):
-    """Ctrl S, Enter; File > Revert; everything is there and goes on."""
+    """Ctrl S, Enter; File > Revert; everything is there and works."""
     bpy.context.preferences.view.filebrowser_display_type = "SCREEN"
     yield from hands.press("S", ctrl=True)
     yield 1.5

@@ -253,7 +253,7 @@ def test_a_hole_that_moves_too_far_turns_faces_over():
 
 @pytest.mark.parametrize("motion", ["x", "size"])
 def test_what_cannot_close_ends_with_what_is_left(motion):
-    """One modulus does not close three components: what it reaches is closed, and the rest is told."""
+    """One modulus does not close three components: what it reaches is closed, and the rest is reported."""
     shape, rim = courtyard(0.16)
     moduli = hole(shape.domain, shape.positions, 1, (motion,))
     closing = close_periods(shape.domain, rim, by="moduli", moduli=moduli)
@@ -263,7 +263,7 @@ def test_what_cannot_close_ends_with_what_is_left(motion):
     assert closing.left == {"period 0": closing.gaps[-1]} and "The rest: period 0 0.0" in closing.message
 
 
-def test_wrong_wishes_are_refused():
+def test_wrong_options_are_refused():
     shape, rim = courtyard(0.2)
     disc = shapes.disc(60)
     flat = conditions.binormal(disc.domain, disc.positions, disc.domain.boundary_edges)

@@ -1,4 +1,4 @@
-"""Sides along mirrors that shall lie in one plane: their distance is a period, and is closed like one."""
+"""Sides along mirrors brought into one plane: their distance is a period, and closed like one."""
 
 from __future__ import annotations
 

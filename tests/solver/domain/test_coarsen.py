@@ -1,4 +1,4 @@
-"""Coarse copies of domains: the same topology, about the size asked for, and near the same shape."""
+"""Coarse copies of domains: the same topology, about the given size, and near the same shape."""
 
 from __future__ import annotations
 

@@ -225,7 +225,7 @@ def test_the_derivatives_of_likeness(height):
 
 
 def test_bending_is_mean_curvature_over_all_curvature():
-    """Of a saddle y² - x²/2 and a bowl at their middle, where h is (k₁ + k₂) / √(2 (k₁² + k₂²))."""
+    """At the middle of a saddle y² - x²/2 and of a bowl, where h is (k₁ + k₂) / √(2 (k₁² + k₂²))."""
     for a, b in ((1.0, 1.0), (1.0, 0.0), (1.0, -0.5), (1.0, -1.0)):
         domain, points = over_the_disc(2000, lambda x, y, a=a, b=b: -0.025 * (a * x**2 + b * y**2))
         N, L = drawn_normals(domain, points), dirichlet_matrix(domain)

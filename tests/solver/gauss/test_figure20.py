@@ -15,7 +15,7 @@ from tests.solver.figure20 import ASPECTS, recover, sphere
 def test_mobius_recovers_the_identity(aspect):
     """To 5° where the aspect ratio is at most 10, and without getting lost beyond."""
     result = recover(*sphere(800, aspect), "mobius")
-    assert result.found.status is Status.CONVERGED and np.isclose(result.found.degree, 1.0, rtol=0, atol=1e-9)
+    assert result.harmonic.status is Status.CONVERGED and np.isclose(result.harmonic.degree, 1.0, rtol=0, atol=1e-9)
     assert result.error < (5.0 if aspect <= 10 else 20.0)
 
 
@@ -23,18 +23,18 @@ def test_mobius_recovers_the_identity(aspect):
 def test_dual_cotangents_lose_it(aspect):
     """As soon as some edges are not Delaunay, the energy falls far below that of any map."""
     result = recover(*sphere(800, aspect), "dual_cotan")
-    assert result.not_delaunay > 0 and result.found.energy < 0 and result.is_lost
+    assert result.not_delaunay > 0 and result.harmonic.energy < 0 and result.is_lost
 
 
 def test_newtons_method_for_critical_points_finds_it_with_dual_cotangents():
     """It is a critical point there too, but no minimum."""
     result = recover(*sphere(800, 10), "dual_cotan", method="lagrange")
-    assert result.found.status is Status.CONVERGED and result.error < 1.0
+    assert result.harmonic.status is Status.CONVERGED and result.error < 1.0
 
 
 def test_dual_cotangents_do_on_a_delaunay_sphere():
     result = recover(*sphere(800, 1), "dual_cotan")
-    assert result.not_delaunay == 0 and result.found.status is Status.CONVERGED and result.error < 0.1
+    assert result.not_delaunay == 0 and result.harmonic.status is Status.CONVERGED and result.error < 0.1
 
 
 def test_unconstrained_minimisers_slide_to_a_constant_but_exact_identities_stay():

@@ -146,7 +146,7 @@ def test_the_plan_with_the_moved_hole_gives_the_closed_shell(tmp_path):
     assert hole_gaps(again)[0].relative < 2e-3
 
 
-@pytest.mark.parametrize(("table", "said"), [
+@pytest.mark.parametrize(("table", "message"), [
     ('by = "force"', r'\[close\]: there is no by "force"'),
     ("wieght = 1", r'unknown key "wieght"; did you mean "weight"'),
     ("weight = 1", r'"weight" goes with by = "both", not with "normals"'),
@@ -156,19 +156,19 @@ def test_the_plan_with_the_moved_hole_gives_the_closed_shell(tmp_path):
     ('by = "both"\nweight = 0', r"weight must be a positive number, not 0"),
     ("max_steps = 0", r"limit of steps must be 1 or more"),
 ])  # fmt: skip
-def test_what_is_wrong_with_the_table_is_named(tmp_path, table, said):
-    with pytest.raises(JobError, match=said):
+def test_what_is_wrong_with_the_table_is_named(tmp_path, table, message):
+    with pytest.raises(JobError, match=message):
         load_job(job_file(tmp_path, f"[close]\n{table}\n"))
 
 
 def test_what_cannot_be_closed(tmp_path):
     disc = '[shape]\nkind = "disc"\nn = 60\n'
-    for plan, close, said in (
+    for plan, close, message in (
         (disc, "[close]\n", "neither holes nor handles"),
         (disc, '[close]\nby = "hole"\n', "The plan has 0 holes that could move"),
         (COURT, '[close]\nby = "hole"\nholes = [3]\n', "The plan has 1 hole; there is no hole 3"),
         (COURT, '[close]\n[solver]\nsites = "faces"\n', "Closing needs normals on vertices"),
         (disc, "[fit]\nrise = 0.2\n[close]\n", "a fit closes its shell by itself"),
     ):
-        with pytest.raises(Exception, match=said):
+        with pytest.raises(Exception, match=message):
             run_job(load_job(job_file(tmp_path, close, plan)))

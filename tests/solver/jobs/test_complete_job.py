@@ -135,7 +135,7 @@ def test_a_plane_that_is_touched_is_that_of_the_sheet_shown(tmp_path):
     assert '"group end" touches the plane (1, 0, 0)' in shell.summary()
 
 
-@pytest.mark.parametrize(("lines", "said"), [
+@pytest.mark.parametrize(("lines", "message"), [
     ("repeat = 2", r'name a file: "mesh"'),
     ('mesh = "a.txt"', r'"mesh" has no format known here \("\.txt"\)'),
     ('instances = "a.obj"', r'"instances" has no format known here'),
@@ -151,8 +151,8 @@ def test_a_plane_that_is_touched_is_that_of_the_sheet_shown(tmp_path):
     ('mesh = "a.obj"\naround = [["flor"]]', r'"around": no condition is on "flor"'),
     ('mesh = "a.obj"\ncount = 3', r'unknown key "count"'),
 ])  # fmt: skip
-def test_a_table_that_is_wrong_is_refused(tmp_path, lines, said):
-    with pytest.raises(JobError, match=said) as caught:
+def test_a_table_that_is_wrong_is_refused(tmp_path, lines, message):
+    with pytest.raises(JobError, match=message) as caught:
         load_job(job_file(tmp_path, lines))
     assert "[complete]" in str(caught.value)
 
@@ -161,7 +161,7 @@ def test_without_a_side_to_go_on_across_the_job_is_refused(tmp_path):
     kinds = dict.fromkeys(TUBE.normals, "gauss_map")
     path = job_file(tmp_path, 'mesh = "a.obj"', kinds=kinds)
     path.write_text("\n".join(line for line in path.read_text().splitlines() if not line.startswith("normal")))
-    with pytest.raises(JobError, match=r"\[complete\]: There is no side to go on across"):
+    with pytest.raises(JobError, match=r"\[complete\]: There is no side to continue across"):
         load_job(path)
     assert main([str(path)]) == BAD_JOB
 
@@ -200,11 +200,11 @@ def test_more_copies_than_are_ever_made_are_refused_at_once(tmp_path):
         run_job(job)
 
 
-@pytest.mark.parametrize(("given", "said"), [
+@pytest.mark.parametrize(("given", "message"), [
     ('["a"]', r'"flipped_corners" must be a list of whole numbers'),
     ("[0, 999]", r'"flipped_corners": there is no vertex 999; there are \d+'),
 ])  # fmt: skip
-def test_flipped_corners_are_vertices(tmp_path, given, said):
+def test_flipped_corners_are_vertices(tmp_path, given, message):
     path = job_file(tmp_path, 'mesh = "a.stl"', more=f"[default]\nflipped_corners = {given}")
-    with pytest.raises(JobError, match=said):
+    with pytest.raises(JobError, match=message):
         load_job(path)

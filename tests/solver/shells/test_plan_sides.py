@@ -1,4 +1,4 @@
-"""Sides of a plan: parts of groups, which of them the shell goes on across, planes that the edges suggest."""
+"""Sides of a plan: parts of groups, those that the shell continues across, planes that the edges suggest."""
 
 from __future__ import annotations
 
@@ -41,12 +41,12 @@ def test_sides_that_are_none_are_refused():
               (("left", "binormal"), ("right", "mirror"))]  # fmt: skip
     plan = Plan(flat(strip), strip.domain.faces, groups=groups)
     assert [side.name for side in plan_sides(plan, strip.domain)] == ["right"]
-    with pytest.raises(JobError, match="There is no group \"top\" to go on across; there are left, right"):
+    with pytest.raises(JobError, match="There is no group \"top\" to continue across; there are left, right"):
         plan_sides(plan, strip.domain, ["top"])
-    with pytest.raises(JobError, match="cannot go on across \"left\": it must be a mirror, a plane or free"):
+    with pytest.raises(JobError, match="cannot continue across \"left\": it must be a mirror, a plane or free"):
         plan_sides(plan, strip.domain, ["left"])
     plan.groups = groups[:1]
-    with pytest.raises(JobError, match="no side to go on across"):
+    with pytest.raises(JobError, match="no side to continue across"):
         plan_sides(plan, strip.domain)
 
 

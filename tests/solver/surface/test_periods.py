@@ -160,7 +160,7 @@ def leaning(share):
 
 
 def test_small_periods_are_projected_out_and_reported_larger_ones_cut_the_surface():
-    """Smaller or larger than a thousandth of the diameter; either way `periods` tells what there was."""
+    """Smaller or larger than a thousandth of the diameter; either way `periods` has their lengths."""
     open_at = {}
     for share in (1e-4, 1e-3, 3e-3, 3e-2):
         domain, held = leaning(share)

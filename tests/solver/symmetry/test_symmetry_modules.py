@@ -72,7 +72,7 @@ def test_corners_of_the_plans_are_those_of_the_surface(make):
 
 @pytest.mark.parametrize("c", [-0.9, -0.5, -0.1])
 def test_a_quarter_of_a_tube_is_an_unduloid(c):
-    """Four mirrors and a rectangle of the right shape: nothing else is said. Radii 1 ∓ √(1+c), period 4 E(1+c)."""
+    """Four mirrors and a rectangle of the right shape, nothing else. Radii 1 ∓ √(1+c), period 4 E(1+c)."""
     errors = []
     for h in MESHES:
         piece = pieces.between_mirrors(modules.node(2, 2 * ellipk(1 + c) / (np.pi / 2), max_edge=h))
@@ -194,7 +194,7 @@ def test_sides_of_a_module_are_its_boundary():
 
 
 def test_a_free_side_between_mirrors_is_a_point_of_their_planes():
-    """An eighth of a tube, three mirrors and a free end: the relations of the group hold to rounding."""
+    """An eighth of a tube, three mirrors and a free end: the group's relations hold to rounding."""
     c, errors = -0.5, []
     for h in MESHES:
         module = modules.node(2, ellipk(1 + c) / (np.pi / 2), max_edge=h)

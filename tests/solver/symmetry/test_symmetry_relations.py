@@ -1,4 +1,4 @@
-"""What sides must satisfy, what they generate, and what is said where they do not go together."""
+"""Conditions on sides, the group they generate, and the messages where they contradict each other."""
 
 from __future__ import annotations
 
@@ -177,7 +177,7 @@ def test_sides_that_contradict_each_other_are_named(eighth):
 
 
 def test_parallel_mirrors_meant_as_one_plane_give_an_offset_not_a_torn_mesh(tube):
-    """Bottom and top of a tube: half a period apart, a translation; said to be one plane, that is reported."""
+    """Bottom and top of a tube: half a period apart, a translation; forced into one plane, it is reported."""
     apart = complete(tube.surface, tube.sides)
     assert apart.offsets == [] and len(apart.lattice) == 1
     forced = complete(tube.surface, tube.sides, coplanar=[("bottom", "top")])
