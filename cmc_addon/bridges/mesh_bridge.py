@@ -24,7 +24,6 @@ from .edge_bridge import group_values
 Int = NDArray[np.int32]
 
 NORMAL_ATTRIBUTE = "cmc_normal"
-MEAN_CURVATURE_ATTRIBUTE = "cmc_mean_curvature"
 CORNER_ATTRIBUTE = "cmc_flipped_corner"
 """Integers on the vertices of a plan; other than 0 they flip the normal at a corner between two mirrors."""
 LENGTH_ATTRIBUTE = "cmc_length"

@@ -9,15 +9,15 @@ from __future__ import annotations
 import bpy
 import gpu
 import numpy as np
-from bpy.app.handlers import persistent
 from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
 from ..bridges.colour_bridge import points_and_directions
+from ..bridges.geometry_changes import watched
 from ..properties.colour_settings import watchers
 from ..properties.links import families, plan_to_solve
-from ..properties.registration import registration
 from .curvature_lines import curvature_lines, default_spacing, spread
+from .viewport import redraw
 
 # Along the larger and the smaller principal curvature; the dark edge makes both readable on any colour.
 _COLOURS = ((1.0, 0.62, 0.12, 1.0), (0.45, 0.85, 1.0, 1.0))
@@ -28,8 +28,8 @@ _NEARER = 2e-3
 
 _handle = None
 # By mesh: its batches on the graphics card, and the vertices with a line, each with the key it was made for.
-_batches: dict[int, tuple[tuple, list]] = {}
-_places: dict[int, tuple[tuple, np.ndarray]] = {}
+_batches: dict[int, tuple[tuple, list]] = watched({})
+_places: dict[int, tuple[tuple, np.ndarray]] = watched({}, geometry=False)
 
 
 def lines_of(mesh: bpy.types.Mesh, which: str, spacing: float) -> tuple[np.ndarray, np.ndarray] | None:
@@ -119,40 +119,12 @@ def _made(shader, lines) -> list:
     return [batch_for_shader(shader, "LINES", {"pos": points}) if len(points) else None for points in flat]
 
 
-# --- when they are computed again --------------------------------------------------------
-
-@persistent
-def _on_change(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-    if _batches and any(update.is_updated_geometry for update in depsgraph.updates):
-        _batches.clear()
-
-
-@persistent
-def _on_other_data(*_: object) -> None:
-    _batches.clear()
-    _places.clear()
-
-
-def _on_setting(_plan: bpy.types.Object, context: bpy.types.Context, _name: str) -> None:
-    for window in context.window_manager.windows if context.window_manager else ():
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
-
-
-_listen, _unlisten = registration(
-    handlers={
-        "depsgraph_update_post": _on_change,
-        "undo_post": _on_other_data,
-        "redo_post": _on_other_data,
-        "load_post": _on_other_data,
-    }
-)
+def _on_setting(*_: object) -> None:
+    redraw()
 
 
 def register() -> None:
     global _handle
-    _listen()
     watchers.append(_on_setting)
     if not bpy.app.background:
         _handle = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
@@ -165,5 +137,5 @@ def unregister() -> None:
         _handle = None
     if _on_setting in watchers:
         watchers.remove(_on_setting)
-    _unlisten()
-    _on_other_data()
+    _batches.clear()
+    _places.clear()

@@ -16,6 +16,7 @@ from typing import TypeVar
 import bpy
 
 from ..bridges.geometry_changes import watched
+from .viewport import redraw
 
 T = TypeVar("T")
 
@@ -75,11 +76,3 @@ def forget() -> None:
 def _redraw_soon() -> None:
     if not bpy.app.timers.is_registered(redraw):
         bpy.app.timers.register(redraw, first_interval=_PAUSE)
-
-
-def redraw() -> None:
-    """Redraw every 3D viewport."""
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()

@@ -1,7 +1,7 @@
 """The faces along the rim of a plan as a domain, which is all that boundary conditions need.
 
-Its boundary edges, the faces behind them and everything within two edges of their vertices are those of the whole
-plan: As Drawn fits quadratics to that much.
+Its boundary edges, the faces behind them, the angles around their vertices and their neighbours within two edges, to
+which As Drawn fits a surface, are those of the whole plan.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class GroupState:
 
 @dataclass(frozen=True, eq=False)
 class Strip:
-    """The two rows of faces along the rim, as a domain whose first `rim_count` vertices are those of the rim, in order.
+    """Two rings of faces along the rim, as a domain whose first `rim_count` vertices are those of the rim, in order.
 
     vertices (n,): their indices in the plan. uids (E,): groups of the edges, -1 on edges off the rim.
     """
@@ -51,7 +51,7 @@ class Strip:
         """Raises `CmcError` if the faces are no surface."""
         on_rim = np.zeros(len(mesh.positions), dtype=bool)
         on_rim[mesh.edges[rim]] = True
-        triangles = _triangles_at(mesh, _touching(mesh, _corners_at(mesh, on_rim)))
+        triangles = _triangles_of(mesh, _touching(mesh, _near(mesh, on_rim)))
         inside = np.setdiff1d(triangles, np.flatnonzero(on_rim))
         vertices = np.concatenate([np.flatnonzero(on_rim), inside])
         place = np.full(len(mesh.positions), -1, dtype=np.int32)
@@ -76,21 +76,21 @@ class Strip:
 
 
 def _touching(mesh: PlanMesh, vertices: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """(P,) whether a polygon has one of these vertices (V,)."""
+    """(P,) polygons with one of the vertices (V,)."""
     return np.logical_or.reduceat(vertices[mesh.corners], mesh.starts[:-1])
 
 
-def _corners_at(mesh: PlanMesh, vertices: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """(V,) the corners of the polygons that have one of these vertices."""
-    corners = np.zeros(len(vertices), dtype=bool)
-    corners[mesh.corners[np.repeat(_touching(mesh, vertices), np.diff(mesh.starts))]] = True
-    return corners
+def _near(mesh: PlanMesh, vertices: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """(V,) all vertices of the polygons with one of the vertices (V,)."""
+    near = vertices.copy()
+    near[mesh.corners[np.repeat(_touching(mesh, vertices), np.diff(mesh.starts))]] = True
+    return near
 
 
-def _triangles_at(mesh: PlanMesh, touching: NDArray[np.bool_]) -> Int:
-    """Triangles, in the plan's numbering, of these polygons (P,)."""
+def _triangles_of(mesh: PlanMesh, polygons: NDArray[np.bool_]) -> Int:
+    """Triangles, in the plan's numbering, of some of its polygons (P,)."""
     step = -1 if mesh.mirrored else 1
-    bounds = zip(mesh.starts[:-1][touching].tolist(), mesh.starts[1:][touching].tolist(), strict=True)
+    bounds = zip(mesh.starts[:-1][polygons].tolist(), mesh.starts[1:][polygons].tolist(), strict=True)
     return triangulate_polygons(mesh.positions, [mesh.corners[a:b][::step] for a, b in bounds])[0]
 
 

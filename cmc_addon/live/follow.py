@@ -56,7 +56,7 @@ def tick() -> float | None:
     except CmcError as error:
         stop()
         Follow.problem = plan.session_uid, str(error)
-        redraw(bpy.context)
+        redraw()
         return None
 
 
@@ -80,7 +80,7 @@ def _advance(context: bpy.types.Context, plan: bpy.types.Object) -> bool:
     if task.latest is not None:
         preview.show(*task.latest)
         task.latest = None
-        redraw(context)
+        redraw()
     return True
 
 
@@ -100,7 +100,7 @@ def _write(context: bpy.types.Context, plan: bpy.types.Object, result: DesignRes
         return True
     task.write(context, plan, result)
     Follow.moved = True
-    redraw(context)
+    redraw()
     return True
 
 

@@ -192,14 +192,14 @@ def _read(context: bpy.types.Context, plans: dict[int, bpy.types.Object]) -> Non
             reading = read(context, plan)
         except CmcError as error:
             state.reading, state.problem = None, str(error)
-            redraw(context)
+            redraw()
             continue
         if state.reading is None or state.reading.key != reading.key:
             state.since = time.monotonic()
         state.reading = reading
         if reading.key != state.failed and state.problem:
             state.problem = ""
-            redraw(context)
+            redraw()
     if marked:
         _not_hearing(context)
 
@@ -259,13 +259,13 @@ def _write(context: bpy.types.Context, plan: bpy.types.Object, state: State, tas
     is_all = task.grade == WHOLE and not reading.solve.settings.intersections
     state.shown, state.grade = reading.key, FINAL if is_all else task.grade
     state.failed, state.problem = None, ""
-    redraw(context)
+    redraw()
 
 
 def _fail(context: bpy.types.Context, state: State, task: LiveTask, problem: str) -> None:
     Live.running = None
     state.failed, state.problem = task.reading.key, problem
-    redraw(context)
+    redraw()
 
 
 def _drop() -> None:

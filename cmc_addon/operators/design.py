@@ -8,6 +8,7 @@ import math
 
 import bpy
 
+from ...solver.measure.summary import percent
 from ..drawing import preview
 from ..properties.design_settings import (
     APPROXIMATE_SETTINGS,
@@ -34,8 +35,8 @@ class DesignOperator(TaskOperator):
     _task: DesignTask | None = None
 
     def progress_of(self, step) -> tuple[float, str]:
-        off = 100.0 * math.sqrt(2.0 * max(step.residual, 0.0))  # the value is half a square, relative to the size
-        return step.iteration / (step.iteration + _USUAL), f"Step {step.iteration}, off by {off:.2g} %"
+        off = math.sqrt(2.0 * max(step.residual, 0.0))  # the value is half a square, relative to the size
+        return step.iteration / (step.iteration + _USUAL), f"Step {step.iteration}, off by {percent(off)}"
 
     def _advance(self, context: bpy.types.Context) -> set[str]:
         if self._task is not None and self._task.latest is not None:

@@ -122,7 +122,7 @@ class ModalOperator:
         except StopIteration as end:
             self._cleanup(context)
             return end.value
-        redraw(context)
+        redraw()
         return {"RUNNING_MODAL"}
 
     def _fail(self, context: bpy.types.Context, error: CmcError) -> set[str]:
@@ -141,7 +141,7 @@ class ModalOperator:
             _status(context, None)
         context.window_manager.cmc.running = False
         context.window_manager.cmc.message = ""
-        redraw(context)
+        redraw()
 
 
 def _status(context: bpy.types.Context, text: str | None) -> None:

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import bpy
 
+from ...solver.measure.summary import percent
 from ..background import worker
 from ..properties.periods_settings import (
     CLOSE_SETTINGS,
@@ -47,8 +48,7 @@ class CMC_OT_close_periods(PeriodsOperator, bpy.types.Operator):
         return CloseTask.read(context, plan, self.wanted(plan))
 
     def progress_of(self, step: worker.Step) -> tuple[float, str]:
-        gap = 100.0 * step.residual
-        return step.iteration / (step.iteration + _USUAL), f"Step {step.iteration}, gap {gap:.2g} %"
+        return step.iteration / (step.iteration + _USUAL), f"Step {step.iteration}, gap {percent(step.residual)}"
 
     def draw(self, context):
         as_settings(self.layout)

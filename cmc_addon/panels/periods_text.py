@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from ..properties.units import length_text, percent_text
+from ...solver.measure.summary import percent
+from ..properties.units import length_text
 
 
 def gap_sentence(report: Mapping) -> str:
@@ -25,7 +26,7 @@ def gap_sentence(report: Mapping) -> str:
 
 def gap_text(hole: Mapping) -> str:
     """A gap as a length, and as a part of the shell's size."""
-    return f"{length_text(hole['length'])} ({percent_text(hole['relative'])} of its size)"
+    return f"{length_text(hole['length'])} ({percent(hole['relative'])} of its size)"
 
 
 def vector_text(vector: Sequence[float], length: float) -> str:
@@ -42,7 +43,7 @@ def gap_rows(report: Mapping) -> list[tuple[str, str]]:
         if not report.get("is_open"):
             rows.append((name, "Closed"))
             continue
-        rows.append((name, f"{length_text(hole['length'])} ({percent_text(hole['relative'])})"))
+        rows.append((name, f"{length_text(hole['length'])} ({percent(hole['relative'])})"))
         rows.append(("", vector_text(hole["period"], hole["length"])))
     return rows
 
@@ -52,7 +53,7 @@ def closing_rows(report: Mapping) -> list[tuple[str, str]]:
     closing = report.get("closing")
     if not closing:
         return []
-    rows = [("Gap Before", percent_text(closing["gap_before"])), ("Gap Now", percent_text(closing["gap"]))]
+    rows = [("Gap Before", percent(closing["gap_before"])), ("Gap Now", percent(closing["gap"]))]
     if closing["largest_turn"] > 1e-6:
         turns = f"{closing['largest_turn']:.1f}° at most, {closing['rms_turn']:.1f}° (RMS)"
         rows.append(("Normals Turned", turns))

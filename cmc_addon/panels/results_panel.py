@@ -5,10 +5,11 @@ import textwrap
 import bpy
 
 from ...solver.fitting.targets import RimOnCurve
+from ...solver.measure.summary import percent
 from ..properties.links import result_of
 from ..properties.registration import registration
 from ..properties.reports import design_report, last_report, shown_sheet
-from ..properties.units import length_text, per_length, percent_text
+from ..properties.units import length_text, per_length
 from .periods_text import gap_sentence
 from .tab import BESIDE_SOLVE, Tab
 
@@ -97,7 +98,7 @@ def check_rows(report: dict) -> list[tuple[str, str]]:
     """Labels and numbers of the checks: curvature, distortion, distance from the outline, and others."""
     shown, rows = shown_sheet(report), []
     if shown["mean_curvature"]:
-        rows.append(("H Off By", percent_text(shown["mean_curvature"]["relative_l2"])))
+        rows.append(("H Off By", percent(shown["mean_curvature"]["relative_l2"])))
     if shown["distortion"]:
         rows.append(("Distortion", f"{shown['distortion']['mean']:.3f}, at most {shown['distortion']['max']:.3f}"))
     if shown["outline"]:
@@ -105,7 +106,7 @@ def check_rows(report: dict) -> list[tuple[str, str]]:
         rows.append(("Off Outline", f"{mean}, at most {most}"))
     if shown["overhang"]:
         share, lean = shown["overhang"]["area_share"], shown["overhang"]["largest_lean"]
-        rows.append(("Overhang", f"{percent_text(share)}, by {lean:.1f}°" if share else "None"))
+        rows.append(("Overhang", f"{percent(share)}, by {lean:.1f}°" if share else "None"))
     if shown["intersections"]:
         pairs = shown["intersections"]["count"]
         rows.append(("Crossing", f"{pairs} pairs of faces" if pairs else "None"))
@@ -177,7 +178,7 @@ def fitted_rows(plan: bpy.types.Object) -> list[tuple[str, str]]:
 
 def distance_text(length: float, span: float) -> str:
     """For example "7.5 m (150 % of span)"."""
-    return f"{length_text(length, digits=2)} ({percent_text(length / (span or 1.0))} of span)"
+    return f"{length_text(length, digits=2)} ({percent(length / (span or 1.0))} of span)"
 
 
 CLASSES = (CMC_PT_results, CMC_PT_checks, CMC_PT_solver)

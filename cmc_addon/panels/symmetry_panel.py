@@ -6,12 +6,13 @@ import bpy
 
 from ...solver.catalogue.module_presets import PRESETS
 from ...solver.errors import CmcError
+from ...solver.measure.summary import percent
 from ..bridges.mesh_cache import mirror_corners
 from ..properties.links import plan_to_solve
 from ..properties.registration import registration
 from ..properties.reports import complete_report, last_report
 from ..properties.symmetry_settings import COMPLETE_SETTINGS, draw_complete
-from ..properties.units import length_text, percent_text
+from ..properties.units import length_text
 from ..tasks.complete import counts
 from .results_panel import numbers, paragraph
 from .tab import TALL, Tab, hint, properties_column
@@ -61,7 +62,7 @@ def plane_rows(report: dict | None, name: str) -> list[tuple[str, str]]:
         if plane["name"] == name or plane["name"].rpartition(" ")[0] == name:
             rows.append(("Plane At", length_text(plane["offset"])))
             off = length_text(plane["error"], digits=2)
-            rows.append(("Off Plane", f"{off} ({percent_text(plane['relative'])})"))
+            rows.append(("Off Plane", f"{off} ({percent(plane['relative'])})"))
     return rows
 
 
@@ -142,7 +143,7 @@ def completed_rows(report: dict | None) -> list[tuple[str, str]]:
     if report is None:
         return []
     gap = length_text(report["largest_gap"], digits=2)
-    apart = f"{gap} apart ({percent_text(report['relative_gap'])})"
+    apart = f"{gap} apart ({percent(report['relative_gap'])})"
     rows = [("Made", f"{report['copies']:,} copies"), ("Seams", apart)]
     if report.get("largest_offset"):
         rows.append(("Off Plane", length_text(report["largest_offset"], digits=2)))

@@ -1,4 +1,4 @@
-"""Lengths, areas, curvatures and percentages as text, in the units of the scene."""
+"""Lengths, areas and curvatures as text, in the units of the scene."""
 
 from __future__ import annotations
 
@@ -19,13 +19,3 @@ def per_length() -> str:
     """The unit of H: one over a Blender unit, which is a metre in a metric scene of scale 1."""
     units = bpy.context.scene.unit_settings
     return "1/m" if units.system == "METRIC" and units.scale_length == 1.0 else "per unit"
-
-
-def percent_text(part: float) -> str:
-    """A part as a percentage of two digits, without the digits of rounding errors."""
-    percent = 100.0 * abs(part)
-    if percent < 1e-6:
-        return "0 %"
-    if percent < 0.01:
-        return "under 0.01 %"
-    return f"{percent:.2g} %" if percent < 99.5 else f"{percent:.0f} %"

@@ -18,9 +18,9 @@ from ..domain.shape import DomainLike, as_domain
 from ..errors import ConditionError, Progress, check_choice
 from ..gauss.boundary_data import Conditions
 from ..gauss.methods import METHODS
+from ..gauss.options import with_options
 from ..linalg import check_number
 from ..surface.cmc_surface import CmcSurface
-from ..surface.options import with_options
 from ..surface.solve import CmcSolver
 from ..symmetry.sides import Side
 from .closing_conditions import ClosingConditions

@@ -16,7 +16,6 @@ from ..domain.domain import Domain
 from ..gauss.admissible import resolved
 from ..gauss.boundary_data import Conditions
 from ..gauss.harmonic import HarmonicSolver
-from ..gauss.sphere import normalize
 from ..surface.adjoint import AdjointSolver, Reached
 from .closing_conditions import ClosingConditions
 from .moduli import Moduli
@@ -137,10 +136,3 @@ class ClosingMap:
         """Approximate diagonal of f+: from the conjugate on the faces and the normals at their corners."""
         g = self.closing.homology.integrate(tau)
         return float(np.linalg.norm(np.ptp(np.repeat(g, 3, axis=0) + N[domain.faces.ravel()], axis=0)))
-
-
-def tangent_directions(rim: Array) -> list[Array]:
-    """Two orthonormal directions (n, 3) in each tangent plane of the sphere at normals (n, 3)."""
-    helper = np.eye(3)[np.argmin(np.abs(rim), axis=1)]
-    first = normalize(np.cross(rim, helper))
-    return [first, np.cross(rim, first)]

@@ -18,10 +18,10 @@ from numpy.typing import ArrayLike, NDArray
 from ..domain.domain import Domain
 from ..errors import MeshError
 from ..gauss.frames import in_space
-from ..gauss.sphere import dot, exp, normalize
+from ..gauss.sphere import dot, exp, normalize, tangent_axes
 from ..linalg import factorize, graph_laplacian, sum_rows
 from ..surface.adjoint import boundary_shares
-from .closing_map import HARMONIC, ClosingMap, Place, tangent_directions
+from .closing_map import HARMONIC, ClosingMap, Place
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -117,9 +117,10 @@ class ClosingSteps:
     def _basis(self, rim: Array) -> sp.csr_array:
         """(3 n, d) directions in which normals may turn: two in each tangent plane, or one about an axis; at the end of
         a mirror, the one in its plane."""
-        directions = tangent_directions(rim) if self.axes is None else [normalize(np.cross(self.axes, rim))]
+        about = tangent_axes(rim) if self.axes is None else normalize(np.cross(self.axes, rim))[:, None]
         lines, held = self.map.lines(rim)
-        directions = [np.where(held[:, None], lines if k == 0 else 0.0, d) for k, d in enumerate(directions)]
+        every = enumerate(about.swapaxes(0, 1))
+        directions = [np.where(held[:, None], lines if k == 0 else 0.0, d) for k, d in every]
         rows, starts = np.arange(rim.size), np.arange(0, rim.size + 1, 3)
         basis = sp.csc_array(sp.hstack([sp.csc_array((d.ravel(), rows, starts)) for d in directions]))
         basis.eliminate_zeros()

@@ -234,6 +234,16 @@ class SiteGraph:
         whole[domain.boundary_edges] = -(self.sums(form) / np.maximum(count, 1)[:, None])[behind]
         return whole
 
+    def means(self, values: Array) -> Array:
+        """(S, k) values (V, k) at the sites: at faces the mean of the corners, on the rim that of the edge's ends."""
+        if self.at_vertices:
+            return values
+        domain = self.domain
+        means = values[domain.faces].mean(axis=1)
+        if self.name == "faces":
+            return means
+        return np.concatenate([means, values[domain.edges[domain.boundary_edges]].mean(axis=1)])
+
     def sums(self, form: Array) -> Array:
         """(S, k) sum of a form on the links (K, k) around each site, outgoing links counted positive."""
         i, j = self.links.T

@@ -15,9 +15,9 @@ from ..gauss.boundary_data import Conditions
 from ..gauss.conditions import gauss_map
 from ..gauss.drawn_normals import drawn_normals
 from ..gauss.frames import in_space
+from ..gauss.options import with_options
 from ..gauss.sphere import inner
 from ..linalg import check_number
-from ..surface.options import with_options
 from ..surface.placement import procrustes
 from ..surface.solve import CmcSolver
 from .closest_point import Triangles

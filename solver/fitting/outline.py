@@ -16,7 +16,7 @@ from ..domain.domain import Domain
 from ..domain.shape import DomainLike, as_domain
 from ..gauss.conditions import binormal
 from ..gauss.frames import in_space
-from ..surface.options import with_options
+from ..gauss.options import with_options
 from ..surface.solve import CmcSolver
 from .fit import Fit, FitStatus, Start, fit
 from .goals import Goals, OutlineOptions

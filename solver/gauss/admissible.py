@@ -16,7 +16,7 @@ from ..errors import ConditionError, plural
 from .boundary_data import Conditions
 from .frames import blend, of_boundary
 from .mirrors import Mirrors, MirrorSides, on_side, parallel
-from .sphere import dot, normalize
+from .sphere import dot, normalize, tangent_axes
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -60,7 +60,7 @@ class Admissible:
         at, axes = self.mirrors.sites, self.mirrors.normals
         if len(at):
             lost = dot(pinned[at], pinned[at])[:, 0] < _SHORTEST**2
-            pinned[at[lost]] = np.cross(axes[lost], np.eye(3)[np.argmin(np.abs(axes[lost]), axis=1)])
+            pinned[at[lost]] = tangent_axes(axes[lost])[:, 0]
             pinned[at] = normalize(pinned[at])
         else:
             pinned = pinned.copy()

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ..domain.domain import Domain
 from ..linalg import sum_rows
 from .frames import area_vectors, unit_rows
+from .sphere import normalize, tangent_axes
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -34,7 +35,7 @@ def drawn_normals(domain: Domain, points: Array, vertices: Int | None = None) ->
     vertices = np.arange(domain.vertex_count) if vertices is None else vertices
     means = _mean_normals(domain, points, vertices)
     owners, neighbours = _two_rings(domain, vertices)
-    axes = _tangent_axes(means)
+    axes = tangent_axes(means)
     away = points[neighbours] - points[vertices[owners]]
     x, y = np.einsum("kij,kj->ik", axes[owners], away)
     z = np.einsum("ij,ij->i", means[owners], away)
@@ -53,7 +54,7 @@ def drawn_normals(domain: Domain, points: Array, vertices: Int | None = None) ->
     slopes[good] = np.linalg.solve(matrices[good], loads[good][:, :, None])[:, :2, 0]
     slopes[np.linalg.norm(slopes, axis=1) > _STEEPEST] = 0.0
     normals = means - np.einsum("ki,kij->kj", slopes, axes)
-    return normals / np.linalg.norm(normals, axis=1, keepdims=True)
+    return normalize(normals)
 
 
 def _mean_normals(domain: Domain, points: Array, vertices: Int) -> Array:
@@ -74,11 +75,3 @@ def _two_rings(domain: Domain, vertices: Int) -> tuple[Int, Int]:
     owners, neighbours = pairs.coords
     other = neighbours != vertices[owners]
     return owners[other].astype(np.int64), neighbours[other].astype(np.int64)
-
-
-def _tangent_axes(normals: Array) -> Array:
-    """Two unit vectors (n, 2, 3) at right angles to each normal and to each other."""
-    least = np.eye(3)[np.argmin(np.abs(normals), axis=1)]
-    first = np.cross(normals, least)
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
-    return np.stack([first, np.cross(normals, first)], axis=1)

@@ -6,6 +6,7 @@ from collections import OrderedDict
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -14,8 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 from ..domain.domain import Domain
 from ..domain.shape import DomainLike, as_domain
 from ..domain.sites import SiteGraph
-from ..errors import ConditionError, Progress, Status, check_choice
-from ..linalg import Factor, ReusedFactor, as_numbers, check_number
+from ..errors import ConditionError, Status, check_choice
+from ..linalg import Factor, ReusedFactor, as_numbers
 from . import sphere
 from .admissible import Admissible, resolved
 from .balance import imbalance
@@ -26,6 +27,7 @@ from .initial_map import harmonic_start, leaning, wound_start
 from .methods import BALANCED, METHODS, Method
 from .mirror_start import side_normals
 from .newton import Iterate
+from .options import MapOptions, with_options
 from .problem import EnergyProblem, equal_laplacian
 from .rivals import escaped, lowest_start
 
@@ -140,18 +142,8 @@ class HarmonicSolver:
         self._factors.move_to_end(key)
         return self._factors[key]
 
-    def solve(
-        self,
-        conditions: Conditions,
-        initial: ArrayLike | None = None,
-        *,
-        side: int = +1,
-        degree: float | None = None,
-        method: str | Method = "newton",
-        tolerance: float = 1e-6,
-        max_iterations: int | None = None,
-        progress: Progress | None = None,
-    ) -> HarmonicMap:
+    @with_options(MapOptions)
+    def solve(self, conditions: Conditions, options: MapOptions) -> HarmonicMap:
         """A harmonic map with the prescribed normals, from `initial` (S, 3) or from a start made here.
 
         side: ±1, the choice between the two sides of coplanar data, between minimisers of nearly equal energy, and at
@@ -163,12 +155,13 @@ class HarmonicSolver:
         a status, not an error. Raises `ConditionError` when all sites are fixed, or none is (not even by two mirrors
         that meet) and there is no initial map.
         """
-        method = _method(method, conditions.is_balanced)
-        check_number(tolerance, "tolerance")
-        if max_iterations is not None:
-            check_number(max_iterations, "largest number of iterations")
-        if side not in (1, -1):
-            raise ConditionError(f"The side must be +1 or -1, not {side}.")
+        return self.solve_with(conditions, options)
+
+    def solve_with(self, conditions: Conditions, options: MapOptions) -> HarmonicMap:
+        """The same with the options as one object."""
+        method = _method(options.method, conditions.is_balanced)
+        initial, side, degree = options.initial, options.side, options.degree
+        limits: dict[str, Any] = {"tolerance": options.tolerance, "progress": options.progress}
         admissible = resolved(conditions, self.graph, side)
         if len(admissible.fixed) == self.graph.count:
             raise ConditionError(
@@ -186,14 +179,13 @@ class HarmonicSolver:
             admissible = admissible.facing(given)
             held, start = np.union1d(admissible.fixed, admissible.mirrors.sites), admissible.pin(given)
         if degree is not None:
-            check_number(degree, "degree", -np.inf)
             start = admissible.pin(wound_start(self.dirichlet(held), start, degree))
-        limit = {} if max_iterations is None else {"max_iterations": max_iterations}
+        limit = {} if options.max_iterations is None else {"max_iterations": options.max_iterations}
         dirichlet = self.dirichlet(admissible.fixed)
         problem = EnergyProblem(self.graph, self.energy, dirichlet, self._laplacian, admissible.mirrors)
-        minimum = method.of(problem, start, tolerance=tolerance, progress=progress, **limit)
+        minimum = method.of(problem, start, **limits, **limit)
         if from_itself and lowest is not None and minimum.status in (Status.CONVERGED, Status.STALLED):
-            minimum = escaped(problem, minimum, conditions.up, side, tolerance=tolerance, progress=progress)
+            minimum = escaped(problem, minimum, conditions.up, side, **limits)
         normals = admissible.pin(minimum.N)  # steps of length zero leave rounding
         reached = sphere.degree(normals, self.graph.triangles)
         status = self._status(normals, dirichlet, minimum.status)

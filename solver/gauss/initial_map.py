@@ -19,7 +19,7 @@ from ..errors import ConditionError
 from ..linalg import sum_rows
 from .dirichlet import Dirichlet
 from .sphere import degree as degree_of
-from .sphere import dot, normalize
+from .sphere import dot, normalize, tangent_axes
 
 Array = NDArray[np.float64]
 
@@ -225,9 +225,8 @@ def _grafted(dirichlet: Dirichlet, start: Array, turns: int) -> Array:
 
 
 def _meridians(axis: Array, colatitude: Array, spin: NDArray[np.complex128]) -> Array:
-    b = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
-    b /= np.linalg.norm(b)
-    around = spin.real[:, None] * b + spin.imag[:, None] * np.cross(axis, b)
+    b, c = tangent_axes(axis[None])[0]
+    around = spin.real[:, None] * b + spin.imag[:, None] * c
     return np.cos(colatitude) * axis + np.sin(colatitude) * around
 
 

@@ -18,6 +18,7 @@ from .admissible import Admissible
 from .boundary_data import Conditions
 from .frames import blend
 from .mirrors import MirrorSides, parallel
+from .sphere import tangent_axes
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -51,7 +52,7 @@ class _Run:
             return None
         if self.end is not None:
             return self.end, turns  # a whole number of turns ends where it starts
-        return self.start if self.start is not None else _across(self.axis), turns
+        return self.start if self.start is not None else tangent_axes(self.axis[None])[0, 0], turns
 
     def _between(self, first: Array, last: Array, side: int, up: Array, leans: bool) -> float:
         angle = float(np.arctan2(np.cross(self.axis, first) @ last, first @ last))
@@ -141,12 +142,6 @@ def _flat(normal: Array, axis: Array) -> Array | None:
     flat = normal - (normal @ axis) * axis
     length = float(np.linalg.norm(flat))
     return flat / length if length > _SHORTEST else None
-
-
-def _across(axis: Array) -> Array:
-    """Some direction orthogonal to the axis."""
-    across = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
-    return across / np.linalg.norm(across)
 
 
 def _turned(normal: Array, axis: Array, angles: Array) -> Array:

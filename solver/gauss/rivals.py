@@ -19,13 +19,13 @@ from scipy.optimize import linprog
 from ..domain.coarsen import Coarse, coarsened
 from ..domain.domain import Domain
 from ..domain.sites import SiteGraph
-from ..errors import ConditionError, Status
+from ..errors import Status
 from ..linalg import sum_rows
 from .boundary_data import Conditions
 from .initial_map import every_start
 from .newton import Minimum, longest, newton
 from .problem import EnergyProblem, Point
-from .sphere import exp, inner, normalize
+from .sphere import dot, exp, inner, normalize
 
 Array = NDArray[np.float64]
 
@@ -167,9 +167,9 @@ def _descended(problem: EnergyProblem, minimum: Minimum) -> Minimum | None:
     return None
 
 
-def _smoothed(graph: SiteGraph, rough: Array, fixed: NDArray[np.integer], data: Array) -> Array:
+def _smoothed(graph: SiteGraph, rough: Array, fixed: NDArray[np.integer], data: Array) -> Array | None:
     """A map (S, 3) at the sites from one at the vertices (V, 3) that is constant on regions: a few sweeps of means over
-    neighbours, enough times to remove the steps between regions."""
+    neighbours, enough times to remove the steps between regions. None where normals cancel at a site."""
     domain = graph.domain
     i, j = domain.edges.T
     ends, others = np.concatenate([i, j]), np.concatenate([j, i])
@@ -179,15 +179,5 @@ def _smoothed(graph: SiteGraph, rough: Array, fixed: NDArray[np.integer], data: 
         N = N + sum_rows(ends, N[others], domain.vertex_count)
         N[fixed] = data
         N = normalize(N)
-    return N if graph.at_vertices else _at_faces(graph, N)
-
-
-def _at_faces(graph: SiteGraph, normals: Array) -> Array:
-    domain = graph.domain
-    means = normals[domain.faces].mean(axis=1)
-    if graph.count > len(domain.faces):
-        means = np.concatenate([means, normals[domain.edges[domain.boundary_edges]].mean(axis=1)])
-    length = np.linalg.norm(means, axis=1, keepdims=True)
-    if length.min() < 1e-9:
-        raise ConditionError("The normals of the start cancel at a face; refine the mesh.")
-    return means / length
+    means = graph.means(N)
+    return normalize(means) if dot(means, means).min() > _TINY else None

@@ -31,6 +31,12 @@ def normalize(X: Array) -> Array:
     return X / np.sqrt(dot(X, X))
 
 
+def tangent_axes(N: Array) -> Array:
+    """Two orthonormal tangent vectors (n, 2, 3) at each N; the second is N times the first."""
+    first = normalize(np.cross(N, np.eye(3)[np.argmin(np.abs(N), axis=1)]))
+    return np.stack([first, np.cross(N, first)], axis=1)
+
+
 def exp(N: Array, d: Array) -> Array:
     """Follow the great circles from N along the tangent vectors d: cos|d| N + sin|d| d/|d|."""
     length = np.sqrt(dot(d, d))

@@ -19,7 +19,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 from ..linalg import Factor, Sparse, factorize
 from .problem import EnergyProblem, Point
-from .sphere import dot, normalize
+from .sphere import dot, normalize, tangent_axes
 
 Array = NDArray[np.float64]
 
@@ -149,7 +149,7 @@ class TangentSystem:
 
 def _frames(problem: EnergyProblem, N: Array) -> sp.csr_array:
     unknown, mirrors = problem.dirichlet.unknown, problem.mirrors
-    first = normalize(np.cross(N, np.eye(3)[np.argmin(np.abs(N), axis=1)]))
+    first = tangent_axes(N)[:, 0]
     first[mirrors.sites] = normalize(np.cross(mirrors.normals, N[mirrors.sites]))
     two = np.setdiff1d(unknown, mirrors.sites)
     sites = np.concatenate([unknown, two])

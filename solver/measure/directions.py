@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..gauss.sphere import tangent_axes
 from .arrays import Array, Indices, face_areas_in_space, points_in_space, triangles_of, vertex_means
 from .curvature import face_frames, shape_operator
 
@@ -63,7 +64,7 @@ def vertex_principal_curvatures(
     frames, shapes = face_frames(points, triangles), shape_operator(points, triangles, normals)
     around = _in_space(frames, shapes)
     means = vertex_means(np.column_stack([around, _squared_difference(around)]), points, triangles)
-    x, y = _tangents(np.asarray(normals, dtype=np.float64))
+    x, y = tangent_axes(np.asarray(normals, dtype=np.float64)).swapaxes(0, 1)
     xx, xy, yy = (_applied(means[:, :6], a, b) for a, b in ((x, x), (x, y), (y, y)))
     mean, half = 0.5 * (xx + yy), 0.5 * (xx - yy)
     radius = np.hypot(half, xy)
@@ -116,13 +117,6 @@ def _doubt(means: Array, triangles: Indices) -> Array:
     count = np.bincount(triangles.ravel(), minlength=len(means))
     variance = means[:, 6] - _squared_difference(means[:, :6])
     return 2.0 * np.sqrt(variance.clip(min=0.0) / np.maximum(count, 1))
-
-
-def _tangents(normals: Array) -> tuple[Array, Array]:
-    """Two unit vectors (n, 3) orthogonal to each normal and to each other."""
-    x = np.cross(normals, np.eye(3)[np.argmin(np.abs(normals), axis=1)])
-    x /= np.linalg.norm(x, axis=1, keepdims=True)
-    return x, np.cross(normals, x)
 
 
 def _curvature_scale(points: Array, triangles: Indices, squares: Array) -> float:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .summary import number
+from .summary import number, percent
 
 Array = NDArray[np.float64]
 
@@ -33,7 +33,7 @@ class PlaneReport:
         verb = "meets" if self.kind == "mirror" else "touches"
         return (
             f'"{self.name}" {verb} the plane ({x}, {y}, {z}) · x = {number(self.offset, unit)} within '
-            f"{self.error:.2g}{' ' + unit if unit else ''} ({100 * self.relative:.2g} % of the size)."
+            f"{self.error:.2g}{' ' + unit if unit else ''} ({percent(self.relative)} of the size)."
         )
 
 

@@ -17,7 +17,7 @@ from ..surface.cmc_surface import SHEETS
 from .arrays import Array
 from .planes import PlaneReport
 from .sheet import SheetReport, measure_sheet
-from .summary import count, measure_lines, number, size_line
+from .summary import count, measure_lines, number, percent, size_line
 
 if TYPE_CHECKING:
     from ..surface.cmc_surface import CmcSurface
@@ -224,12 +224,7 @@ def _sentence(surface: CmcSurface, shown: SheetReport, scale: float) -> str:
     gap = f"{Status.GAP.sentence} The gap is {scale * surface.gap:.4g} long."
     if surface.harmonic.status is not Status.CONVERGED or H is None:
         return f"{surface.outcome} {gap}" if surface.is_open else surface.outcome
-    return f"{gap if surface.is_open else 'Done.'} Curvature is even to {_percent(H.relative_l2)}."
-
-
-def _percent(part: float) -> str:
-    percent = 100 * max(part, _EVEN)
-    return f"{percent:.2g} %" if percent < 99.5 else f"{percent:.0f} %"  # no powers of ten
+    return f"{gap if surface.is_open else 'Done.'} Curvature is even to {percent(max(H.relative_l2, _EVEN))}."
 
 
 def to_plain(value: Any) -> Any:

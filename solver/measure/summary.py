@@ -23,7 +23,7 @@ def measure_lines(shown: SheetReport, unit: str) -> list[str]:
     H, Q = shown.mean_curvature, shown.distortion
     lines = [
         f"Mean curvature {number(H.mean, unit, -1)}, wanted {H.target:.5g}, "
-        f"error {100 * H.relative_l2:.2g} % in the mean (L²), {number(H.linf, unit, -1)} at most.",
+        f"error {percent(H.relative_l2)} in the mean (L²), {number(H.linf, unit, -1)} at most.",
         f"Conformal distortion Q {Q.mean:.4f} in the mean, {Q.max:.3f} at most (1 is none).",
     ]
     if shown.outline is not None:
@@ -53,6 +53,16 @@ def number(value: float, unit: str, power: int = 1) -> str:
     """Four digits and the power of the unit."""
     suffix = {-1: f" 1/{unit}", 1: f" {unit}", 2: f" {unit}²"}[power] if unit else ""
     return f"{value:.4g}{suffix}"
+
+
+def percent(part: float) -> str:
+    """A part as a percentage of two digits, without powers of ten and the digits of rounding errors."""
+    value = 100.0 * abs(part)
+    if value < 1e-6:
+        return "0 %"
+    if value < 0.01:
+        return "under 0.01 %"
+    return f"{value:.2g} %" if value < 99.5 else f"{value:.0f} %"
 
 
 def count(amount: int, one: str, many: str = "") -> str:

@@ -13,6 +13,7 @@ from ..closing.holes import MOTIONS, MovingHoles
 from ..domain.domain import Domain
 from ..errors import JobError, Progress
 from ..measure.report import to_plain
+from ..measure.summary import percent
 from ..surface.placement import plan_plane, rim_weights
 from ..surface.solve import CmcSolver
 from .form import place_and_measure, solve_plan
@@ -99,9 +100,9 @@ class ClosedShell:
     def message(self) -> str:
         """How closing ended, and the changes of the boundary."""
         closing, turned = self.closing, np.degrees(self.closing.turned)
-        words = [closing.status.sentence, f"The gap was {_share(closing.gaps[0])} of the shell's size."]
+        words = [closing.status.sentence, f"The gap was {percent(closing.gaps[0])} of the shell's size."]
         if not closing.closed:
-            words[-1] = f"{words[-1][:-1]} and is {_share(closing.gaps[-1])}."
+            words[-1] = f"{words[-1][:-1]} and is {percent(closing.gaps[-1])}."
         if turned.max(initial=0.0) > _LEAST_TURN:
             mean = np.sqrt(np.mean(turned**2))
             words.append(f"Normals along the boundary turned by {turned.max():.1f}° at most (RMS {mean:.1f}°).")
@@ -205,7 +206,3 @@ def _with_message(shell: Shell, closed: ClosedShell) -> Shell:
         others = [note for note in shell.warnings if note != shell.report.sentence]
         return replace(shell, message=closed.message, warnings=[closed.message, *others])
     return replace(shell, message=closed.message) if shell.ok else shell
-
-
-def _share(part: float) -> str:
-    return f"{100 * part:.2g} %"

@@ -103,12 +103,7 @@ def at_sites(graph: SiteGraph, normals: Array) -> Array:
 
     Raises `MeshError` naming where they cancel.
     """
-    if graph.at_vertices:
-        return normals
-    domain = graph.domain
-    means = normals[domain.faces].mean(axis=1)
-    if graph.count > len(domain.faces):
-        means = np.concatenate([means, normals[domain.edges[domain.boundary_edges]].mean(axis=1)])
+    means = graph.means(normals)
     length = np.linalg.norm(means, axis=1)
     bad = np.flatnonzero(length < _SHORTEST)
     if bad.size:

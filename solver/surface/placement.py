@@ -15,6 +15,7 @@ from scipy.spatial.distance import pdist
 
 from ..domain.domain import Domain
 from ..errors import CmcError
+from ..gauss.sphere import tangent_axes
 
 Array = NDArray[np.float64]
 
@@ -260,9 +261,7 @@ def span(points: ArrayLike, normal: ArrayLike) -> float:
     Exact up to 2000 points; with more, the largest width in 2000 directions, too small by less than a millionth.
     """
     p, n = np.asarray(points, dtype=np.float64), np.asarray(normal, dtype=np.float64)
-    across = np.cross(n, np.eye(3)[np.argmin(np.abs(n))])
-    across /= np.linalg.norm(across)
-    flat = p @ np.column_stack([across, np.cross(n, across)])
+    flat = p @ tangent_axes(n[None])[0].T
     if len(flat) < 2:
         return 0.0
     if len(flat) <= _SPAN_POINTS:

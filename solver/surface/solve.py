@@ -17,10 +17,11 @@ from ..gauss.admissible import resolved
 from ..gauss.boundary_data import Conditions
 from ..gauss.harmonic import HarmonicMap, HarmonicSolver
 from ..gauss.modes import index_of
+from ..gauss.options import with_options
 from .averaging import AVERAGINGS, Averaging
 from .cmc_surface import CmcSurface
 from .conjugate import Conjugate, Conjugation
-from .options import CmcOptions, SolveOptions, with_options
+from .options import CmcOptions, SolveOptions
 from .plane_projection import VertexPlanes
 
 Array = NDArray[np.float64]
@@ -75,7 +76,7 @@ class CmcSolver:
         if self._carried:
             conditions = conditions.carried(self._carried.edges)
         self._check_on_rim(conditions)
-        harmonic = self.harmonic.solve(conditions, **options.map_keywords)
+        harmonic = self.harmonic.solve_with(conditions, options)
         planes = harmonic.admissible.sides.planes
         conjugate = self.conjugation.conjugate(harmonic.normals, self.harmonic.energy, planes)
         return self._surface(harmonic, conjugate, options)

@@ -303,6 +303,6 @@ def test_every_operator_has_a_tooltip_and_every_property_a_description() -> None
     [(0.0, "0 %"), (1.1e-10, "0 %"), (3e-7, "under 0.01 %"), (1e-4, "0.01 %"), (0.0062, "0.62 %"), (1.5, "150 %")],
 )
 def test_percentages_without_rounding_errors(part, text) -> None:
-    from cmc_formfinding.cmc_addon.properties.units import percent_text
+    from cmc_formfinding.solver.measure.summary import percent
 
-    assert percent_text(part) == text
+    assert percent(part) == text

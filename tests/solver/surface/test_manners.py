@@ -16,6 +16,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from solver import CmcSolver, CmcSurface, Status, conditions, shapes, solve_cmc
 from solver.errors import CmcError, JobError
+from solver.gauss.harmonic import HarmonicSolver
+from solver.gauss.options import MapOptions
 from solver.io.mesh_files import FORMATS, read_mesh
 from solver.surface.options import CmcOptions, SolveOptions
 
@@ -156,7 +158,10 @@ def test_solver_and_function_take_a_shape(surface):
         assert_array_equal(other.f_plus, surface.f_plus)
 
 
-@pytest.mark.parametrize(("function", "options"), [(solve_cmc, CmcOptions), (CmcSolver.solve, SolveOptions)])
+OPTIONS = {HarmonicSolver.solve: MapOptions, CmcSolver.solve: SolveOptions, solve_cmc: CmcOptions}
+
+
+@pytest.mark.parametrize(("function", "options"), OPTIONS.items())
 def test_every_option_is_a_keyword(function, options):
     fields = {name: parameter.default for name, parameter in inspect.signature(options).parameters.items()}
     given = {name: parameter.default for name, parameter in inspect.signature(function).parameters.items()}
@@ -168,3 +173,9 @@ def test_arguments_go_by_name_and_an_unknown_one_is_named(surface):
     assert_array_equal(solve_cmc(conditions=HELD, domain=SHAPE).f_plus, surface.f_plus)
     with pytest.raises(TypeError, match="solve_cmc: got an unexpected keyword argument 'tolerence'"):
         solve_cmc(SHAPE, HELD, tolerence=1e-3)  # pyright: ignore[reportCallIssue]
+
+
+def test_every_option_is_typed_once():
+    typed = [name for options in OPTIONS.values() for name in options.__annotations__ if name != "_"]
+    assert len(typed) == len(set(typed))
+    assert issubclass(CmcOptions, SolveOptions) and issubclass(SolveOptions, MapOptions)

@@ -1,0 +1,85 @@
+"""The options of a solve for normals, and how options travel: each is typed once, as a field of a dataclass.
+
+Public functions take the fields as keywords (`with_options`), the code behind them passes the object.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from dataclasses import KW_ONLY, dataclass
+from functools import wraps
+from typing import Any, Concatenate, ParamSpec, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..errors import ConditionError, Progress
+from ..linalg import check_number
+from .methods import Method
+
+First = TypeVar("First")
+Second = TypeVar("Second")
+Result = TypeVar("Result")
+Options = TypeVar("Options")
+Keywords = ParamSpec("Keywords")
+
+
+@dataclass(frozen=True, eq=False)
+class MapOptions:
+    """What `HarmonicSolver.solve` takes besides the conditions; it describes them.
+
+    Raises `ConditionError` on a number out of range.
+    """
+
+    initial: ArrayLike | None = None
+    _: KW_ONLY
+    side: int = +1
+    degree: float | None = None
+    method: str | Method = "newton"
+    tolerance: float = 1e-6
+    max_iterations: int | None = None
+    progress: Progress | None = None
+
+    def __post_init__(self) -> None:
+        check_number(self.tolerance, "tolerance")
+        if self.max_iterations is not None:
+            check_number(self.max_iterations, "largest number of iterations")
+        if self.degree is not None:
+            check_number(self.degree, "degree", -np.inf)
+        if self.side not in (1, -1):
+            raise ConditionError(f"The side must be +1 or -1, not {self.side}.")
+
+
+def with_options(
+    kind: Callable[Keywords, Options],
+) -> Callable[
+    [Callable[[First, Second, Options], Result]],
+    Callable[Concatenate[First, Second, Keywords], Result],
+]:
+    """Decorator: callers give the fields of the dataclass `kind` as keywords, the function takes one as last argument.
+
+    Type checkers and `help` see the signature with all keywords. An unknown one is a `TypeError` that names the
+    function.
+    """
+
+    def decorate(
+        function: Callable[[First, Second, Options], Result],
+    ) -> Callable[Concatenate[First, Second, Keywords], Result]:
+        own = inspect.signature(function, eval_str=False)
+        leading = list(own.parameters.values())[:-1]
+        signature = own.replace(parameters=[*leading, *inspect.signature(kind).parameters.values()])
+
+        @wraps(function)
+        def call(*args: Any, **keywords: Any) -> Result:
+            try:
+                given = signature.bind(*args, **keywords).arguments
+            except TypeError as error:
+                raise TypeError(f"{function.__name__}: {error}") from None
+            values = [given.pop(parameter.name) for parameter in leading]
+            return function(*values, kind(**given))  # pyright: ignore[reportCallIssue]
+
+        call.__signature__ = signature  # type: ignore[attr-defined]
+        return call
+
+    return decorate
