@@ -170,7 +170,7 @@ def _placed(
 def _check_radians(angles: Array, name: str, most: float = np.pi) -> None:
     """Raise `ConditionError` on angles beyond `most`, which were meant as degrees."""
     largest = float(angles.flat[np.argmax(np.abs(angles))]) if angles.size else 0.0
-    if abs(largest) > most * (1.0 + 1e-9):
+    if abs(largest) > most * (1.0 + 1e-6):  # half a turn in single precision, too
         raise ConditionError(
             f"The {name} {largest:g} is more than half a turn: angles are in radians. For {largest:g}° write "
             f"np.radians({largest:g})."
