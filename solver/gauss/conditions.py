@@ -47,6 +47,30 @@ Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
 
+__all__ = [
+    "KINDS",
+    "Conditions",
+    "Kind",
+    "Parameter",
+    "balanced",
+    "binormal",
+    "build",
+    "corner",
+    "fixed",
+    "fixed_at",
+    "fixed_at_faces",
+    "free",
+    "gauss_map",
+    "mirror",
+    "twisted",
+]
+
+
+def __dir__() -> list[str]:
+    """The public names only."""
+    return list(__all__)
+
+
 @dataclass(frozen=True)
 class Parameter:
     """A number or vector that a kind of condition takes, as a user interface shows it."""

@@ -21,7 +21,7 @@ from .admissible import Admissible, resolved
 from .balance import imbalance
 from .boundary_data import Conditions
 from .dirichlet import Dirichlet
-from .energies import energy_on
+from .energies import ENERGIES, energy_on
 from .initial_map import harmonic_start, leaning, wound_start
 from .methods import BALANCED, METHODS, Method
 from .mirror_start import side_normals
@@ -97,6 +97,10 @@ class HarmonicSolver:
         self.energy = energy_on(energy, sites)
         self._factors: OrderedDict[bytes, Dirichlet] = OrderedDict()
         self._near: dict[bytes, Factor] = {}
+
+    def __repr__(self) -> str:
+        energy = next(name for name, one in ENERGIES.items() if one is self.energy)
+        return f"HarmonicSolver({self.domain!r}, sites {self.graph.name}, energy {energy})"
 
     def moved(self, domain: DomainLike) -> HarmonicSolver:
         """The same solver on another domain.

@@ -46,6 +46,9 @@ class CmcSolver:
         self.harmonic = HarmonicSolver(solved_on, sites=sites, energy=energy)
         self.conjugation = Conjugation(self.harmonic.graph)
 
+    def __repr__(self) -> str:
+        return f"CmcSolver({self.domain!r}, sites {self.harmonic.graph.name}, energy {self.energy})"
+
     def __reduce__(self) -> tuple[type[CmcSolver], tuple[object, ...]]:
         return type(self), (self.domain, self.harmonic.graph.name, self.energy, self.delaunay)
 
