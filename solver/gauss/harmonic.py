@@ -259,6 +259,7 @@ class HarmonicSolver:
         c = np.einsum("ij,ij->i", normals[i], normals[j])
         if float(np.abs(self._weights * (1.0 - c)).sum()) < 4.0 * np.pi * _COLLAPSED:
             return Status.COLLAPSED
+        # More than 90° apart, where a link does not join two prescribed normals.
         torn = c[~(is_fixed[i] & is_fixed[j])].min(initial=1.0) < 0.0
         return Status.UNDER_RESOLVED if torn else status
 
