@@ -19,7 +19,7 @@ from ..linalg import Factor, ReusedFactor, as_numbers, check_number
 from . import sphere
 from .admissible import Admissible, resolved
 from .balance import imbalance
-from .boundary_data import Conditions
+from .boundary_data import Conditions, check_conditions
 from .dirichlet import Dirichlet
 from .energies import ENERGIES, energy_on
 from .initial_map import harmonic_start, leaning, wound_start
@@ -166,6 +166,7 @@ class HarmonicSolver:
         energy, degree and status. Not converging is a status, not an error. Raises `ConditionError` when all sites are
         fixed, or none is (not even by two mirrors that meet) and there is no initial map.
         """
+        check_conditions(conditions)
         method = _method(method, conditions.is_balanced)
         check_number(tolerance, "tolerance")
         if max_iterations is not None:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..domain.delaunay import speed_note
 from ..domain.domain import Domain
 from ..domain.shape import Shape
-from ..errors import ConditionError, Progress, Status
+from ..errors import ConditionError, MeshError, Progress, Status
 from ..fitting.fit import Fit
 from ..gauss.energies import ENERGIES
 from ..gauss.methods import METHODS
@@ -57,6 +57,8 @@ def form(
     """
     settings = settings or Settings()
     plan = Plan.from_shape(plan) if isinstance(plan, Shape) else plan
+    if not isinstance(plan, Plan):
+        raise MeshError(f"form takes a Plan or a Shape, not {type(plan).__name__}; read_plan reads one from a file.")
     solver = solver_for(plan, settings, solver)
     surface = solve_plan(plan, settings, solver, initial=initial, progress=progress)
     shell = place_and_measure(plan, settings, surface, solver, intersections=intersections)

@@ -14,7 +14,7 @@ from ..domain.sites import SiteGraph
 from ..domain.topology import CutSurface
 from ..errors import ConditionError
 from ..gauss.admissible import resolved
-from ..gauss.boundary_data import Conditions
+from ..gauss.boundary_data import Conditions, check_conditions
 from ..gauss.harmonic import HarmonicMap, HarmonicSolver
 from ..gauss.modes import index_of
 from .averaging import AVERAGINGS, Averaging
@@ -75,6 +75,7 @@ class CmcSolver:
         return self._solve(conditions, options)
 
     def _solve(self, conditions: Conditions, options: SolveOptions) -> CmcSurface:
+        check_conditions(conditions)
         if self._carried:
             conditions = conditions.carried(self._carried.edges)
         self._check_on_rim(conditions)

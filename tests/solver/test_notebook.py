@@ -31,6 +31,8 @@ from solver import (
     shapes,
     solve_cmc,
     vertex_principal_curvatures,
+    wente,
+    wente_height,
 )
 
 DISC = shapes.disc(100)
@@ -111,3 +113,35 @@ def test_results_of_public_calls_are_public_types():
     """Each has a page in the reference, with what it can do."""
     for call in (solve_cmc, fit_outline, form, close_periods, complete, report, read_plan):
         assert inspect.signature(call).return_annotation.strip("'") in solver.__all__, call
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: fit_outline(DISC.domain, DISC.positions, rise=0.3, tilt=(10, 60)),
+        lambda: wente(120, 12),
+        lambda: wente_height(90),
+        lambda: conditions.binormal(DISC, "outer", tilt=20),
+    ],
+)
+def test_degrees_in_place_of_radians_are_noticed_wherever_an_angle_goes(call):
+    with pytest.raises(ConditionError, match=r"more than half a turn: angles are in radians.*write np\.radians\("):
+        call()
+
+
+@pytest.mark.parametrize("given", ["outer", None, DISC])
+def test_anything_but_conditions_is_named(given):
+    ring = shapes.annulus(0.4, 1.0, 100)
+    for call in (
+        lambda: solve_cmc(DISC, given),
+        lambda: solve_cmc(DISC, given, delaunay=True),
+        lambda: HarmonicSolver(DISC).solve(given),
+        lambda: close_periods(ring, given),
+    ):
+        with pytest.raises(ConditionError, match=f"Conditions are needed here, not {type(given).__name__}; "):
+            call()
+
+
+def test_form_names_what_it_takes():
+    with pytest.raises(MeshError, match="takes a Plan or a Shape, not Domain; read_plan"):
+        form(DISC.domain)  # type: ignore[arg-type]
