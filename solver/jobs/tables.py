@@ -14,7 +14,7 @@ from ..errors import JobError
 
 def suggestion(name: str, known: Iterable[str]) -> str:
     """ "; did you mean …?" where a known name resembles this one, else the known names."""
-    names = list(known)
+    names = list(dict.fromkeys(known))
     near = difflib.get_close_matches(name, names, n=1)
     return f'; did you mean "{near[0]}"?' if near else f"; known are {', '.join(names)}."
 

@@ -1,4 +1,4 @@
-"""Angles of a job are degrees, in its messages, too."""
+"""Messages of a job: angles are degrees, and known keys are listed once."""
 
 from __future__ import annotations
 
@@ -25,3 +25,10 @@ def test_half_a_turn_is_an_angle(tmp_path: Path):
     path = tmp_path / "job.toml"
     path.write_text(DISC + "[default]\ntilt = -180\n")
     assert run_job(load_job(path)).ok
+
+
+def test_known_keys_are_listed_once(tmp_path: Path):
+    path = tmp_path / "job.toml"
+    path.write_text(DISC + "zzz = 3\n")
+    with pytest.raises(JobError, match=r'unknown key "zzz"; known are kind, scale, n\.$'):
+        load_job(path)
