@@ -23,7 +23,7 @@ from .catalogue import modules, shapes
 from .catalogue.honeycomb_ring import ring
 from .catalogue.wente import wente, wente_start
 from .catalogue.wente_heights import wente_height
-from .closing.close import close_periods
+from .closing.close import ClosingResult, close_periods
 from .closing.holes import hole
 from .closing.moduli import tube
 from .domain.domain import Domain
@@ -47,6 +47,7 @@ from .measure import (
 )
 from .shells.form import form
 from .shells.plan import Group, Plan, Settings, read_plan
+from .shells.shell import Shell
 from .surface.cmc_surface import CmcSurface
 from .surface.periods import periods
 from .surface.solve import CmcSolver, solve_cmc
@@ -58,6 +59,7 @@ from .symmetry.sides import Side, side_plane
 __version__ = "0.1.0"
 
 __all__ = [
+    "ClosingResult",
     "CmcError",
     "CmcSolver",
     "CmcSurface",
@@ -75,6 +77,7 @@ __all__ = [
     "Report",
     "Settings",
     "Shape",
+    "Shell",
     "Side",
     "Status",
     "close_periods",

@@ -3,6 +3,7 @@
 Kinds come from the solver's registry of boundary conditions: a kind added there appears here.
 """
 
+import math
 from collections.abc import Iterable
 
 from bpy.props import EnumProperty, FloatProperty, FloatVectorProperty
@@ -34,7 +35,9 @@ def _parameter_property(parameter, options: set, more: dict):
     if isinstance(parameter.default, (tuple, list)):
         return FloatVectorProperty(**texts, size=3, default=parameter.default, subtype="DIRECTION")
     if parameter.unit in ("radians", "rad", "angle", "degrees"):
-        return FloatProperty(**texts, default=parameter.default, subtype="ANGLE", step=100)
+        # Beyond half a turn the solver takes a number for degrees.
+        return FloatProperty(
+            **texts, default=parameter.default, min=-math.pi, max=math.pi, subtype="ANGLE", step=100)
     return FloatProperty(**texts, default=parameter.default)
 
 

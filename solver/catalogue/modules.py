@@ -19,6 +19,20 @@ from ..meshing.mesher import mesh_plan
 
 Array = NDArray[np.float64]
 
+__all__ = [
+    "Module",
+    "capital",
+    "node",
+    "pentagon",
+    "vault",
+]
+
+
+def __dir__() -> list[str]:
+    """The public names only."""
+    return list(__all__)
+
+
 # An edge is on a straight side when both its ends are nearer than this part of the plan.
 _NEAR = 1e-9
 

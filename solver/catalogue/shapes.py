@@ -17,6 +17,23 @@ from ..meshing.mesher import mesh_plan
 from ..meshing.outline import check_loops, signed_area
 from ..meshing.triangulate import triangulate
 
+__all__ = [
+    "annulus",
+    "cylinder",
+    "disc",
+    "polygon",
+    "rectangle",
+    "sphere",
+    "strip",
+    "torus",
+]
+
+
+def __dir__() -> list[str]:
+    """The public names only."""
+    return list(__all__)
+
+
 _ROW = np.sqrt(0.75)  # height of an equilateral triangle
 
 

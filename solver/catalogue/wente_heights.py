@@ -49,6 +49,11 @@ def needed_columns(angle: float) -> int:
 
 def check_angle(angle: float) -> None:
     """Raise `ConditionError` if there is no such cylinder."""
+    if isinstance(angle, (int, float, np.number)) and np.pi < angle < 180.0:
+        raise ConditionError(
+            f"The angle {angle:g} is more than half a turn: angles are in radians. For {angle:g}° write "
+            f"np.radians({angle:g})."
+        )
     if not (isinstance(angle, (int, float, np.number)) and np.isfinite(angle) and 0.0 < angle < np.pi):
         raise ConditionError(
             f"The normals of the two ends of a Wente cylinder differ by more than 0 and less than π radians, not by "

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..domain.domain import Domain
 from ..domain.shape import DomainLike, as_domain
 from ..errors import ConditionError, Progress, check_choice
-from ..gauss.boundary_data import Conditions
+from ..gauss.boundary_data import Conditions, check_conditions
 from ..gauss.methods import METHODS
 from ..gauss.options import with_options
 from ..linalg import check_number
@@ -162,6 +162,7 @@ def close_periods(domain: DomainLike, conditions: Conditions, options: PeriodOpt
     and where nothing may change.
     """
     domain = as_domain(domain)
+    check_conditions(conditions)
     if not conditions.vertices.size and options.by != "moduli":
         raise ConditionError("No normals are prescribed that could change; close by moduli.")
     closing = ClosingConditions.of(domain, conditions, options.coplanar)

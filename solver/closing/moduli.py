@@ -25,7 +25,7 @@ _STEP = 1e-5
 _ORTHOGONAL = 1e-6
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Moduli:
     """m numbers q and the domain they make. names: of each. first: the domain at q = 0, where a search begins.
 
@@ -37,6 +37,10 @@ class Moduli:
     first: Domain
     lengths: Callable[[Array], Array]
     ranges: tuple[tuple[float, float], ...]
+
+    def __repr__(self) -> str:
+        numbers = [f"{name} {low:g} to {high:g}" for name, (low, high) in zip(self.names, self.ranges, strict=True)]
+        return f"Moduli({', '.join(numbers)})"
 
     @classmethod
     def none(cls, domain: Domain) -> Moduli:

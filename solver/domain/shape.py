@@ -39,10 +39,9 @@ def as_domain(given: DomainLike) -> Domain:
         return given.domain
     if isinstance(given, Domain):
         return given
-    raise MeshError(
-        f"A Domain or a Shape is needed here, not {type(given).__name__}; "
-        "make one with Domain.from_positions(vertices, faces)."
-    )
+    has_shape = isinstance(getattr(given, "shape", None), Shape)
+    way = "pass its .shape" if has_shape else "make one with Domain.from_positions(vertices, faces)"
+    raise MeshError(f"A Domain or a Shape is needed here, not {type(given).__name__}; {way}.")
 
 
 def is_names(edges: Any) -> bool:
@@ -59,6 +58,7 @@ def side_edges(given: DomainLike, names: str | Sequence[str]) -> NDArray[np.int6
     """
     wanted = [names] if isinstance(names, str) else [str(name) for name in names]
     if not isinstance(given, Shape):
+        as_domain(given)
         raise ConditionError(f"A Domain has no side {wanted[0]!r}; pass the Shape, or the edges themselves.")
     for name in wanted:
         if name not in given.sides:

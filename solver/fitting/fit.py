@@ -47,7 +47,7 @@ class FitStatus(Enum):
     @property
     def sentence(self) -> str:
         return {
-            FitStatus.CONVERGED: "No change of the boundary normals comes nearer to the targets.",
+            FitStatus.CONVERGED: "The fit converged: no change of the boundary normals comes nearer to the targets.",
             FitStatus.EVALUATION_LIMIT: "The fit reached its limit of evaluations; more may bring it nearer.",
             FitStatus.CANCELLED: "The fit was cancelled; this is the best surface up to then.",
         }[self]

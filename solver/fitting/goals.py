@@ -214,6 +214,11 @@ def _check_bounds(tilt: tuple[float, float]) -> None:
     if bounds.shape != (2,):
         raise ConditionError("The bounds on the tilt are two angles, the least and the most.")
     if not -0.5 * np.pi <= bounds[0] < bounds[1] <= 0.5 * np.pi:
+        if np.abs(bounds).max() > np.pi:
+            raise ConditionError(
+                f"The tilts {bounds[0]:g} and {bounds[1]:g} are more than half a turn: angles are in radians. For "
+                f"degrees write np.radians([{bounds[0]:g}, {bounds[1]:g}])."
+            )
         least, most = np.degrees(bounds)
         raise ConditionError(f"Tilts lie between -90° and 90°, the least below the most, not {least:g}° and {most:g}°.")
 

@@ -121,3 +121,12 @@ class Conditions:
                 f"sites={given!r}, or prescribe them along boundary edges.",
                 **{given: single},
             )
+
+
+def check_conditions(given: object) -> None:
+    """Raise `ConditionError` on anything but `Conditions`, such as the name of a side."""
+    if not isinstance(given, Conditions):
+        raise ConditionError(
+            f"Conditions are needed here, not {type(given).__name__}; "
+            'make them with functions of `conditions`, such as conditions.binormal(shape, "outer", tilt=0.5).'
+        )

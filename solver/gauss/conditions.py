@@ -47,6 +47,30 @@ Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
 
+__all__ = [
+    "KINDS",
+    "Conditions",
+    "Kind",
+    "Parameter",
+    "balanced",
+    "binormal",
+    "build",
+    "corner",
+    "fixed",
+    "fixed_at",
+    "fixed_at_faces",
+    "free",
+    "gauss_map",
+    "mirror",
+    "twisted",
+]
+
+
+def __dir__() -> list[str]:
+    """The public names only."""
+    return list(__all__)
+
+
 @dataclass(frozen=True)
 class Parameter:
     """A number or vector that a kind of condition takes, as a user interface shows it."""
@@ -170,7 +194,7 @@ def _placed(
 def _check_radians(angles: Array, name: str, most: float = np.pi) -> None:
     """Raise `ConditionError` on angles beyond `most`, which were meant as degrees."""
     largest = float(angles.flat[np.argmax(np.abs(angles))]) if angles.size else 0.0
-    if abs(largest) > most * (1.0 + 1e-9):
+    if abs(largest) > most * (1.0 + 1e-6):  # half a turn in single precision, too
         raise ConditionError(
             f"The {name} {largest:g} is more than half a turn: angles are in radians. For {largest:g}° write "
             f"np.radians({largest:g})."

@@ -20,9 +20,9 @@ from ..linalg import Factor, ReusedFactor, as_numbers
 from . import sphere
 from .admissible import Admissible, resolved
 from .balance import imbalance
-from .boundary_data import Conditions
+from .boundary_data import Conditions, check_conditions
 from .dirichlet import Dirichlet
-from .energies import energy_on
+from .energies import ENERGIES, energy_on
 from .initial_map import harmonic_start, leaning, wound_start
 from .methods import BALANCED, METHODS, Method
 from .mirror_start import side_normals
@@ -100,6 +100,10 @@ class HarmonicSolver:
         self._factors: OrderedDict[bytes, Dirichlet] = OrderedDict()
         self._near: dict[bytes, Factor] = {}
 
+    def __repr__(self) -> str:
+        energy = next(name for name, one in ENERGIES.items() if one is self.energy)
+        return f"HarmonicSolver({self.domain!r}, sites {self.graph.name}, energy {energy})"
+
     def moved(self, domain: DomainLike) -> HarmonicSolver:
         """The same solver on another domain.
 
@@ -159,6 +163,7 @@ class HarmonicSolver:
 
     def solve_with(self, conditions: Conditions, options: MapOptions) -> HarmonicMap:
         """The same with the options as one object."""
+        check_conditions(conditions)
         method = _method(options.method, conditions.is_balanced)
         initial, side, degree = options.initial, options.side, options.degree
         limits: dict[str, Any] = {"tolerance": options.tolerance, "progress": options.progress}
@@ -248,6 +253,7 @@ class HarmonicSolver:
         c = np.einsum("ij,ij->i", normals[i], normals[j])
         if float(np.abs(self._weights * (1.0 - c)).sum()) < 4.0 * np.pi * _COLLAPSED:
             return Status.COLLAPSED
+        # More than 90° apart, where a link does not join two prescribed normals.
         torn = c[~(is_fixed[i] & is_fixed[j])].min(initial=1.0) < 0.0
         return Status.UNDER_RESOLVED if torn else status
 

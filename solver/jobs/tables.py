@@ -14,7 +14,7 @@ from ..errors import JobError
 
 def suggestion(name: str, known: Iterable[str]) -> str:
     """ "; did you mean …?" where a known name resembles this one, else the known names."""
-    names = list(known)
+    names = list(dict.fromkeys(known))
     near = difflib.get_close_matches(name, names, n=1)
     return f'; did you mean "{near[0]}"?' if near else f"; known are {', '.join(names)}."
 
@@ -73,7 +73,12 @@ class Table:
         return self.radians(key, self.number(key, default))
 
     def radians(self, key: str, degrees: float) -> float:
-        """Degrees given under a key, in radians; notes numbers that look like radians already."""
+        """Degrees given under a key, in radians; notes numbers that look like radians already.
+
+        Raises `JobError` beyond half a turn.
+        """
+        if abs(degrees) > 180.0:
+            raise self.fail(f'"{key}" must be an angle from -180 to 180 degrees, not {degrees:g}.')
         if 0.0 < abs(degrees) < 0.5 * np.pi and degrees % 1.0:
             self.notes.append(
                 f'{self.name}: "{key}" is {degrees:g}°; angles in jobs are in degrees, and {degrees:g} radians would '

@@ -14,6 +14,12 @@ Indices = NDArray[np.integer]
 _FLATTEST = 1e-12
 
 
+def range_text(values: Array) -> str:
+    """The least and the largest finite value, as a repr shows them: "0.61 to 0.87"."""
+    finite = values[np.isfinite(values)]
+    return f"{finite.min():.4g} to {finite.max():.4g}" if finite.size else "nan"
+
+
 def points_in_space(points: ArrayLike, what: str = "vertices") -> Array:
     """Return points as (n, 3) float64; plane points (n, 2) get z = 0. Raises `MeshError` on another shape."""
     array = np.asarray(points, dtype=np.float64)

@@ -17,7 +17,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import MeshError
-from .arrays import Array, Indices, dot, double_areas, edge_vectors, points_in_space, triangles_of, vertex_means
+from .arrays import (
+    Array,
+    Indices,
+    dot,
+    double_areas,
+    edge_vectors,
+    points_in_space,
+    range_text,
+    triangles_of,
+    vertex_means,
+)
 
 
 class PrincipalCurvatures(NamedTuple):
@@ -30,6 +40,9 @@ class PrincipalCurvatures(NamedTuple):
     k2: Array
     direction1: Array
     direction2: Array
+
+    def __repr__(self) -> str:
+        return f"PrincipalCurvatures({len(self.k1)} faces, k1 {range_text(self.k1)}, k2 {range_text(self.k2)})"
 
     @property
     def umbilicity(self) -> Array:

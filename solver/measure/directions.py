@@ -15,7 +15,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..gauss.sphere import tangent_axes
-from .arrays import Array, Indices, face_areas_in_space, points_in_space, triangles_of, vertex_means
+from .arrays import (
+    Array,
+    Indices,
+    face_areas_in_space,
+    points_in_space,
+    range_text,
+    triangles_of,
+    vertex_means,
+)
 from .curvature import face_frames, shape_operator
 
 # Vertices where k1 - k2 is at most this part of the surface's curvature (root mean square) are umbilics.
@@ -35,6 +43,9 @@ class VertexCurvatures(NamedTuple):
     direction1: Array
     direction2: Array
     strength: Array
+
+    def __repr__(self) -> str:
+        return f"VertexCurvatures({len(self.k1)} vertices, k1 {range_text(self.k1)}, k2 {range_text(self.k2)})"
 
     @property
     def mean(self) -> Array:

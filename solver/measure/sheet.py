@@ -119,6 +119,10 @@ class SheetReport:
     intersections: IntersectionReport | None
     outline: OutlineReport | None
 
+    def __repr__(self) -> str:
+        point = ", a point" if self.degenerate else ""
+        return f"SheetReport({self.name}{point}: area {self.area:.4g}, span {self.span:.4g}, rise {self.rise:.4g})"
+
 
 def measure_sheet(
     name: str,

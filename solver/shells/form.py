@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..domain.delaunay import speed_note
 from ..domain.domain import Domain
-from ..errors import ConditionError, Progress, Status
+from ..domain.shape import Shape
+from ..errors import ConditionError, MeshError, Progress, Status
 from ..fitting.fit import Fit
 from ..gauss.energies import ENERGIES
 from ..gauss.methods import METHODS
@@ -38,7 +39,7 @@ _LEAN = 5.0
 
 
 def form(
-    plan: Plan,
+    plan: Plan | Shape,
     settings: Settings | None = None,
     *,
     solver: CmcSolver | None = None,
@@ -46,7 +47,7 @@ def form(
     progress: Progress | None = None,
     intersections: bool | Callable[[], bool] = True,
 ) -> Shell:
-    """Solve for the shell over a plan, size and place it, and measure it.
+    """Solve for the shell over a plan, or over a shape, size and place it, and measure it.
 
     solver: the `Shell.solver` of an earlier call. It is used again if it belongs to this plan and to the sites, energy
     and triangulation of the settings, which saves factoring. initial (S, 3), one normal per site: a map to start from,
@@ -55,6 +56,9 @@ def form(
     `ConditionError`, `PlacementError`) on unusable input; not converging is a status: see `Shell.ok` and `message`.
     """
     settings = settings or Settings()
+    plan = Plan.from_shape(plan) if isinstance(plan, Shape) else plan
+    if not isinstance(plan, Plan):
+        raise MeshError(f"form takes a Plan or a Shape, not {type(plan).__name__}; read_plan reads one from a file.")
     solver = solver_for(plan, settings, solver)
     surface = solve_plan(plan, settings, solver, initial=initial, progress=progress)
     shell = place_and_measure(plan, settings, surface, solver, intersections=intersections)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..domain.domain import Domain
-from ..domain.shape import Shape, side_edges
+from ..domain.shape import Shape, is_names, side_edges
 from ..domain.sites import SITES
 from ..errors import CmcError, ConditionError, JobError, MeshError, listed
 from ..gauss import conditions as boundary
@@ -47,11 +47,12 @@ Condition = str | tuple[str, Mapping[str, object]]
 """A kind of `KINDS`, or a kind and its parameters (radians)."""
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, repr=False)
 class Group:
     """Boundary edges (K, 2), vertex pairs, and their condition: kind and parameters (radians) of `KINDS`.
 
-    goes_on: whether `complete_plan` continues the shell across them; None leaves that to the kind.
+    goes_on: whether `complete_plan` continues the shell across them; None leaves that to the kind. Raises
+    `ConditionError` on names of sides, which `Plan.from_shape` takes, and on indices of edges.
     """
 
     name: str
@@ -59,6 +60,17 @@ class Group:
     kind: str = "binormal"
     parameters: Mapping[str, object] = field(default_factory=dict)
     goes_on: bool | None = None
+
+    def __post_init__(self) -> None:
+        if is_names(self.edges) or (np.size(self.edges) and np.ndim(self.edges) != 2):
+            raise ConditionError(
+                f'Group "{self.name}": the edges of a group are vertex pairs (K, 2), such as '
+                "shape.domain.edges[shape.sides[name]]; Plan.from_shape takes names of sides."
+            )
+
+    def __repr__(self) -> str:
+        parameters = "".join(f", {name}={value}" for name, value in self.parameters.items())
+        return f"Group({self.name!r}, {len(self.edges)} edges, {self.kind}{parameters})"
 
 
 @dataclass(eq=False, repr=False)

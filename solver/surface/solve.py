@@ -14,7 +14,7 @@ from ..domain.sites import SiteGraph
 from ..domain.topology import CutSurface
 from ..errors import ConditionError
 from ..gauss.admissible import resolved
-from ..gauss.boundary_data import Conditions
+from ..gauss.boundary_data import Conditions, check_conditions
 from ..gauss.harmonic import HarmonicMap, HarmonicSolver
 from ..gauss.modes import index_of
 from ..gauss.options import with_options
@@ -47,6 +47,9 @@ class CmcSolver:
         self.harmonic = HarmonicSolver(solved_on, sites=sites, energy=energy)
         self.conjugation = Conjugation(self.harmonic.graph)
 
+    def __repr__(self) -> str:
+        return f"CmcSolver({self.domain!r}, sites {self.harmonic.graph.name}, energy {self.energy})"
+
     def __reduce__(self) -> tuple[type[CmcSolver], tuple[object, ...]]:
         return type(self), (self.domain, self.harmonic.graph.name, self.energy, self.delaunay)
 
@@ -73,6 +76,7 @@ class CmcSolver:
         return self._solve(conditions, options)
 
     def _solve(self, conditions: Conditions, options: SolveOptions) -> CmcSurface:
+        check_conditions(conditions)
         if self._carried:
             conditions = conditions.carried(self._carried.edges)
         self._check_on_rim(conditions)

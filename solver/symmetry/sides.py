@@ -16,7 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import CmcError, check_choice
+from ..domain.shape import is_names
+from ..errors import CmcError, ConditionError, check_choice
 from ..gauss.frames import boundary_edges
 from ..linalg import as_numbers
 from ..surface.cmc_surface import CmcSurface
@@ -42,12 +43,20 @@ class Side:
 
     edges: indices into `domain.edges`, or (K, 2) vertex pairs. kind: a name in `RULES`.
     normal: (3,) of the plane; by default taken from the normals of the surface. A free side has none.
+    Raises `ConditionError` on names of sides in place of edges.
     """
 
     name: str
     edges: ArrayLike
     kind: str = "mirror"
     normal: ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        if is_names(self.edges):
+            raise ConditionError(
+                f"Side {self.name!r}: edges are indices or vertex pairs, not {self.edges!r}; "
+                f"write shape.sides[{str(np.ravel(self.edges)[0])!r}]."
+            )
 
     def __repr__(self) -> str:
         normal = "" if self.normal is None else ", normal ({:.4g}, {:.4g}, {:.4g})".format(*np.ravel(self.normal)[:3])
