@@ -27,7 +27,7 @@ from .methods import BALANCED, METHODS, Method
 from .mirror_start import side_normals
 from .newton import Iterate
 from .problem import EnergyProblem, equal_laplacian
-from .rivals import escaped, lowest_start
+from .rivals import escaped, lower, lowest_start
 
 Array = NDArray[np.float64]
 
@@ -191,7 +191,11 @@ class HarmonicSolver:
         dirichlet = self.dirichlet(admissible.fixed)
         problem = EnergyProblem(self.graph, self.energy, dirichlet, self._laplacian, admissible.mirrors)
         minimum = method.of(problem, start, tolerance=tolerance, progress=progress, **limit)
-        if from_itself and lowest is not None and minimum.status in (Status.CONVERGED, Status.STALLED):
+        if lowest is not None and minimum.status is not Status.CANCELLED:
+            usual = self._usual_start(admissible, conditions, side)
+            if usual is not None:
+                minimum = lower(minimum, method.of(problem, usual, tolerance=tolerance, progress=progress, **limit))
+        if lowest is not None and minimum.status in (Status.CONVERGED, Status.STALLED):
             minimum = escaped(problem, minimum, conditions.up, side, tolerance=tolerance, progress=progress)
         normals = admissible.pin(minimum.N)  # steps of length zero leave rounding
         reached = sphere.degree(normals, self.graph.triangles)
@@ -228,6 +232,13 @@ class HarmonicSolver:
         data = np.concatenate([admissible.data, normals])[order]
         start = harmonic_start(self.dirichlet(held[order]), data, up, side)
         return held[order], admissible.pin(start)
+
+    def _usual_start(self, admissible: Admissible, conditions: Conditions, side: int) -> Array | None:
+        """The start of `_start`; None where the boundary normals cancel inside."""
+        try:
+            return self._start(admissible, conditions, side)[1]
+        except ConditionError:
+            return None
 
     def _nothing(self, admissible: Admissible) -> str:
         """Why no start exists, as a message."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.linalg import eigh_tridiagonal
 from scipy.optimize import linprog
@@ -18,18 +19,21 @@ from ..domain.coarsen import Coarse, coarsened
 from ..domain.domain import Domain
 from ..domain.sites import SiteGraph
 from ..errors import ConditionError, Status
-from ..linalg import sum_rows
 from .boundary_data import Conditions
 from .initial_map import every_start
 from .newton import Minimum, longest, newton
 from .problem import EnergyProblem, Point
-from .sphere import exp, inner, normalize
+from .sphere import exp, inner
 
 Array = NDArray[np.float64]
 
 # Vertices of the coarse mesh; with fewer of its own a domain is its own coarse mesh.
 _COUNT = 1000
 _TOLERANCE = 1e-3
+# Of its vertices at most this part is held: otherwise it is too coarse for a thin strip, and says nothing about it.
+_MOST_HELD = 0.5
+# Steps from one start on it.
+_STEPS = 50
 # Relative difference of energies that the coarse mesh does not decide. The two lowest of the twisted disc with m = 4
 # differ by 4 %, the lowest minimiser and the saddle with m = 2 by 0.3 %; saddles are left before energies are compared.
 _ALIKE = 0.01
@@ -40,6 +44,8 @@ _LEAP = 0.5
 # Steps of Lanczos' method, looked at every few; the lowest value has settled when it changes by less than this.
 _LOOKS, _EVERY, _SETTLED = 40, 4, 2e-3
 _TINY = 1e-14
+# Sweeps that smooth a start: as many as fine vertices to a coarse one, which takes too long on a very large mesh.
+_SWEEPS = 200
 
 
 def lowest_start(
@@ -60,11 +66,14 @@ def lowest_start(
     if coarse is None:
         return None
     is_kept = np.isin(coarse.vertices, fixed)
+    is_too_thin = coarse.domain is not domain and is_kept.mean() > _MOST_HELD
+    if is_kept.all() or is_too_thin or not is_kept.any():
+        return None
     normals = data[np.searchsorted(fixed, coarse.vertices[is_kept])]
     held = Conditions(np.flatnonzero(is_kept), normals, up=conditions.up)
     problem = problem_on(coarse.domain, held)
     found = _lowest(problem, normals, conditions.up, side)
-    return None if found is None else _smoothed(graph, found[coarse.region], fixed, data)
+    return None if found is None else _smoothed(graph, found, coarse, fixed, data)
 
 
 def fits_in_hemisphere(data: Array) -> bool:
@@ -73,6 +82,15 @@ def fits_in_hemisphere(data: Array) -> bool:
         return True
     best = linprog(-data.sum(axis=0), A_ub=-data, b_ub=np.zeros(len(data)), bounds=(-1.0, 1.0))
     return bool(best.status == 0 and -best.fun > 1e-9 * len(data))
+
+
+def lower(found: Minimum, usual: Minimum) -> Minimum:
+    """What was found from the coarse mesh, unless the usual start leads to an energy that is clearly lower, or to a
+    minimiser where the other did not."""
+    if usual.status is not Status.CONVERGED:
+        return found
+    is_lower = usual.history[-1].energy < (1.0 - _ALIKE) * found.history[-1].energy
+    return usual if is_lower or found.status not in (Status.CONVERGED, Status.CANCELLED) else found
 
 
 def escaped(problem: EnergyProblem, found: Minimum, up: Array, side: int, **limits: object) -> Minimum:
@@ -105,8 +123,8 @@ def falling_direction(problem: EnergyProblem, point: Point) -> Array | None:
     so that a few steps find the lowest.
     """
     N, operator = point.N, problem.hessian(point)
-    random = np.random.default_rng(0).standard_normal(N.shape)
-    rest = problem.project(N, problem.graph.areas[:, None] * random)
+    areas = problem.graph.areas
+    rest = problem.project(N, (areas / areas.mean())[:, None] * np.random.default_rng(0).standard_normal(N.shape))
     fields, duals, diagonal, beside = [], [], [], []
     lowest = np.inf
     for step in range(1, _LOOKS + 1):
@@ -127,10 +145,15 @@ def falling_direction(problem: EnergyProblem, point: Point) -> Array | None:
             if abs(values[0] - lowest) < _SETTLED:
                 break
             lowest = float(values[0])
+    if not fields:  # all normals are held
+        return None
     values, vectors = eigh_tridiagonal(diagonal, beside[1:], select="i", select_range=(0, 0))
     if values[0] >= _UNSTABLE:
         return None
-    return np.einsum("k,kij->ij", vectors[:, 0], np.stack(fields))
+    way = np.zeros_like(N)
+    for part, field in zip(vectors[:, 0], fields, strict=True):
+        way += part * field
+    return way
 
 
 def _itself(domain: Domain) -> Coarse:
@@ -142,7 +165,7 @@ def _lowest(problem: EnergyProblem, data: Array, up: Array, side: int) -> Array 
     """The lowest minimiser (n, 3) that the starts lead to; of several alike the one that faces the side asked for."""
     found: list[tuple[float, float, Array]] = []
     for start in every_start(problem.dirichlet, data, up, side):
-        ended = _settled(problem, newton(problem, start, tolerance=_TOLERANCE))
+        ended = _settled(problem, newton(problem, start, tolerance=_TOLERANCE, max_iterations=_STEPS))
         if ended is not None:
             mean = (problem.graph.areas[:, None] * ended.N).sum(axis=0)
             found.append((ended.history[-1].energy, side * float(mean @ up), ended.N))
@@ -161,22 +184,25 @@ def _settled(problem: EnergyProblem, found: Minimum) -> Minimum | None:
         way = falling_direction(problem, problem.at(found.N))
         if way is None:
             return found
-        found = newton(problem, exp(found.N, _LEAP * way / longest(way)), tolerance=_TOLERANCE)
+        found = newton(problem, exp(found.N, _LEAP * way / longest(way)), tolerance=_TOLERANCE, max_iterations=_STEPS)
     return None
 
 
-def _smoothed(graph: SiteGraph, rough: Array, fixed: NDArray[np.integer], data: Array) -> Array:
-    """A map (S, 3) at the sites from one at the vertices (V, 3) that is constant on regions: a few sweeps of means over
-    neighbours, so many that steps between regions are gone."""
+def _smoothed(graph: SiteGraph, found: Array, coarse: Coarse, fixed: NDArray[np.integer], data: Array) -> Array:
+    """A map (S, 3) at the sites from one at the vertices (n, 3) of the coarse mesh, constant on regions at first: a few
+    sweeps of means over neighbours, until steps between regions are gone."""
     domain = graph.domain
-    i, j = domain.edges.T
-    ends, others = np.concatenate([i, j]), np.concatenate([j, i])
-    across = np.sqrt(domain.vertex_count / max(1, len(np.unique(rough, axis=0))))
-    N = rough
-    for _ in range(int(np.ceil(across**2))):
-        N = N + sum_rows(ends, N[others], domain.vertex_count)
-        N[fixed] = data
-        N = normalize(N)
+    count, N = domain.vertex_count, found[coarse.region]
+    N[fixed] = data
+    if len(found) < count:
+        i, j = domain.edges.T
+        ones = np.ones(2 * len(i))
+        around = sp.csr_array((ones, (np.concatenate([i, j]), np.concatenate([j, i]))), shape=(count, count))
+        for _ in range(min(_SWEEPS, int(np.ceil(count / len(found))))):
+            sums = N + around @ N
+            length = np.linalg.norm(sums, axis=1, keepdims=True)
+            N = np.where(length > _TINY, sums / np.maximum(length, _TINY), N)
+            N[fixed] = data
     return N if graph.at_vertices else _at_faces(graph, N)
 
 
