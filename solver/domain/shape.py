@@ -46,9 +46,11 @@ def as_domain(given: DomainLike) -> Domain:
 
 def is_names(edges: Any) -> bool:
     """Whether edges are given by the names of sides: a string, or a sequence of strings."""
+    if isinstance(edges, np.ndarray) and edges.dtype.kind in "UO":
+        edges = edges.ravel().tolist()
     if isinstance(edges, (list, tuple)):
         return len(edges) > 0 and all(isinstance(name, str) for name in edges)
-    return isinstance(edges, str) or (isinstance(edges, np.ndarray) and edges.dtype.kind == "U")
+    return isinstance(edges, str)
 
 
 def side_edges(given: DomainLike, names: str | Sequence[str]) -> NDArray[np.int64]:
@@ -56,7 +58,7 @@ def side_edges(given: DomainLike, names: str | Sequence[str]) -> NDArray[np.int6
 
     Raises `ConditionError` for a name the shape does not have, and for names on a bare domain.
     """
-    wanted = [names] if isinstance(names, str) else [str(name) for name in names]
+    wanted = [names] if isinstance(names, str) else [str(name) for name in np.ravel(names)]
     if not isinstance(given, Shape):
         as_domain(given)
         raise ConditionError(f"A Domain has no side {wanted[0]!r}; pass the Shape, or the edges themselves.")

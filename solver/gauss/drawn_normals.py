@@ -23,14 +23,17 @@ Int = NDArray[np.integer]
 _CONDITION = 1e10
 # A tangent plane that turns further than this (tangent of the angle) from the mean normal is a fold, not a fit.
 _STEEPEST = 1.0
+# Ways of two edges from a vertex above which no quadratic is fitted there: it is on a fan around one crowded vertex,
+# whose other ends are far away, and all pairs of them would fill the memory.
+_CROWDED = 1000
 
 
 def drawn_normals(domain: Domain, points: Array, vertices: Int | None = None) -> Array:
     """Unit normals (n, 3) at `vertices` (n,), by default all, of the surface `points` (V, 3).
 
-    Where the two-ring does not determine a quadratic (too few neighbours, or neighbours on a conic), and where the mesh
-    is folded, the normal is the mean of the face normals, weighted by their angles at the vertex. Raises
-    `ConditionError` on faces without area and on vertices around which the face normals cancel.
+    Where the two-ring does not determine a quadratic (too few neighbours, or neighbours on a conic), where it is
+    crowded (a fan), and where the mesh is folded, the normal is the mean of the face normals, weighted by their angles
+    at the vertex. Raises `ConditionError` on faces without area and on vertices around which the face normals cancel.
     """
     vertices = np.arange(domain.vertex_count) if vertices is None else vertices
     means = _mean_normals(domain, points, vertices)
@@ -66,12 +69,16 @@ def _mean_normals(domain: Domain, points: Array, vertices: Int) -> Array:
 
 
 def _two_rings(domain: Domain, vertices: Int) -> tuple[Int, Int]:
-    """Pairs (place in `vertices`, vertex within two edges of it), without the vertex itself."""
+    """Pairs (place in `vertices`, vertex within two edges of it), without the vertex itself; none for
+    crowded vertices."""
     n = domain.vertex_count
     ends = np.concatenate([domain.edges, domain.edges[:, ::-1]])
     joined = sp.csr_array((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(n, n))
-    first = sp.csr_array(joined[vertices])
+    ways = joined @ np.diff(joined.indptr)
+    places = np.flatnonzero(ways[vertices] <= _CROWDED)
+    first = sp.csr_array(joined[vertices[places]])
     pairs = (first + first @ joined).tocoo()
-    owners, neighbours = pairs.coords
+    rows, neighbours = pairs.coords
+    owners = places[rows]
     other = neighbours != vertices[owners]
     return owners[other].astype(np.int64), neighbours[other].astype(np.int64)

@@ -29,7 +29,7 @@ from .mirror_start import side_normals
 from .newton import Iterate
 from .options import MapOptions, with_options
 from .problem import EnergyProblem, equal_laplacian
-from .rivals import escaped, lowest_start
+from .rivals import escaped, lower, lowest_start
 
 Array = NDArray[np.float64]
 
@@ -173,8 +173,7 @@ class HarmonicSolver:
                 f"All normals are fixed, at {self.graph.count} {_AT[self.graph.name]}, so none is unknown; "
                 f"subdivide the mesh, so that it has {_AT[self.graph.name]} inside."
             )
-        from_itself = initial is None and degree is None and method.minimises
-        lowest = lowest_start(self.graph, conditions, side, self._vertex_problem) if from_itself else None
+        lowest = self._lowest_start(admissible, conditions, options) if method.minimises else None
         if lowest is not None:
             held, start = admissible.fixed, admissible.pin(lowest)
         elif initial is None:
@@ -189,7 +188,11 @@ class HarmonicSolver:
         dirichlet = self.dirichlet(admissible.fixed)
         problem = EnergyProblem(self.graph, self.energy, dirichlet, self._laplacian, admissible.mirrors)
         minimum = method.of(problem, start, **limits, **limit)
-        if from_itself and lowest is not None and minimum.status in (Status.CONVERGED, Status.STALLED):
+        if lowest is not None and minimum.status is not Status.CANCELLED:
+            usual = self._usual_start(admissible, conditions, side)
+            if usual is not None:
+                minimum = lower(minimum, method.of(problem, usual, **limits, **limit))
+        if lowest is not None and minimum.status in (Status.CONVERGED, Status.STALLED):
             minimum = escaped(problem, minimum, conditions.up, side, **limits)
         normals = admissible.pin(minimum.N)  # steps of length zero leave rounding
         reached = sphere.degree(normals, self.graph.triangles)
@@ -208,6 +211,15 @@ class HarmonicSolver:
             None if len(self.domain.boundary_edges) else float(np.linalg.norm(imbalance(problem, normals))),
         )
 
+    def _lowest_start(self, admissible: Admissible, conditions: Conditions, options: MapOptions) -> Array | None:
+        """A start near the lowest of several minimisers; None where there is but one, or the options choose."""
+        has_mirrors = len(conditions.mirrors) or conditions.is_balanced
+        if options.initial is not None or options.degree is not None or has_mirrors or conditions.faces.size:
+            return None
+        if not len(admissible.fixed) or sphere.fits_in_hemisphere(admissible.data):
+            return None
+        return lowest_start(self.graph, conditions, options.side, self._vertex_problem)
+
     def _vertex_problem(self, domain: Domain, conditions: Conditions) -> EnergyProblem:
         """The cotangent energy at the vertices of another domain."""
         solver = HarmonicSolver(domain)
@@ -218,7 +230,10 @@ class HarmonicSolver:
         """A blend of the fixed normals and those along mirrors: the sites of these, and a map (S, 3)."""
         up = conditions.up
         leans = leaning(admissible.data, up, side) is not None
-        sites, normals = side_normals(admissible, conditions, self.graph, side, leans)
+        if len(conditions.mirrors):
+            sites, normals = side_normals(admissible, conditions, self.graph, side, leans)
+        else:
+            sites, normals = np.zeros(0, dtype=np.int64), np.zeros((0, 3))
         held = np.concatenate([admissible.fixed, sites])
         if not len(held):
             raise ConditionError(self._nothing(admissible))
@@ -226,6 +241,13 @@ class HarmonicSolver:
         data = np.concatenate([admissible.data, normals])[order]
         start = harmonic_start(self.dirichlet(held[order]), data, up, side)
         return held[order], admissible.pin(start)
+
+    def _usual_start(self, admissible: Admissible, conditions: Conditions, side: int) -> Array | None:
+        """The start of `_start`; None where the boundary normals cancel inside."""
+        try:
+            return self._start(admissible, conditions, side)[1]
+        except ConditionError:
+            return None
 
     def _nothing(self, admissible: Admissible) -> str:
         """Why no start exists, as a message."""

@@ -12,15 +12,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.linalg import eigh_tridiagonal
-from scipy.optimize import linprog
 
 from ..domain.coarsen import Coarse, coarsened
 from ..domain.domain import Domain
 from ..domain.sites import SiteGraph
 from ..errors import Status
-from ..linalg import sum_rows
 from .boundary_data import Conditions
 from .initial_map import every_start
 from .newton import Minimum, longest, newton
@@ -32,6 +31,10 @@ Array = NDArray[np.float64]
 # Vertices of the coarse mesh; with fewer of its own a domain is its own coarse mesh.
 _COUNT = 1000
 _TOLERANCE = 1e-3
+# Of its vertices at most this part is held: otherwise it is too coarse for a thin strip, and says nothing about it.
+_MOST_HELD = 0.5
+# Steps from one start on it.
+_STEPS = 50
 # Relative difference of energies that the coarse mesh does not decide. The two lowest of the twisted disc with m = 4
 # differ by 4 %, the lowest minimiser and the saddle with m = 2 by 0.3 %; saddles are left before energies are compared.
 _ALIKE = 0.01
@@ -42,39 +45,40 @@ _LEAP = 0.5
 # Steps of Lanczos' method, checked every few; the lowest value has converged when it changes by less than this.
 _LOOKS, _EVERY, _SETTLED = 40, 4, 2e-3
 _TINY = 1e-14
+# Sweeps that smooth a start: as many as fine vertices to a coarse one, which takes too long on a very large mesh.
+_SWEEPS = 200
 
 
 def lowest_start(
     graph: SiteGraph, conditions: Conditions, side: int, problem_on: Callable[[Domain, Conditions], EnergyProblem]
 ) -> Array | None:
-    """A map (S, 3) near the lowest minimiser with these boundary normals; None where they have only one, or the coarse
-    mesh has no answer.
+    """A map (S, 3) near the lowest minimiser with these boundary normals; None where the coarse mesh has no answer.
 
     problem_on: the energy at the vertices of a domain under conditions.
     """
-    if conditions.mirrors.size or conditions.faces.size or not len(graph.domain.boundary_edges):
-        return None
     fixed, data = conditions.resolve()
-    if fits_in_hemisphere(data):
-        return None
     domain = graph.domain
     coarse = coarsened(domain, _COUNT) if domain.vertex_count > 2 * _COUNT else _itself(domain)
     if coarse is None:
         return None
     is_kept = np.isin(coarse.vertices, fixed)
+    is_too_thin = coarse.domain is not domain and is_kept.mean() > _MOST_HELD
+    if is_kept.all() or is_too_thin or not is_kept.any():
+        return None
     normals = data[np.searchsorted(fixed, coarse.vertices[is_kept])]
     held = Conditions(np.flatnonzero(is_kept), normals, up=conditions.up)
     problem = problem_on(coarse.domain, held)
     lowest = _lowest(problem, normals, conditions.up, side)
-    return None if lowest is None else _smoothed(graph, lowest[coarse.region], fixed, data)
+    return None if lowest is None else _smoothed(graph, lowest, coarse, fixed, data)
 
 
-def fits_in_hemisphere(data: Array) -> bool:
-    """Whether unit vectors (n, 3) lie in a closed hemisphere: a · N >= 0 for some a that is not zero."""
-    if len(data) < 3 or np.linalg.svd(data, compute_uv=False)[-1] < 1e-6 * np.sqrt(len(data)):
-        return True
-    best = linprog(-data.sum(axis=0), A_ub=-data, b_ub=np.zeros(len(data)), bounds=(-1.0, 1.0))
-    return bool(best.status == 0 and -best.fun > 1e-9 * len(data))
+def lower(minimum: Minimum, usual: Minimum) -> Minimum:
+    """The minimum from the coarse mesh, unless the usual start leads to an energy that is clearly lower, or converges
+    where the other does not."""
+    if usual.status is not Status.CONVERGED:
+        return minimum
+    is_lower = usual.history[-1].energy < (1.0 - _ALIKE) * minimum.history[-1].energy
+    return usual if is_lower or minimum.status not in (Status.CONVERGED, Status.CANCELLED) else minimum
 
 
 def escaped(problem: EnergyProblem, minimum: Minimum, up: Array, side: int, **limits: object) -> Minimum:
@@ -107,8 +111,8 @@ def falling_direction(problem: EnergyProblem, point: Point) -> Array | None:
     so that a few steps find the lowest.
     """
     N, operator = point.N, problem.hessian(point)
-    random = np.random.default_rng(0).standard_normal(N.shape)
-    rest = problem.project(N, problem.graph.areas[:, None] * random)
+    areas = problem.graph.areas
+    rest = problem.project(N, (areas / areas.mean())[:, None] * np.random.default_rng(0).standard_normal(N.shape))
     fields, duals, diagonal, beside = [], [], [], []
     lowest = np.inf
     for step in range(1, _LOOKS + 1):
@@ -129,10 +133,15 @@ def falling_direction(problem: EnergyProblem, point: Point) -> Array | None:
             if abs(values[0] - lowest) < _SETTLED:
                 break
             lowest = float(values[0])
+    if not fields:  # all normals are held
+        return None
     values, vectors = eigh_tridiagonal(diagonal, beside[1:], select="i", select_range=(0, 0))
     if values[0] >= _UNSTABLE:
         return None
-    return np.einsum("k,kij->ij", vectors[:, 0], np.stack(fields))
+    way = np.zeros_like(N)
+    for part, field in zip(vectors[:, 0], fields, strict=True):
+        way += part * field
+    return way
 
 
 def _itself(domain: Domain) -> Coarse:
@@ -144,7 +153,7 @@ def _lowest(problem: EnergyProblem, data: Array, up: Array, side: int) -> Array 
     """The lowest minimiser (n, 3) below the starts; of those with nearly equal energies the one facing `side`."""
     ends: list[tuple[float, float, Array]] = []
     for start in every_start(problem.dirichlet, data, up, side):
-        minimum = _descended(problem, newton(problem, start, tolerance=_TOLERANCE))
+        minimum = _descended(problem, newton(problem, start, tolerance=_TOLERANCE, max_iterations=_STEPS))
         if minimum is not None:
             mean = (problem.graph.areas[:, None] * minimum.N).sum(axis=0)
             ends.append((minimum.history[-1].energy, side * float(mean @ up), minimum.N))
@@ -163,21 +172,27 @@ def _descended(problem: EnergyProblem, minimum: Minimum) -> Minimum | None:
         way = falling_direction(problem, problem.at(minimum.N))
         if way is None:
             return minimum
-        minimum = newton(problem, exp(minimum.N, _LEAP * way / longest(way)), tolerance=_TOLERANCE)
+        start = exp(minimum.N, _LEAP * way / longest(way))
+        minimum = newton(problem, start, tolerance=_TOLERANCE, max_iterations=_STEPS)
     return None
 
 
-def _smoothed(graph: SiteGraph, rough: Array, fixed: NDArray[np.integer], data: Array) -> Array | None:
-    """A map (S, 3) at the sites from one at the vertices (V, 3) that is constant on regions: a few sweeps of means over
-    neighbours, enough times to remove the steps between regions. None where normals cancel at a site."""
+def _smoothed(
+    graph: SiteGraph, lowest: Array, coarse: Coarse, fixed: NDArray[np.integer], data: Array
+) -> Array | None:
+    """A map (S, 3) at the sites from one at the vertices (n, 3) of the coarse mesh, constant on regions at first: a few
+    sweeps of means over neighbours, until steps between regions are gone. None where normals cancel at a site."""
     domain = graph.domain
-    i, j = domain.edges.T
-    ends, others = np.concatenate([i, j]), np.concatenate([j, i])
-    across = np.sqrt(domain.vertex_count / max(1, len(np.unique(rough, axis=0))))
-    N = rough
-    for _ in range(int(np.ceil(across**2))):
-        N = N + sum_rows(ends, N[others], domain.vertex_count)
-        N[fixed] = data
-        N = normalize(N)
+    count, N = domain.vertex_count, lowest[coarse.region]
+    N[fixed] = data
+    if len(lowest) < count:
+        i, j = domain.edges.T
+        ones = np.ones(2 * len(i))
+        around = sp.csr_array((ones, (np.concatenate([i, j]), np.concatenate([j, i]))), shape=(count, count))
+        for _ in range(min(_SWEEPS, int(np.ceil(count / len(lowest))))):
+            sums = N + around @ N
+            length = np.linalg.norm(sums, axis=1, keepdims=True)
+            N = np.where(length > _TINY, sums / np.maximum(length, _TINY), N)
+            N[fixed] = data
     means = graph.means(N)
     return normalize(means) if dot(means, means).min() > _TINY else None

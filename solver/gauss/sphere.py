@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import linprog
 
 Array = NDArray[np.float64]
 
@@ -55,3 +56,11 @@ def solid_angles(N: Array, faces: NDArray[np.integer]) -> Array:
 def degree(N: Array, faces: NDArray[np.integer]) -> float:
     """Signed area covered by the map, as a part of the sphere: an integer where each boundary loop maps to a point."""
     return float(solid_angles(N, faces).sum() / (4.0 * np.pi))
+
+
+def fits_in_hemisphere(data: Array) -> bool:
+    """Whether unit vectors (n, 3) lie in a closed hemisphere: a · N >= 0 for some a that is not zero."""
+    if len(data) < 3 or np.linalg.svd(data, compute_uv=False)[-1] < 1e-6 * np.sqrt(len(data)):
+        return True
+    best = linprog(-data.sum(axis=0), A_ub=-data, b_ub=np.zeros(len(data)), bounds=(-1.0, 1.0))
+    return bool(best.status == 0 and -best.fun > 1e-9 * len(data))

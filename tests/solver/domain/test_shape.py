@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
-from solver import Domain, MeshError, shapes
+from solver import Domain, MeshError, conditions, shapes
 from solver.domain.shape import Shape, as_domain
 from tests.solver.domain.test_domain import TETRAHEDRON
 
@@ -27,3 +28,9 @@ def test_short_representations():
     closed = Domain.from_edge_lengths(TETRAHEDRON, [[1.0] * 3] * 4)
     assert repr(closed) == "Domain(4 vertices, 4 triangles, closed)"
     assert repr(shapes.torus(1.0, 1.0, 8)) == "Shape(80 vertices, 160 triangles, closed, genus 1; sides: none)"
+
+
+def test_names_of_sides_come_as_any_array_of_strings():
+    shape = shapes.disc(50)
+    for names in (np.str_("outer"), np.array("outer"), np.array(["outer"]), np.array(["outer"], dtype=object)):
+        assert len(conditions.fixed(shape, names, (0, 0, 1)).edges) == len(shape.sides["outer"])

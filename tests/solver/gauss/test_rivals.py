@@ -7,7 +7,8 @@ import pytest
 
 from solver import Domain, HarmonicSolver, Status, conditions, modes_of, shapes
 from solver.gauss.newton import newton
-from solver.gauss.rivals import escaped, falling_direction, fits_in_hemisphere
+from solver.gauss.rivals import escaped, falling_direction
+from solver.gauss.sphere import fits_in_hemisphere
 
 LOWEST = {2: 12.76, 3: 19.55, 4: 26.70}  # of the twisted disc, approached from below
 
