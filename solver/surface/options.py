@@ -13,7 +13,7 @@ from .averaging import AVERAGINGS
 
 @dataclass(frozen=True, eq=False)
 class SolveOptions(MapOptions):
-    """What `CmcSolver.solve` takes besides the conditions; `solve_cmc` describes them.
+    """Options of `CmcSolver.solve`; `solve_cmc` describes them.
 
     Raises `ConditionError` on a mean curvature or a tolerance that is out of range, and on an unknown average.
     """
@@ -42,7 +42,7 @@ class SolveOptions(MapOptions):
 
 @dataclass(frozen=True, eq=False)
 class CmcOptions(SolveOptions):
-    """What `solve_cmc` takes besides domain and conditions: the options of the solver, and those of its solve."""
+    """Options of `solve_cmc`: those of the solver, and those of its solve."""
 
     _: KW_ONLY
     sites: str = "vertices"

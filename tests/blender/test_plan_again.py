@@ -29,7 +29,7 @@ def set_group(ob, name, edges, **parameters) -> None:
 
 
 def along(ob, axis, where) -> set[int]:
-    """Boundary edges of which both ends have that coordinate."""
+    """Boundary edges with both ends at that coordinate."""
     at = np.isclose(points(ob)[:, axis], where, atol=1e-5)
     return {k for k in boundary(ob) if all(at[v] for v in ob.data.edges[k].vertices)}
 

@@ -219,7 +219,7 @@ def test_a_plan_that_looks_down_is_noticed():
 
 
 def test_a_vertical_rim_is_no_overhang_worth_a_warning():
-    """Faces beside it lean by a degree or two, the surface does not; a rim that leans out by 20° is told."""
+    """Faces beside it lean by a degree or two, the surface does not; a rim that leans out by 20° is reported."""
     shape = shapes.polygon([(0, 0), (10, 0), (10, 10), (0, 10)], max_edge=0.25, corner_radius=1.0)
     points = np.column_stack([shape.positions, np.zeros(len(shape.positions))])
     plan = Plan(points, shape.domain.faces)

@@ -87,7 +87,7 @@ def area_vector(points: np.ndarray) -> np.ndarray:
 
 
 def test_a_polygon_belongs_to_the_drawn_one_below():
-    """Of the dual of a grid: that of a vertex lies on the quads around it, most of it on its owner."""
+    """On the dual of a grid, that of a vertex lies on the quads around it, most of it on its owner."""
     plan = grid(5, 4)
     sheet = polygon_sheet(form(plan, Settings(default_tilt=0.3)), "f+", "dual")
     owners = sheet.owners(plan.triangles, plan.triangle_polygons)

@@ -1,4 +1,4 @@
-"""Dual complex and corner complex (Figure 5) as meshes: counts, orientation, cuts, Voronoi cells."""
+"""Dual mesh and corner mesh (Figure 5): counts, orientation, cuts, Voronoi cells."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ def test_counts_of_the_dual(domain, sites):
 
 
 @pytest.mark.parametrize("sites", SITES)
-def test_counts_of_the_corner_complex(domain, sites):
+def test_counts_of_the_corner_mesh(domain, sites):
     corners, _ = random_corners(domain, sites)
     mesh = corner_mesh(corners)
     faces, rim = len(domain.faces), len(domain.boundary_edges)
@@ -268,9 +268,9 @@ def test_normals_that_cancel_are_left_zero(builder):
     """Where a vertex averages opposite normals there is no unit normal; the others have length one."""
     domain = DOMAINS["disc"]()
     corners, _ = random_corners(domain, "vertices")
-    complex_ = BUILDERS[builder](corners)
-    normals = complex_.normals.copy()
+    mesh = BUILDERS[builder](corners)
+    normals = mesh.normals.copy()
     normals[3] = 0.0
-    lengths = np.linalg.norm(replace(complex_, normals=normals).mesh(complex_.conjugate).normals, axis=1)
+    lengths = np.linalg.norm(replace(mesh, normals=normals).mesh(mesh.conjugate).normals, axis=1)
     assert lengths[3] == 0.0
     assert_allclose(np.delete(lengths, 3), 1.0, rtol=1e-12, atol=0)

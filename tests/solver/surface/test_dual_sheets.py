@@ -28,7 +28,7 @@ def off_plane(points, polygons, normals):
 
 
 def test_polygons_of_vertices_are_planar_and_orthogonal_to_their_normals():
-    """With normals on vertices: on g, and on f± of the corner complex; closed along the boundary too."""
+    """With normals on vertices: on g, and on f± of the corner mesh; closed along the boundary too."""
     surface, _ = twisted("vertices")
     N = surface.harmonic.normals
     dual = surface.as_mesh("g", "dual")
@@ -39,7 +39,7 @@ def test_polygons_of_vertices_are_planar_and_orthogonal_to_their_normals():
 
 
 def test_triangles_are_orthogonal_to_the_normals_of_their_faces():
-    """With normals on faces: on g itself, and on f± of the corner complex; corners of a vertex on a sphere about g."""
+    """With normals on faces: on g itself, and on f± of the corner mesh; corners of a vertex on a sphere about g."""
     surface, _ = twisted("faces")
     N, faces = surface.harmonic.normals, surface.domain.faces
     assert off_plane(surface.g, faces, N) < 1e-8
@@ -159,7 +159,7 @@ def test_unknown_sheets_and_combinatorics_are_refused():
         surface.as_mesh("f+", "nosuch")
 
 
-def test_faces_of_the_corner_complex_turn_with_the_gauss_map():
+def test_faces_of_the_corner_mesh_turn_with_the_gauss_map():
     """Triangles of f+ over saddles, where neighbouring normals run the other way around, are upside down."""
     surface, _ = twisted("vertices", n=300)
     mesh, faces = surface.as_mesh("f+", "corner"), surface.domain.faces
