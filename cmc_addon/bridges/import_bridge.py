@@ -10,8 +10,7 @@ import numpy as np
 from ...solver.io.obj import MeshData
 from ...solver.shells.plan import Group
 from ..properties import group_list
-from .edge_bridge import repair_selection
-from .mesh_bridge import set_attribute, set_positions
+from .mesh_bridge import build_polygons, set_attribute, set_positions
 from .outline_bridge import write_boundary_groups
 
 UV_LAYER = "UVMap"
@@ -35,15 +34,8 @@ def import_plan(context: bpy.types.Context, name: str, drawn: MeshData, groups: 
 
 
 def _write_polygons(mesh: bpy.types.Mesh, drawn: MeshData) -> None:
-    sizes = np.array([len(polygon) for polygon in drawn.polygons], dtype=np.int32)
-    starts = np.concatenate([[0], np.cumsum(sizes)[:-1]]).astype(np.int32)
-    mesh.vertices.add(len(drawn.positions))
-    mesh.loops.add(int(sizes.sum()))
-    mesh.polygons.add(len(sizes))
-    mesh.loops.foreach_set("vertex_index", np.concatenate(drawn.polygons).astype(np.int32))
-    mesh.polygons.foreach_set("loop_start", starts)
-    mesh.update(calc_edges=True)
-    repair_selection(mesh)
+    starts = np.cumsum([0] + [len(polygon) for polygon in drawn.polygons])
+    build_polygons(mesh, len(drawn.positions), np.concatenate(drawn.polygons), starts)
     set_positions(mesh, drawn.positions)
 
 

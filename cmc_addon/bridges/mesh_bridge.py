@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ...solver.errors import MeshError, plural
 from ...solver.shells.plan import Plan
 from ...solver.shells.plan_metric import side_lengths
-from .edge_bridge import group_values
+from .edge_bridge import group_values, mend_selection
 
 Int = NDArray[np.int32]
 
@@ -232,12 +232,29 @@ def set_attribute(
         return
     field, dtype, _ = _FIELDS[kind]
     attribute.data.foreach_set(field, np.ascontiguousarray(values, dtype=dtype).reshape(-1))
+    if name == "position" and len(mesh.vertices):
+        # Blender keeps its cached bounds when the attribute is written; writing one vertex as such drops them.
+        mesh.vertices[0].co = values[0]
 
 
 def set_positions(mesh: bpy.types.Mesh, positions: NDArray) -> None:
     """Write vertex positions (V, 3), and have Blender update normals and bounds."""
     set_attribute(mesh, "position", "FLOAT_VECTOR", "POINT", positions)
     mesh.update()
+
+
+def build_polygons(
+    mesh: bpy.types.Mesh, vertex_count: int, corners: NDArray[np.integer], starts: NDArray[np.integer]
+) -> None:
+    """Replace the geometry of a mesh by polygons: vertices of corners (C,), starts (P + 1,). Materials stay."""
+    mesh.clear_geometry()
+    mesh.vertices.add(vertex_count)
+    mesh.loops.add(len(corners))
+    mesh.polygons.add(len(starts) - 1)
+    mesh.polygons.foreach_set("loop_start", np.asarray(starts[:-1], dtype=np.int32))
+    mesh.loops.foreach_set("vertex_index", np.asarray(corners, dtype=np.int32))
+    mesh.update(calc_edges=True)
+    mend_selection(mesh)
 
 
 def remove_attribute(mesh: bpy.types.Mesh, name: str) -> None:

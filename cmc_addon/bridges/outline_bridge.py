@@ -14,7 +14,7 @@ from ...solver.errors import MeshError, plural
 from ...solver.meshing.mesher import PlanMesh
 from ...solver.meshing.wires import Outline, Wire, nearest
 from .edge_bridge import group_values, write_group_values
-from .mesh_bridge import read, readable_mesh, remove_attribute, set_attribute, set_positions
+from .mesh_bridge import build_polygons, read, readable_mesh, remove_attribute, set_attribute, set_positions
 
 UV_LAYER = "Plan"
 
@@ -41,7 +41,10 @@ def write_plan(ob: bpy.types.Object, meshed: PlanMesh, outline: Outline, matrix:
     layer "Plan" holds plan coordinates in world units.
     """
     mesh = ob.data
-    _replace(mesh, meshed.positions, meshed.triangles)
+    triangles = meshed.triangles
+    build_polygons(mesh, len(meshed.positions), triangles.ravel(), np.arange(0, triangles.size + 1, 3))
+    for name in (".select_vert", ".select_edge", ".select_poly"):  # a new mesh is selected as a whole
+        remove_attribute(mesh, name)
     inverse = np.array(matrix.inverted(), dtype=np.float64)
     points = outline.plane.raised(meshed.positions)
     set_positions(mesh, points @ inverse[:3, :3].T + inverse[:3, 3])
@@ -96,19 +99,6 @@ def _mesh_wire(ob: bpy.types.Object, mesh: bpy.types.Mesh) -> Wire:
         edges, groups = edges[faces == 1], groups[faces == 1]
     local = read(mesh, "position", len(mesh.vertices), np.float32, 3)
     return Wire(f"'{ob.name}'", _in_world(ob, local), edges, groups)
-
-
-def _replace(mesh: bpy.types.Mesh, positions: NDArray, triangles: NDArray) -> None:
-    """Replace vertices and triangles of a mesh; `clear_geometry` keeps materials and custom properties."""
-    mesh.clear_geometry()
-    mesh.vertices.add(len(positions))
-    mesh.loops.add(triangles.size)
-    mesh.polygons.add(len(triangles))
-    mesh.loops.foreach_set("vertex_index", triangles.ravel())
-    mesh.polygons.foreach_set("loop_start", np.arange(0, triangles.size, 3, dtype=np.int32))
-    mesh.update(calc_edges=True)
-    for name in (".select_vert", ".select_edge", ".select_poly"):  # a new mesh is selected as a whole
-        remove_attribute(mesh, name)
 
 
 def _keys(pairs: NDArray, count: int) -> NDArray[np.int64]:

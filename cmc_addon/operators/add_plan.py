@@ -7,10 +7,9 @@ from bpy.props import EnumProperty, FloatProperty, IntProperty
 from ...solver.catalogue.holed_plans import StartPlan, annulus, cylinder
 from ...solver.catalogue.start_plans import court, l_shape, rectangle, round_plan
 from ...solver.errors import CmcError
-from ..bridges.mesh_bridge import set_attribute
+from ..bridges.mesh_bridge import build_polygons, set_attribute, set_positions
 from ..bridges.outline_bridge import write_boundary_groups
 from ..bridges.periods_bridge import mark_seams
-from ..bridges.result_bridge import build_polygons
 from ..bridges.start_bridge import write_lengths, write_normals
 from ..properties import group_list
 from .activate import activate
@@ -116,7 +115,7 @@ def new_plan(context: bpy.types.Context, start: StartPlan) -> bpy.types.Object:
     """The plan as an object at the 3D cursor, with its groups."""
     mesh, faces = bpy.data.meshes.new(start.name), start.domain.faces
     build_polygons(mesh, len(start.points), faces.ravel(), np.arange(0, 3 * len(faces) + 1, 3))
-    set_attribute(mesh, "position", "FLOAT_VECTOR", "POINT", start.points)
+    set_positions(mesh, start.points)
     set_attribute(mesh, "Plan", "FLOAT2", "CORNER", start.uvs.reshape(-1, 2))
     mark_seams(mesh, start.domain.edges[start.seams])
     mesh.update()
