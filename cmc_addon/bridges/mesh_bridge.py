@@ -103,6 +103,18 @@ def readable_mesh(
         bpy.data.meshes.remove(copy)
 
 
+def near_origin(base: NDArray, points: NDArray) -> NDArray[np.float64]:
+    """An origin (3,) for a mesh of points (n, 3) in the world, so near that single precision is enough.
+
+    It is `base` itself if the points are near that, else it is shifted by whole steps of 32 to 64 of their extents, so
+    that small changes of the points leave it where it is. Single precision holds it exactly.
+    """
+    low, high = points.min(axis=0), points.max(axis=0)
+    step = 2.0 ** np.ceil(np.log2(32.0 * (float((high - low).max()) or 1.0)))
+    shift = step * np.round(((low + high) / 2 - base) / step)
+    return np.float32(base + shift).astype(np.float64)
+
+
 def copy_mesh(ob: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None = None) -> bpy.types.Mesh:
     """A new mesh data-block with all layers: of the object's mesh or, with a depsgraph, modifiers applied."""
     if ob.data.is_editmode:

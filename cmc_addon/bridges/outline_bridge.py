@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
-from mathutils import Matrix
+from mathutils import Matrix, Quaternion, Vector
 from numpy.typing import NDArray
 
 from ...solver.errors import MeshError, plural
@@ -34,21 +34,24 @@ def read_wire(ob: bpy.types.Object) -> Wire:
     raise MeshError(f"'{ob.name}' is neither a mesh nor a curve; draw the outline of the plan as one of these.")
 
 
-def write_plan(ob: bpy.types.Object, meshed: PlanMesh, outline: Outline, matrix: Matrix) -> None:
+def write_plan(ob: bpy.types.Object, meshed: PlanMesh, outline: Outline, rotation: Quaternion) -> None:
     """Replace the mesh of a plan object in object mode and place the object; materials and names stay.
 
-    matrix: the new place of the object, without scale. The faces look along the normal of the outline's plane. The UV
-    layer "Plan" holds plan coordinates in world units.
+    The origin goes to the middle of the plan, so that its points keep their digits wherever it lies. The faces look
+    along the normal of the outline's plane. The UV layer "Plan" holds plan coordinates in world units, measured from
+    the origin.
     """
     mesh = ob.data
     triangles = meshed.triangles
     build_polygons(mesh, len(meshed.positions), triangles.ravel(), np.arange(0, triangles.size + 1, 3))
     for name in (".select_vert", ".select_edge", ".select_poly"):  # a new mesh is selected as a whole
         remove_attribute(mesh, name)
-    inverse = np.array(matrix.inverted(), dtype=np.float64)
     points = outline.plane.raised(meshed.positions)
-    set_positions(mesh, points @ inverse[:3, :3].T + inverse[:3, 3])
-    set_attribute(mesh, UV_LAYER, "FLOAT2", "CORNER", meshed.positions[meshed.triangles.ravel()])
+    matrix = Matrix.LocRotScale(Vector((points.min(axis=0) + points.max(axis=0)) / 2), rotation, None)
+    middle = np.array(matrix.translation, dtype=np.float64)
+    set_positions(mesh, (points - middle) @ np.array(matrix, dtype=np.float64)[:3, :3])
+    flat = meshed.positions - outline.plane.flatten(middle)
+    set_attribute(mesh, UV_LAYER, "FLOAT2", "CORNER", flat[triangles.ravel()])
     mesh.uv_layers.active = mesh.uv_layers[UV_LAYER]
     ob.matrix_world = matrix
 
@@ -129,8 +132,11 @@ def _curve_wire(ob: bpy.types.Object) -> Wire:
     return Wire(f"'{ob.name}'", _in_world(ob, local), edges, np.zeros(len(edges), np.int32), numbered=False)
 
 
-def _sampled(curve: bpy.types.Curve) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
-    """Fine polylines of all splines, evaluated by Blender on a copy of the curve without bevel and fill."""
+def _sampled(curve: bpy.types.Curve) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """Fine polylines of all splines, evaluated by Blender on a copy of the curve without bevel and fill.
+
+    The copy lies around its origin, since Blender evaluates in single precision.
+    """
     bare = curve.copy()
     sampler = None
     try:
@@ -143,13 +149,22 @@ def _sampled(curve: bpy.types.Curve) -> tuple[NDArray[np.float32], NDArray[np.in
         bare.resolution_u = _CURVE_STEPS
         for spline in bare.splines:
             spline.resolution_u = _CURVE_STEPS
+        middle = _to_origin(bare)
         sampler = bpy.data.objects.new("outline", bare)
         mesh = sampler.to_mesh()
         points = read(mesh, "position", len(mesh.vertices), np.float32, 3)
         edges = read(mesh, ".edge_verts", len(mesh.edges), np.int32, 2)
         sampler.to_mesh_clear()
-        return points, edges
+        return points + middle, edges
     finally:
         if sampler is not None:
             bpy.data.objects.remove(sampler)
         bpy.data.curves.remove(bare)
+
+
+def _to_origin(curve: bpy.types.Curve) -> NDArray[np.float64]:
+    """Move a curve by its first point, which is returned (3,)."""
+    first = next((spline.bezier_points or spline.points)[0] for spline in curve.splines)
+    middle = np.array(first.co[:3], dtype=np.float64)
+    curve.transform(Matrix.Translation(Vector(-middle)), shape_keys=True)
+    return middle

@@ -7,8 +7,8 @@ points off its best plane are projected to it, and the report says by how much. 
 **The plan** is an object of its own called "<outline> Plan", made once and updated by every later run; the
 drawn outline never changes. If the outline has faces, which would coincide with the plan's, it is hidden (Alt H
 shows it). With the plan active, Mesh Plan meshes its outline again. A plan whose outline has been deleted is
-meshed again from its own rim. The plan lies over its outline, with that object's location and rotation and unit
-scale; name, materials and solve settings of the plan stay.
+meshed again from its own rim. The plan lies over its outline, with that object's rotation and unit scale, and
+its origin in its middle; name, materials and solve settings of the plan stay.
 
 **Links** are like those of results: a duplicated outline gets a plan of its own, a duplicated plan is
 updated when it is active, and a plan deleted from the scene is made again.
@@ -21,7 +21,6 @@ from functools import partial
 
 import bpy
 import numpy as np
-from mathutils import Matrix
 
 from ...solver.errors import CmcError, MeshError
 from ...solver.meshing.mesher import PlanMesh, mesh_plan
@@ -166,8 +165,7 @@ def _write(plan: bpy.types.Object, source: bpy.types.Object, outline: Outline, m
     before = outline_bridge.groups_nearby(plan, middles)
     own = plan == source
     groups = before if own else _merged(plan.data, source, outline, meshed, before)
-    location, rotation, _ = source.matrix_world.decompose()
-    outline_bridge.write_plan(plan, meshed, outline, Matrix.LocRotScale(location, rotation, None))
+    outline_bridge.write_plan(plan, meshed, outline, source.matrix_world.to_quaternion())
     if groups.any() or plan.data.cmc.groups:
         outline_bridge.write_boundary_groups(plan.data, meshed.edges, groups)
 

@@ -14,7 +14,7 @@ from ..bridges.mesh_bridge import NORMAL_ATTRIBUTE, PlanMesh, set_attribute, set
 from ..bridges.result_bridge import Cut, fresh_mesh, put_mesh
 from ..properties.links import copies_of
 from .measures import Measured
-from .objects import Writer
+from .objects import Writer, result_origin
 
 PIECE = "cmc_piece"
 """Custom property of a piece's mesh: the sheet it shows."""
@@ -37,7 +37,7 @@ def write_instances(
     measures: sheet -> the measures on it.
     """
     collection = copies_of(plan) or _new_collection(context, plan, depsgraph, mesh)
-    origin = np.array(plan.matrix_world.translation, dtype=np.float64)
+    origin = result_origin(plan, mesh)
     meshes = {}
     for sheet in sorted(set(completed.sheets)):
         fresh = fresh_mesh(plan, depsgraph, mesh, cut)

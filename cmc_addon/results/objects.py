@@ -13,9 +13,9 @@ the object stays, with its materials; layers that the user added to the mesh are
 **Other faces.** With the dual or the corner mesh chosen, the same object gets that mesh, with the plan's
 layers interpolated to its vertices (see `polygon_bridge`); and back.
 
-**Place.** A result starts with its origin at the plan's, unrotated and unscaled. What the user then does to
-its transform stays: the solve moves it only by as much as the plan has been moved since (a parented result
-not even that).
+**Place.** A result starts with its origin at the plan's (near the plan, if that is far from its own origin), unrotated
+and unscaled. What the user then does to its transform stays: the solve moves it only by as much as the plan has been
+moved since (a parented result not even that).
 
 **No longer wanted.** A result that exists but is not wanted now is updated and hidden, and shown again when it is
 wanted. A sheet that has become a single point is deleted.
@@ -47,7 +47,7 @@ from numpy.typing import NDArray
 from ...solver.errors import CmcError
 from ...solver.shells.polygon_sheets import PolygonSheet
 from ..bridges.colour_bridge import put_measures
-from ..bridges.mesh_bridge import NORMAL_ATTRIBUTE, PlanMesh, readable_mesh, set_attribute, set_positions
+from ..bridges.mesh_bridge import NORMAL_ATTRIBUTE, PlanMesh, near_origin, readable_mesh, set_attribute, set_positions
 from ..bridges.polygon_bridge import polygon_mesh, row_weights
 from ..bridges.result_bridge import Cut, fresh_mesh, put_mesh, put_weights, vertex_weights
 from ..properties.links import _is_own, copies_of, result_of, results_of
@@ -89,7 +89,7 @@ class Writer:
     ) -> None:
         self.scene = context.scene
         self.plan, self.depsgraph, self.mesh, self.cut = plan, depsgraph, mesh, cut
-        self.origin = np.array(plan.matrix_world.translation, dtype=np.float64)
+        self.origin = result_origin(plan, mesh)
         self.group_names = [group.name for group in plan.vertex_groups]
         self.weights = self._weights()
 
@@ -186,8 +186,13 @@ class Writer:
         return collection
 
 
+def result_origin(plan: bpy.types.Object, mesh: PlanMesh) -> NDArray[np.float64]:
+    """The origin (3,) of the results of a plan: the plan's own, or one near a plan whose own is far away."""
+    return near_origin(np.array(plan.matrix_world.translation, dtype=np.float64), mesh.positions)
+
+
 def move_along(result: bpy.types.Object, origin: NDArray) -> None:
-    """Move a result by as much as its plan has moved since the last write; origin (3,): the plan's."""
+    """Move a result by as much as its plan has moved since the last write; origin (3,): see `result_origin`."""
     moved = origin - np.array(result.cmc.placed_at, dtype=np.float64)
     if not moved.any():
         return
@@ -203,7 +208,7 @@ def put_points(
     normals: NDArray,
     measures: Mapping[str, NDArray] | None,
 ) -> None:
-    """Write points (n, 3) in the world, normals (n, 3) and measures into a result; origin (3,): that of the plan."""
+    """Write points (n, 3) in the world, normals (n, 3) and measures into a result; origin (3,): see `result_origin`."""
     if measures is not None:
         put_measures(result.data, measures)
     set_attribute(result.data, NORMAL_ATTRIBUTE, "FLOAT_VECTOR", "POINT", normals)
