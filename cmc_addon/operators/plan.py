@@ -37,6 +37,7 @@ from ..background import worker
 from ..bridges import outline_bridge
 from ..properties import group_list
 from ..properties.group_settings import kind_parameters
+from ..properties.libraries import keeps_changes, why_not_kept
 from ..properties.links import by_uid
 from ..properties.plan_settings import PLAN_SETTINGS, plan_annotations
 from .activate import activate
@@ -78,8 +79,8 @@ class CMC_OT_mesh_plan(ModalOperator, bpy.types.Operator):
             cls.poll_message_set("This is a result; select the outline or the plan it comes from")
         elif ob.mode not in {"OBJECT", "EDIT"}:
             cls.poll_message_set("Go to object mode or edit mode first")
-        elif ob.cmc.meshed and not ob.data.is_editable:
-            cls.poll_message_set("This plan is linked from another file; make it local to mesh it again")
+        elif ob.cmc.meshed and not keeps_changes(ob.data):
+            cls.poll_message_set(why_not_kept(ob.data))
         else:
             return True
         return False

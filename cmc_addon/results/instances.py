@@ -36,7 +36,8 @@ def write_instances(
 
     measures: sheet -> the measures on it.
     """
-    collection = copies_of(plan) or _new_collection(context, plan, depsgraph, mesh)
+    writer = Writer(context, plan, depsgraph, mesh, None)
+    collection = copies_of(plan) or _new_collection(plan, writer)
     origin = result_origin(plan, mesh)
     meshes = {}
     for sheet in sorted(set(completed.sheets)):
@@ -44,6 +45,10 @@ def write_instances(
         meshes[sheet] = _piece(plan, collection, sheet, fresh)
         _place(meshes[sheet], completed, sheet, origin, measures[sheet])
     before = list(collection.objects)
+    if collection not in context.scene.collection.children_recursive:
+        own = writer.collection()  # links it with all that it contains
+        if collection not in own.children_recursive:
+            own.children.link(collection)
     _match_count(plan, collection, before, len(completed.transforms), next(iter(meshes.values())))
     to_origin = np.eye(4)
     to_origin[:3, 3] = origin
@@ -70,10 +75,10 @@ def delete_instances(plan: bpy.types.Object) -> None:
     _drop_unused(plan, {})
 
 
-def _new_collection(context, plan, depsgraph, mesh) -> bpy.types.Collection:
+def _new_collection(plan: bpy.types.Object, writer: Writer) -> bpy.types.Collection:
     collection = bpy.data.collections.new(f"{plan.name} copies")
     collection.cmc_plan = plan
-    Writer(context, plan, depsgraph, mesh, None)._collection().children.link(collection)
+    writer.collection().children.link(collection)
     plan.cmc.copies = collection
     return collection
 

@@ -92,6 +92,9 @@ class DesignTask(Task[DesignResult]):
     def tolerance(self) -> float:
         return self.settings.tolerance
 
+    def shows(self) -> str:
+        return self.role
+
     def work(self, progress: Progress) -> DesignResult:
         prepared = plan_cache.prepare(self.mesh)
         with prepared.plan_numbers(self.mesh):

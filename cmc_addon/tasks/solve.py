@@ -116,6 +116,9 @@ class SolveTask(Task[SolveResult]):
     def tolerance(self) -> float:
         return self.settings.tolerance
 
+    def shows(self) -> str:
+        return self.settings.sheet
+
     def work(self, progress: Progress) -> SolveResult:
         settings = solver_settings(self.settings)
         prepared = plan_cache.prepare(self.mesh, settings.solver_choice)
