@@ -9,6 +9,7 @@ from ...solver.errors import CmcError
 from ..bridges.mesh_bridge import build_polygons, set_attribute, set_positions
 from ..bridges.outline_bridge import write_boundary_groups
 from ..properties import group_list
+from ..properties.units import metres
 from .activate import activate
 from .poll import allow, why_not_object_mode
 
@@ -62,7 +63,7 @@ def new_plan(context: bpy.types.Context, name: str, size: float, slenderness: fl
     preset = PRESETS[name]
     module = preset.make(slenderness, edges)
     shape = module.shape
-    flat = shape.positions * ((size or preset.size) / float(np.ptp(shape.positions, axis=0).max()))
+    flat = shape.positions * ((size or metres(preset.size)) / float(np.ptp(shape.positions, axis=0).max()))
     mesh = bpy.data.meshes.new(preset.name)
     faces = shape.domain.faces
     build_polygons(mesh, len(flat), faces.ravel(), np.arange(0, 3 * len(faces) + 1, 3))

@@ -8,7 +8,7 @@ from ...solver.fitting.targets import RimOnCurve
 from ..properties.links import result_of
 from ..properties.registration import registration
 from ..properties.reports import design_report, last_report, shown_sheet
-from ..properties.units import length_text, per_length, percent_text
+from ..properties.units import in_units, length_text, per_length, percent_text
 from .periods_text import gap_sentence
 from .tab import BESIDE_SOLVE, Tab
 
@@ -36,6 +36,10 @@ def numbers(layout: bpy.types.UILayout, rows: list[tuple[str, str]]) -> None:
         left.active = False
         left.label(text=name)
         split.label(text=value)
+
+
+# An overhang of less of the area is noise of the rim's triangles.
+_SOME = 1e-4
 
 
 class ResultPanel(Tab):
@@ -74,7 +78,7 @@ def size_rows(report: dict) -> list[tuple[str, str]]:
         ("Rise", length_text(shown["rise"])),
         ("Area", length_text(shown["area"], 2)),
         ("Radius 1/H", length_text(1 / H)),
-        ("H", f"{H:.4g} {per_length()}"),
+        ("H", f"{in_units(H):.4g} {per_length()}"),
     ]
 
 
@@ -104,7 +108,7 @@ def check_rows(report: dict) -> list[tuple[str, str]]:
         rows.append(("Off Outline", f"{mean}, at most {most}"))
     if shown["overhang"]:
         share, lean = shown["overhang"]["area_share"], shown["overhang"]["largest_lean"]
-        rows.append(("Overhang", f"{percent_text(share)}, by {lean:.1f}°" if share else "None"))
+        rows.append(("Overhang", f"{percent_text(share)}, by {lean:.1f}°" if share >= _SOME else "None"))
     if shown["intersections"]:
         pairs = shown["intersections"]["count"]
         rows.append(("Crossing", f"{pairs} pairs of faces" if pairs else "None"))
