@@ -84,7 +84,7 @@ def read_plan(ob: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None = None
         raise MeshError(f"'{ob.name}' is not a mesh; select a plan, or make one with Mesh Plan.")
     with readable_mesh(ob, depsgraph) as mesh:
         plan = plan_arrays(mesh, np.array(ob.matrix_world, dtype=np.float64))
-    _check(ob.name, plan)
+    _check(ob, plan, depsgraph)
     return plan
 
 
@@ -176,9 +176,11 @@ def _selected(mesh: bpy.types.Mesh) -> NDArray[np.bool_]:
     return selected
 
 
-def _check(name: str, plan: PlanMesh) -> None:
+def _check(ob: bpy.types.Object, plan: PlanMesh, depsgraph: bpy.types.Depsgraph | None) -> None:
+    name = ob.name
     if len(plan.starts) == 1:
-        raise MeshError(f"'{name}' has no faces; fill its outline (F), or use Mesh Plan.")
+        seen = " tick Apply Modifiers if these make them," if depsgraph is None and ob.modifiers else ""
+        raise MeshError(f"'{name}' has no faces;{seen} fill its outline (F), or use Mesh Plan.")
     bad = np.flatnonzero(~np.isfinite(plan.positions).all(axis=1))
     if bad.size:
         raise MeshError(

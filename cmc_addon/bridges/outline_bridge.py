@@ -18,6 +18,9 @@ from .mesh_bridge import build_polygons, read, readable_mesh, remove_attribute, 
 
 UV_LAYER = "Plan"
 
+WAY_OUT = "apply it, or convert the object (Object > Convert), to take what is seen"
+"""For the modifiers of an outline, see `drawn_warnings`."""
+
 _CURVE_STEPS = 48  # pieces of a curve between two control points; the mesher resamples them
 
 

@@ -2,7 +2,8 @@
 
 **The outline** is the active object: a mesh whose faces have an outer loop and holes as their boundary, or whose
 edges form such loops; or a curve object of closed splines, nested ones being holes. It may lie in any plane;
-points off its best plane are projected to it, and the report says by how much. Its modifiers are not applied.
+points off its best plane are projected to it, and the report says by how much. Its modifiers are not applied, which
+a warning says.
 
 **The plan** is an object of its own called "<outline> Plan", made once and updated by every later run; the
 drawn outline never changes. If the outline has faces, which would coincide with the plan's, it is hidden (Alt H
@@ -35,6 +36,7 @@ from ...solver.meshing.wires import (
 )
 from ..background import worker
 from ..bridges import outline_bridge
+from ..bridges.drawn_bridge import drawn_warnings
 from ..properties import group_list
 from ..properties.group_settings import kind_parameters
 from ..properties.libraries import keeps_changes, why_not_kept
@@ -94,7 +96,9 @@ class CMC_OT_mesh_plan(ModalOperator, bpy.types.Operator):
         assert context.object is not None
         uid = context.object.session_uid
         self._take_settings(context.scene.cmc)
-        outline = make_outline(outline_bridge.read_wire(outline_of(context.object)))
+        source = outline_of(context.object)
+        outline = make_outline(outline_bridge.read_wire(source))
+        warnings = drawn_warnings(context, source, outline_bridge.WAY_OUT)
         work = partial(_mesh, outline, self.edge_length, self.corner_radius if self.round_corners else None)
         meshed = yield from worker.steps(lambda progress: work(), 1.0, wait)
         if meshed is None:
@@ -110,6 +114,8 @@ class CMC_OT_mesh_plan(ModalOperator, bpy.types.Operator):
         for name in PLAN_SETTINGS:
             setattr(context.scene.cmc, name, getattr(self, name))
         self._report_plan(plan, outline, meshed)
+        for warning in warnings:
+            self.report({"WARNING"}, warning)
         return {"FINISHED"}
 
     def draw(self, context):

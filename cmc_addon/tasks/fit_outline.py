@@ -20,6 +20,7 @@ from ...solver.meshing.wires import chain
 from ...solver.shells.rim_curves import curves_of_loops
 from ..background import plan_cache
 from ..bridges import outline_bridge
+from ..bridges.drawn_bridge import drawn_warnings
 from ..properties.design_settings import POINTERS
 from .design import LIMIT, DesignResult, DesignTask, counted, read_common
 from .design_frame import Frame
@@ -71,8 +72,11 @@ class FitTask(DesignTask):
 
         Raises `CmcError` on what is missing.
         """
+        common = read_common(context, plan, settings)
+        if curve is not None and settings.fit_to == "CURVE":
+            common["warnings"] += drawn_warnings(context, curve, outline_bridge.WAY_OUT)
         return cls(
-            **read_common(context, plan, settings),
+            **common,
             role="FIT",
             stored=stored,
             targets={
