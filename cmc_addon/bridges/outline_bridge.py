@@ -9,10 +9,12 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Quaternion, Vector
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from ...solver.errors import MeshError, plural
 from ...solver.meshing.mesher import PlanMesh
-from ...solver.meshing.wires import Outline, Wire, nearest
+from ...solver.meshing.wires import Outline, Wire, joined_ends, nearest
 from .edge_bridge import group_values, write_group_values
 from .mesh_bridge import build_polygons, read, readable_mesh, remove_attribute, set_attribute, set_positions
 
@@ -125,14 +127,25 @@ def _curve_wire(ob: bpy.types.Object) -> Wire:
     splines = ob.data.splines
     if not len(splines):
         raise MeshError(f"The curve '{ob.name}' is empty; draw a closed spline in it.")
-    still_open = [k for k, spline in enumerate(splines) if not spline.use_cyclic_u]
+    local, edges = _sampled(ob.data)
+    drawn = Wire(f"'{ob.name}'", _in_world(ob, local), edges, np.zeros(len(edges), np.int32), numbered=False)
+    wire = joined_ends(drawn)
+    still_open = _splines_of(drawn, wire.loose_ends())
     if still_open:
         raise MeshError(
             f"{plural('spline', still_open).capitalize()} of '{ob.name}' {'is' if len(still_open) == 1 else 'are'} "
-            "open; close with Toggle Cyclic (Alt C in edit mode)."
+            "open, and their ends do not touch; close with Toggle Cyclic (Alt C in edit mode), or snap the ends "
+            "together."
         )
-    local, edges = _sampled(ob.data)
-    return Wire(f"'{ob.name}'", _in_world(ob, local), edges, np.zeros(len(edges), np.int32), numbered=False)
+    return wire
+
+
+def _splines_of(wire: Wire, points: NDArray[np.bool_]) -> list[int]:
+    """The splines, as pieces of a sampled curve in their order, that some of its points (V,) are on."""
+    count = len(wire.points)
+    graph = coo_array((np.ones(len(wire.edges)), tuple(wire.edges.T)), shape=(count, count))
+    _, first, piece = np.unique(connected_components(graph, directed=False)[1], return_index=True, return_inverse=True)
+    return np.unique(np.argsort(np.argsort(first))[piece[points]]).tolist()
 
 
 def _sampled(curve: bpy.types.Curve) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
