@@ -10,8 +10,7 @@ import numpy as np
 from ...solver.io.obj import MeshData
 from ...solver.shells.plan import Group
 from ..properties import group_list
-from .edge_bridge import repair_selection
-from .mesh_bridge import set_attribute, set_positions
+from .mesh_bridge import build_polygons, near_origin, set_attribute, set_positions
 from .outline_bridge import write_boundary_groups
 
 UV_LAYER = "UVMap"
@@ -23,28 +22,24 @@ def import_plan(context: bpy.types.Context, name: str, drawn: MeshData, groups: 
     The mesh must have passed `triangulate_polygons`, and the edges of the groups must be edges of it.
     """
     mesh = bpy.data.meshes.new(name)
-    _write_polygons(mesh, drawn)
+    origin = near_origin(np.zeros(3), drawn.positions)
+    _write_polygons(mesh, drawn, origin)
     if drawn.uv_corners and all(len(rows) for rows in drawn.uv_corners):
         set_attribute(mesh, UV_LAYER, "FLOAT2", "CORNER", drawn.uvs[np.concatenate(drawn.uv_corners)])
     _write_materials(mesh, drawn.materials)
     _write_groups(mesh, groups)
     ob = bpy.data.objects.new(name, mesh)
+    ob.location = origin
     context.scene.collection.objects.link(ob)
     context.view_layer.objects.active = ob
+    context.view_layer.update()  # its matrix, which the next reader needs
     return ob
 
 
-def _write_polygons(mesh: bpy.types.Mesh, drawn: MeshData) -> None:
-    sizes = np.array([len(polygon) for polygon in drawn.polygons], dtype=np.int32)
-    starts = np.concatenate([[0], np.cumsum(sizes)[:-1]]).astype(np.int32)
-    mesh.vertices.add(len(drawn.positions))
-    mesh.loops.add(int(sizes.sum()))
-    mesh.polygons.add(len(sizes))
-    mesh.loops.foreach_set("vertex_index", np.concatenate(drawn.polygons).astype(np.int32))
-    mesh.polygons.foreach_set("loop_start", starts)
-    mesh.update(calc_edges=True)
-    repair_selection(mesh)
-    set_positions(mesh, drawn.positions)
+def _write_polygons(mesh: bpy.types.Mesh, drawn: MeshData, origin: np.ndarray) -> None:
+    starts = np.cumsum([0] + [len(polygon) for polygon in drawn.polygons])
+    build_polygons(mesh, len(drawn.positions), np.concatenate(drawn.polygons), starts)
+    set_positions(mesh, drawn.positions - origin)
 
 
 def _write_materials(mesh: bpy.types.Mesh, names: Sequence[str]) -> None:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ...solver.errors import MeshError, plural
 from ...solver.shells.plan import Plan
 from ...solver.shells.plan_metric import side_lengths
-from .edge_bridge import group_values
+from .edge_bridge import group_values, mend_selection
 
 Int = NDArray[np.int32]
 
@@ -83,7 +83,7 @@ def read_plan(ob: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None = None
         raise MeshError(f"'{ob.name}' is not a mesh; select a plan, or make one with Mesh Plan.")
     with readable_mesh(ob, depsgraph) as mesh:
         plan = plan_arrays(mesh, np.array(ob.matrix_world, dtype=np.float64))
-    _check(ob.name, plan)
+    _check(ob, plan, depsgraph)
     return plan
 
 
@@ -100,6 +100,18 @@ def readable_mesh(
         yield copy
     finally:
         bpy.data.meshes.remove(copy)
+
+
+def near_origin(base: NDArray, points: NDArray) -> NDArray[np.float64]:
+    """An origin (3,) for a mesh of points (n, 3) in the world, so near that single precision is enough.
+
+    It is `base` itself if the points are near that, else it is shifted by whole steps of 32 to 64 of their extents, so
+    that small changes of the points leave it where it is. Single precision holds it exactly.
+    """
+    low, high = points.min(axis=0), points.max(axis=0)
+    step = 2.0 ** np.ceil(np.log2(32.0 * (float((high - low).max()) or 1.0)))
+    shift = step * np.round(((low + high) / 2 - base) / step)
+    return np.float32(base + shift).astype(np.float64)
 
 
 def copy_mesh(ob: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None = None) -> bpy.types.Mesh:
@@ -163,9 +175,11 @@ def _selected(mesh: bpy.types.Mesh) -> NDArray[np.bool_]:
     return selected
 
 
-def _check(name: str, plan: PlanMesh) -> None:
+def _check(ob: bpy.types.Object, plan: PlanMesh, depsgraph: bpy.types.Depsgraph | None) -> None:
+    name = ob.name
     if len(plan.starts) == 1:
-        raise MeshError(f"'{name}' has no faces; fill its outline (F), or use Mesh Plan.")
+        seen = " tick Apply Modifiers if these make them," if depsgraph is None and ob.modifiers else ""
+        raise MeshError(f"'{name}' has no faces;{seen} fill its outline (F), or use Mesh Plan.")
     bad = np.flatnonzero(~np.isfinite(plan.positions).all(axis=1))
     if bad.size:
         raise MeshError(
@@ -231,12 +245,29 @@ def set_attribute(
         return
     field, dtype, _ = _FIELDS[kind]
     attribute.data.foreach_set(field, np.ascontiguousarray(values, dtype=dtype).reshape(-1))
+    if name == "position" and len(mesh.vertices):
+        # Blender keeps its cached bounds when the attribute is written; writing one vertex as such drops them.
+        mesh.vertices[0].co = values[0]
 
 
 def set_positions(mesh: bpy.types.Mesh, positions: NDArray) -> None:
     """Write vertex positions (V, 3), and have Blender update normals and bounds."""
     set_attribute(mesh, "position", "FLOAT_VECTOR", "POINT", positions)
     mesh.update()
+
+
+def build_polygons(
+    mesh: bpy.types.Mesh, vertex_count: int, corners: NDArray[np.integer], starts: NDArray[np.integer]
+) -> None:
+    """Replace the geometry of a mesh by polygons: vertices of corners (C,), starts (P + 1,). Materials stay."""
+    mesh.clear_geometry()
+    mesh.vertices.add(vertex_count)
+    mesh.loops.add(len(corners))
+    mesh.polygons.add(len(starts) - 1)
+    mesh.polygons.foreach_set("loop_start", np.asarray(starts[:-1], dtype=np.int32))
+    mesh.loops.foreach_set("vertex_index", np.asarray(corners, dtype=np.int32))
+    mesh.update(calc_edges=True)
+    mend_selection(mesh)
 
 
 def remove_attribute(mesh: bpy.types.Mesh, name: str) -> None:

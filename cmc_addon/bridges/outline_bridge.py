@@ -7,16 +7,21 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
-from mathutils import Matrix
+from mathutils import Matrix, Quaternion, Vector
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from ...solver.errors import MeshError, plural
 from ...solver.meshing.mesher import PlanMesh
-from ...solver.meshing.wires import Outline, Wire, nearest
+from ...solver.meshing.wires import Outline, Wire, joined_ends, nearest
 from .edge_bridge import group_values, write_group_values
-from .mesh_bridge import read, readable_mesh, remove_attribute, set_attribute, set_positions
+from .mesh_bridge import build_polygons, read, readable_mesh, remove_attribute, set_attribute, set_positions
 
 UV_LAYER = "Plan"
+
+WAY_OUT = "apply it, or convert the object (Object > Convert), to take what is seen"
+"""For the modifiers of an outline, see `drawn_warnings`."""
 
 _CURVE_STEPS = 48  # pieces of a curve between two control points; the mesher resamples them
 
@@ -34,18 +39,24 @@ def read_wire(ob: bpy.types.Object) -> Wire:
     raise MeshError(f"'{ob.name}' is neither a mesh nor a curve; draw the outline of the plan as one of these.")
 
 
-def write_plan(ob: bpy.types.Object, meshed: PlanMesh, outline: Outline, matrix: Matrix) -> None:
+def write_plan(ob: bpy.types.Object, meshed: PlanMesh, outline: Outline, rotation: Quaternion) -> None:
     """Replace the mesh of a plan object in object mode and place the object; materials and names stay.
 
-    matrix: the new place of the object, without scale. The faces look along the normal of the outline's plane. The UV
-    layer "Plan" holds plan coordinates in world units.
+    The origin goes to the middle of the plan, so that its points keep their digits wherever it lies. The faces look
+    along the normal of the outline's plane. The UV layer "Plan" holds plan coordinates in world units, measured from
+    the origin.
     """
     mesh = ob.data
-    _replace(mesh, meshed.positions, meshed.triangles)
-    inverse = np.array(matrix.inverted(), dtype=np.float64)
+    triangles = meshed.triangles
+    build_polygons(mesh, len(meshed.positions), triangles.ravel(), np.arange(0, triangles.size + 1, 3))
+    for name in (".select_vert", ".select_edge", ".select_poly"):  # a new mesh is selected as a whole
+        remove_attribute(mesh, name)
     points = outline.plane.raised(meshed.positions)
-    set_positions(mesh, points @ inverse[:3, :3].T + inverse[:3, 3])
-    set_attribute(mesh, UV_LAYER, "FLOAT2", "CORNER", meshed.positions[meshed.triangles.ravel()])
+    matrix = Matrix.LocRotScale(Vector((points.min(axis=0) + points.max(axis=0)) / 2), rotation, None)
+    middle = np.array(matrix.translation, dtype=np.float64)
+    set_positions(mesh, (points - middle) @ np.array(matrix, dtype=np.float64)[:3, :3])
+    flat = meshed.positions - outline.plane.flatten(middle)
+    set_attribute(mesh, UV_LAYER, "FLOAT2", "CORNER", flat[triangles.ravel()])
     mesh.uv_layers.active = mesh.uv_layers[UV_LAYER]
     ob.matrix_world = matrix
 
@@ -98,19 +109,6 @@ def _mesh_wire(ob: bpy.types.Object, mesh: bpy.types.Mesh) -> Wire:
     return Wire(f"'{ob.name}'", _in_world(ob, local), edges, groups)
 
 
-def _replace(mesh: bpy.types.Mesh, positions: NDArray, triangles: NDArray) -> None:
-    """Replace vertices and triangles of a mesh; `clear_geometry` keeps materials and custom properties."""
-    mesh.clear_geometry()
-    mesh.vertices.add(len(positions))
-    mesh.loops.add(triangles.size)
-    mesh.polygons.add(len(triangles))
-    mesh.loops.foreach_set("vertex_index", triangles.ravel())
-    mesh.polygons.foreach_set("loop_start", np.arange(0, triangles.size, 3, dtype=np.int32))
-    mesh.update(calc_edges=True)
-    for name in (".select_vert", ".select_edge", ".select_poly"):  # a new mesh is selected as a whole
-        remove_attribute(mesh, name)
-
-
 def _keys(pairs: NDArray, count: int) -> NDArray[np.int64]:
     ends = np.sort(np.asarray(pairs, dtype=np.int64), axis=1)
     return ends[:, 0] * count + ends[:, 1]
@@ -129,18 +127,32 @@ def _curve_wire(ob: bpy.types.Object) -> Wire:
     splines = ob.data.splines
     if not len(splines):
         raise MeshError(f"The curve '{ob.name}' is empty; draw a closed spline in it.")
-    still_open = [k for k, spline in enumerate(splines) if not spline.use_cyclic_u]
+    local, edges = _sampled(ob.data)
+    drawn = Wire(f"'{ob.name}'", _in_world(ob, local), edges, np.zeros(len(edges), np.int32), numbered=False)
+    wire = joined_ends(drawn)
+    still_open = _splines_of(drawn, wire.loose_ends())
     if still_open:
         raise MeshError(
             f"{plural('spline', still_open).capitalize()} of '{ob.name}' {'is' if len(still_open) == 1 else 'are'} "
-            "open; close with Toggle Cyclic (Alt C in edit mode)."
+            "open, and their ends do not touch; close with Toggle Cyclic (Alt C in edit mode), or snap the ends "
+            "together."
         )
-    local, edges = _sampled(ob.data)
-    return Wire(f"'{ob.name}'", _in_world(ob, local), edges, np.zeros(len(edges), np.int32), numbered=False)
+    return wire
 
 
-def _sampled(curve: bpy.types.Curve) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
-    """Fine polylines of all splines, evaluated by Blender on a copy of the curve without bevel and fill."""
+def _splines_of(wire: Wire, points: NDArray[np.bool_]) -> list[int]:
+    """The splines, as pieces of a sampled curve in their order, that some of its points (V,) are on."""
+    count = len(wire.points)
+    graph = coo_array((np.ones(len(wire.edges)), tuple(wire.edges.T)), shape=(count, count))
+    _, first, piece = np.unique(connected_components(graph, directed=False)[1], return_index=True, return_inverse=True)
+    return np.unique(np.argsort(np.argsort(first))[piece[points]]).tolist()
+
+
+def _sampled(curve: bpy.types.Curve) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """Fine polylines of all splines, evaluated by Blender on a copy of the curve without bevel and fill.
+
+    The copy lies around its origin, since Blender evaluates in single precision.
+    """
     bare = curve.copy()
     sampler = None
     try:
@@ -153,13 +165,22 @@ def _sampled(curve: bpy.types.Curve) -> tuple[NDArray[np.float32], NDArray[np.in
         bare.resolution_u = _CURVE_STEPS
         for spline in bare.splines:
             spline.resolution_u = _CURVE_STEPS
+        middle = _to_origin(bare)
         sampler = bpy.data.objects.new("outline", bare)
         mesh = sampler.to_mesh()
         points = read(mesh, "position", len(mesh.vertices), np.float32, 3)
         edges = read(mesh, ".edge_verts", len(mesh.edges), np.int32, 2)
         sampler.to_mesh_clear()
-        return points, edges
+        return points + middle, edges
     finally:
         if sampler is not None:
             bpy.data.objects.remove(sampler)
         bpy.data.curves.remove(bare)
+
+
+def _to_origin(curve: bpy.types.Curve) -> NDArray[np.float64]:
+    """Move a curve by its first point, which is returned (3,)."""
+    first = next((spline.bezier_points or spline.points)[0] for spline in curve.splines)
+    middle = np.array(first.co[:3], dtype=np.float64)
+    curve.transform(Matrix.Translation(Vector(-middle)), shape_keys=True)
+    return middle

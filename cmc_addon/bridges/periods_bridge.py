@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...solver.errors import CmcError
+from ..properties.libraries import why_not_kept
 from .mesh_bridge import read, set_positions
 
 
@@ -22,8 +23,8 @@ def check_movable(plan: bpy.types.Object, apply_modifiers: bool) -> None:
         )
     if mesh.shape_keys is not None:
         raise CmcError(f"'{plan.name}' has shape keys, so its holes cannot move; close by the normals.")
-    if not mesh.is_editable:
-        raise CmcError(f"The mesh of '{plan.name}' is linked from another file; make it local to move its holes.")
+    if reason := why_not_kept(mesh):
+        raise CmcError(f"{reason}, so that its holes can move.")
 
 
 def move_vertices(plan: bpy.types.Object, positions: NDArray[np.float64]) -> None:

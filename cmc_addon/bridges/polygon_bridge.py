@@ -11,11 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...solver.shells.polygon_sheets import PolygonSheet
-from .mesh_bridge import PlanMesh, copy_mesh, set_attribute
+from .mesh_bridge import PlanMesh, build_polygons, copy_mesh, set_attribute
 from .result_bridge import (
     NOT_REFRESHED,
     active_layers,
-    build_polygons,
     corners_of,
     gather,
     mesh_layers,

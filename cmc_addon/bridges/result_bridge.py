@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...solver.shells.shell import sheet_polygons
-from .edge_bridge import mend_selection
 from .mesh_bridge import (
     LENGTH_ATTRIBUTE,
     START_ATTRIBUTE,
     PlanMesh,
     attribute_values,
+    build_polygons,
     copy_mesh,
     read,
     remove_attribute,
@@ -121,20 +121,6 @@ def _cut_open(mesh: bpy.types.Mesh, plan: PlanMesh, cut: Cut) -> None:
     once = np.bincount(read(mesh, ".corner_edge", len(mesh.loops), np.int32), minlength=len(mesh.edges)) == 1
     set_attribute(mesh, CUT_ATTRIBUTE, "BOOLEAN", "EDGE", once & inner)
     set_attribute(mesh, SOURCE_ATTRIBUTE, "INT", "POINT", cut.vertices)
-
-
-def build_polygons(
-    mesh: bpy.types.Mesh, vertex_count: int, corners: NDArray[np.integer], starts: NDArray[np.integer]
-) -> None:
-    """Replace the geometry of a mesh by polygons: vertices of corners (C,), starts (P + 1,). Materials stay."""
-    mesh.clear_geometry()
-    mesh.vertices.add(vertex_count)
-    mesh.loops.add(len(corners))
-    mesh.polygons.add(len(starts) - 1)
-    mesh.polygons.foreach_set("loop_start", np.asarray(starts[:-1], dtype=np.int32))
-    mesh.loops.foreach_set("vertex_index", np.asarray(corners, dtype=np.int32))
-    mesh.update(calc_edges=True)
-    mend_selection(mesh)
 
 
 def _find_pairs(pairs: Int, among: Int, count: int) -> NDArray[np.int64]:

@@ -19,7 +19,7 @@ from ..properties.colour_range import stored_range
 from ..properties.colour_settings import QUANTITIES
 from ..properties.links import result_of
 from ..properties.stored import COMPLETED_ROLES, DESIGN_ROLES, ROLES
-from ..properties.units import length_text, per_length
+from ..properties.units import in_units, length_text, per_length
 from . import shading
 
 # Pixels at an interface scale of 1.
@@ -93,11 +93,12 @@ def _unit(by: str, role: str) -> str:
 
 def labels(by: str, span: Range) -> list[tuple[float, str]]:
     """The numbers beside the bar, with the target named, and ≤ or ≥ where values lie beyond an end."""
-    ticks = span.ticks()
-    digits = decimals(ticks)
+    ticks, power = span.ticks(), QUANTITIES[by].power
+    numbers = [in_units(value, -power) for value in ticks]
+    digits = decimals(numbers)
     written = []
-    for value in ticks:
-        text = length_text(value, digits=3) if QUANTITIES[by].power == 1 else _number(value, digits)
+    for value, number in zip(ticks, numbers, strict=True):
+        text = length_text(value, digits=3) if power == 1 else _number(number, digits)
         if value == span.low and span.below:
             text = f"≤ {text}"
         if value == span.high and span.above:

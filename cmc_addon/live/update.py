@@ -25,7 +25,7 @@ from ..properties.links import copies_of, result_of, results_of, wanted_roles
 from ..properties.stored import ROLES
 from ..results import colours
 from ..results.measures import Measured, sheet_measures
-from ..results.objects import hide_completed, move_along, put_points, show_wanted
+from ..results.objects import hide_completed, move_along, put_points, result_origin, show_wanted
 from ..tasks.solve import SolveResult, SolveTask, plan_depsgraph, settings_of, solver_settings
 from ..tasks.task import R
 
@@ -44,7 +44,7 @@ _BRANCH = (
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """A plan as it is now. key: equal for readings with equal results. origin (3,): of the object, in the world.
+    """A plan as it is now. key: equal for readings with equal results. origin (3,): of the results, in the world.
     shown: names of the measures that can be seen."""
 
     solve: SolveTask
@@ -63,7 +63,7 @@ class Reading:
 def read(context: bpy.types.Context, plan: bpy.types.Object) -> Reading:
     """Read a plan. Raises `CmcError` where it cannot be read."""
     solve = SolveTask.read(context, plan, settings_of(plan.cmc))
-    origin = np.array(plan.matrix_world.translation, dtype=np.float64)
+    origin = result_origin(plan, solve.mesh)
     return Reading(solve, origin, colours.shown_measures(plan), (*solve_cache.key_of(solve), origin.tobytes()))
 
 

@@ -6,10 +6,10 @@ from bpy.props import EnumProperty, FloatProperty, IntProperty
 
 from ...solver.catalogue.module_presets import EDGES, PRESETS
 from ...solver.errors import CmcError
-from ..bridges.mesh_bridge import set_attribute
+from ..bridges.mesh_bridge import build_polygons, set_attribute, set_positions
 from ..bridges.outline_bridge import write_boundary_groups
-from ..bridges.result_bridge import build_polygons
 from ..properties import group_list
+from ..properties.units import metres
 from .activate import activate
 from .poll import allow, why_not_object_mode
 
@@ -63,11 +63,11 @@ def new_plan(context: bpy.types.Context, name: str, size: float, slenderness: fl
     preset = PRESETS[name]
     module = preset.make(slenderness, edges)
     shape = module.shape
-    flat = shape.positions * ((size or preset.size) / float(np.ptp(shape.positions, axis=0).max()))
+    flat = shape.positions * ((size or metres(preset.size)) / float(np.ptp(shape.positions, axis=0).max()))
     mesh = bpy.data.meshes.new(preset.name)
     faces = shape.domain.faces
     build_polygons(mesh, len(flat), faces.ravel(), np.arange(0, 3 * len(faces) + 1, 3))
-    set_attribute(mesh, "position", "FLOAT_VECTOR", "POINT", np.column_stack([flat, np.zeros(len(flat))]))
+    set_positions(mesh, np.column_stack([flat, np.zeros(len(flat))]))
     set_attribute(mesh, "Plan", "FLOAT2", "CORNER", flat[faces.ravel()])
     mesh.update()
     _make_groups(mesh, preset, module)

@@ -6,6 +6,7 @@ import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty
 
 from ...solver.catalogue.bubble_plans import ring_plan, torus_plan, wente_plan
+from ..properties.units import metres
 from .add_plan import add
 from .poll import allow, why_not_object_mode
 
@@ -22,6 +23,7 @@ _MAKE = {
     "RING": (ring_plan, ("size", "slenderness", "columns")),
 }
 """Bubble → its function, and the settings that this takes, in order."""
+_SIZE = 8.0  # metres; the property itself is in Blender units
 _OWN_COLUMNS = {"WENTE": 16, "TORUS": 16, "RING": 8}
 
 
@@ -35,7 +37,7 @@ class CMC_OT_add_bubble(bpy.types.Operator):
     bubble: EnumProperty(name="Bubble", description="The bubble to add", items=BUBBLES)
     size: FloatProperty(
         name="Size", description="Approximate width of the surface",
-        default=8.0, min=1e-3, subtype="DISTANCE", options={"SKIP_SAVE"})
+        default=_SIZE, min=1e-3, subtype="DISTANCE", options={"SKIP_SAVE"})
     angle: FloatProperty(
         name="Angle", description="Angle between the normals at the two ends of a cylinder; a simple fraction of 180° "
         "makes a torus. Small angles need more edges",
@@ -63,6 +65,8 @@ class CMC_OT_add_bubble(bpy.types.Operator):
     def execute(self, context):
         if not self.properties.is_property_set("columns"):
             self.columns = _OWN_COLUMNS[self.bubble]
+        if not self.properties.is_property_set("size"):
+            self.size = metres(_SIZE)
         make, names = _MAKE[self.bubble]
         return add(self, context, make, names)
 

@@ -7,12 +7,12 @@ from bpy.props import EnumProperty, FloatProperty, IntProperty
 from ...solver.catalogue.holed_plans import StartPlan, annulus, cylinder
 from ...solver.catalogue.start_plans import court, l_shape, rectangle, round_plan
 from ...solver.errors import CmcError
-from ..bridges.mesh_bridge import set_attribute
+from ..bridges.mesh_bridge import build_polygons, set_attribute, set_positions
 from ..bridges.outline_bridge import write_boundary_groups
 from ..bridges.periods_bridge import mark_seams
-from ..bridges.result_bridge import build_polygons
 from ..bridges.start_bridge import write_lengths, write_normals
 from ..properties import group_list
+from ..properties.units import metres
 from .activate import activate
 from .poll import allow, why_not_object_mode
 
@@ -50,6 +50,7 @@ _OWN = {
     "COURT": {"size": 12.0, "width": 0.8, "hole": 0.35, "columns": 40},
 }
 """Defaults of a shape that differ from those of the properties."""
+_SIZE = 8.0  # metres; the property itself is in Blender units
 
 
 class CMC_OT_add_plan(bpy.types.Operator):
@@ -62,7 +63,7 @@ class CMC_OT_add_plan(bpy.types.Operator):
     shape: EnumProperty(name="Shape", description="The plan to add", items=ORDINARY + WITH_GAP)
     size: FloatProperty(
         name="Size", description="Length of the plan, or its outer diameter",
-        default=8.0, min=1e-3, subtype="DISTANCE", options={"SKIP_SAVE"})
+        default=_SIZE, min=1e-3, subtype="DISTANCE", options={"SKIP_SAVE"})
     width: FloatProperty(
         name="Width", description="Depth of the plan or of its wings, relative to its length",
         default=0.65, min=0.05, max=1.0, subtype="FACTOR", options={"SKIP_SAVE"})
@@ -89,7 +90,9 @@ class CMC_OT_add_plan(bpy.types.Operator):
 
     def execute(self, context):
         make, names = _MAKE[self.shape]
-        for name, value in _OWN.get(self.shape, {}).items():
+        defaults = {"size": _SIZE, **_OWN.get(self.shape, {})}
+        defaults["size"] = metres(defaults["size"])
+        for name, value in defaults.items():
             if not self.properties.is_property_set(name):
                 setattr(self, name, value)
         return add(self, context, make, names)
@@ -116,7 +119,7 @@ def new_plan(context: bpy.types.Context, start: StartPlan) -> bpy.types.Object:
     """The plan as an object at the 3D cursor, with its groups."""
     mesh, faces = bpy.data.meshes.new(start.name), start.domain.faces
     build_polygons(mesh, len(start.points), faces.ravel(), np.arange(0, 3 * len(faces) + 1, 3))
-    set_attribute(mesh, "position", "FLOAT_VECTOR", "POINT", start.points)
+    set_positions(mesh, start.points)
     set_attribute(mesh, "Plan", "FLOAT2", "CORNER", start.uvs.reshape(-1, 2))
     mark_seams(mesh, start.domain.edges[start.seams])
     mesh.update()

@@ -14,6 +14,7 @@ from ...solver.errors import CmcError, MeshError
 from ..bridges import edge_bridge, group_history
 from ..properties import group_list
 from ..properties.group_settings import condition_annotations, kind_parameters
+from ..properties.libraries import keeps_changes, why_not_kept
 
 SCRIPT_ONLY = {"HIDDEN", "SKIP_SAVE"}
 
@@ -37,8 +38,8 @@ class GroupOperator:
             cls.poll_message_set("Select a mesh first")
         elif context.object.cmc.role != "NONE":
             cls.poll_message_set("This is a result; its boundary groups are those of its plan")
-        elif not mesh.is_editable:
-            cls.poll_message_set("This mesh is linked from another file; make it local to change its groups")
+        elif not keeps_changes(mesh):
+            cls.poll_message_set(why_not_kept(mesh))
         elif cls.needs_group and not mesh.cmc.groups:
             cls.poll_message_set("Add a boundary group first")
         else:

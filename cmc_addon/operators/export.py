@@ -35,6 +35,14 @@ def file_name(plan: bpy.types.Object, result: bpy.types.Object) -> str:
     return re.sub(r'[\\/:*?"<>|\x00-\x1f]', "_", f"{plan.name} {what}")
 
 
+def _named_file(given: str) -> Path:
+    """The path of a file to write. Raises `CmcError` for one that ends without a name, or is a folder."""
+    path = Path(bpy.path.abspath(given))
+    if given.endswith(("/", "\\")) or path.name in ("", "..") or (path.suffix.lower() not in FORMATS and path.is_dir()):
+        raise CmcError(f"'{given}' names a folder; add the name of a file.")
+    return path
+
+
 class CMC_OT_export(ModalOperator, bpy.types.Operator):
     """Write the solved, fitted or repeated shell as a GLB, OBJ, PLY or STL file, with its report beside it"""
 
@@ -96,15 +104,16 @@ class CMC_OT_export(ModalOperator, bpy.types.Operator):
             raise CmcError("No file is named; give the path of the file to write.")
         plan = plan_of(context.view_layer.objects.active)
         self._take_settings(plan)
-        path = Path(bpy.path.abspath(self.filepath))
+        path = _named_file(self.filepath)
         if path.suffix.lower() not in FORMATS:
             path = path.with_name(path.name + self._suffix)
         task = ExportTask.read(context, plan, path, self.export_what, self.export_modifiers, self.export_report)
         written = yield from worker.steps(task.work, task.tolerance, wait)
         if written is None:
             return self._report_cancelled()
-        task.write(context, plan, written)
-        self.report({"INFO"}, f"Written: {', '.join(str(file) for file in written)}")
+        warnings = task.write(context, plan, written)
+        text = " ".join([f"Written: {', '.join(str(file) for file in written)}", *warnings])
+        self.report({"WARNING"} if warnings else {"INFO"}, text)
         return {"FINISHED"}
 
     def progress_of(self, step):

@@ -5,6 +5,7 @@ import numpy as np
 
 from ...solver.errors import CmcError
 from ..bridges import start_bridge
+from ..properties.libraries import why_not_kept
 from ..properties.links import plan_of
 from ..tasks.count_modes import CountTask
 from ..tasks.shell_task import read_solve
@@ -34,8 +35,8 @@ class OnStart:
     def execute(self, context):
         try:
             plan = plan_of(context.view_layer.objects.active)
-            if not plan.data.is_editable:
-                raise CmcError(f"The mesh of '{plan.name}' is linked from another file; make it local first.")
+            if reason := why_not_kept(plan.data):
+                raise CmcError(f"{reason}.")
             self.act(context, plan)
         except CmcError as error:
             self.report({"ERROR"}, str(error))

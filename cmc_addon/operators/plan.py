@@ -2,13 +2,14 @@
 
 **The outline** is the active object: a mesh whose faces have an outer loop and holes as their boundary, or whose
 edges form such loops; or a curve object of closed splines, nested ones being holes. It may lie in any plane;
-points off its best plane are projected to it, and the report says by how much. Its modifiers are not applied.
+points off its best plane are projected to it, and the report says by how much. Its modifiers are not applied, which
+a warning says.
 
 **The plan** is an object of its own called "<outline> Plan", made once and updated by every later run; the
 drawn outline never changes. If the outline has faces, which would coincide with the plan's, it is hidden (Alt H
 shows it). With the plan active, Mesh Plan meshes its outline again. A plan whose outline has been deleted is
-meshed again from its own rim. The plan lies over its outline, with that object's location and rotation and unit
-scale; name, materials and solve settings of the plan stay.
+meshed again from its own rim. The plan lies over its outline, with that object's rotation and unit scale, and
+its origin in its middle; name, materials and solve settings of the plan stay.
 
 **Links** are like those of results: a duplicated outline gets a plan of its own, a duplicated plan is
 updated when it is active, and a plan deleted from the scene is made again.
@@ -21,7 +22,6 @@ from functools import partial
 
 import bpy
 import numpy as np
-from mathutils import Matrix
 
 from ...solver.errors import CmcError, MeshError
 from ...solver.meshing.mesher import PlanMesh, mesh_plan
@@ -36,8 +36,10 @@ from ...solver.meshing.wires import (
 )
 from ..background import worker
 from ..bridges import outline_bridge
+from ..bridges.drawn_bridge import drawn_warnings
 from ..properties import group_list
 from ..properties.group_settings import kind_parameters
+from ..properties.libraries import keeps_changes, why_not_kept
 from ..properties.links import by_uid
 from ..properties.plan_settings import PLAN_SETTINGS, plan_annotations
 from .activate import activate
@@ -79,8 +81,8 @@ class CMC_OT_mesh_plan(ModalOperator, bpy.types.Operator):
             cls.poll_message_set("This is a result; select the outline or the plan it comes from")
         elif ob.mode not in {"OBJECT", "EDIT"}:
             cls.poll_message_set("Go to object mode or edit mode first")
-        elif ob.cmc.meshed and not ob.data.is_editable:
-            cls.poll_message_set("This plan is linked from another file; make it local to mesh it again")
+        elif ob.cmc.meshed and not keeps_changes(ob.data):
+            cls.poll_message_set(why_not_kept(ob.data))
         else:
             return True
         return False
@@ -94,7 +96,9 @@ class CMC_OT_mesh_plan(ModalOperator, bpy.types.Operator):
         assert context.object is not None
         uid = context.object.session_uid
         self._take_settings(context.scene.cmc)
-        outline = make_outline(outline_bridge.read_wire(outline_of(context.object)))
+        source = outline_of(context.object)
+        outline = make_outline(outline_bridge.read_wire(source))
+        warnings = drawn_warnings(context, source, outline_bridge.WAY_OUT)
         work = partial(_mesh, outline, self.edge_length, self.corner_radius if self.round_corners else None)
         meshed = yield from worker.steps(lambda progress: work(), 1.0, wait)
         if meshed is None:
@@ -110,6 +114,8 @@ class CMC_OT_mesh_plan(ModalOperator, bpy.types.Operator):
         for name in PLAN_SETTINGS:
             setattr(context.scene.cmc, name, getattr(self, name))
         self._report_plan(plan, outline, meshed)
+        for warning in warnings:
+            self.report({"WARNING"}, warning)
         return {"FINISHED"}
 
     def draw(self, context):
@@ -166,8 +172,7 @@ def _write(plan: bpy.types.Object, source: bpy.types.Object, outline: Outline, m
     before = outline_bridge.groups_nearby(plan, middles)
     own = plan == source
     groups = before if own else _merged(plan.data, source, outline, meshed, before)
-    location, rotation, _ = source.matrix_world.decompose()
-    outline_bridge.write_plan(plan, meshed, outline, Matrix.LocRotScale(location, rotation, None))
+    outline_bridge.write_plan(plan, meshed, outline, source.matrix_world.to_quaternion())
     if groups.any() or plan.data.cmc.groups:
         outline_bridge.write_boundary_groups(plan.data, meshed.edges, groups)
 

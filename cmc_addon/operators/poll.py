@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ...solver.errors import CmcError
+from ..bridges.drawn_bridge import has_seen_faces
 from ..bridges.edge_bridge import has_faces
 from ..properties.links import plan_of
 from ..results.objects import check_writable
@@ -28,7 +29,7 @@ def why_not_solve(context: bpy.types.Context) -> str:
         return str(error).removesuffix(".")
     if plan.type != "MESH":
         return f"'{plan.name}' is not a mesh; select a plan, or make one with Mesh Plan"
-    if not has_faces(plan.data):
+    if not has_faces(plan.data) and not has_seen_faces(context, plan):
         return f"'{plan.name}' has no faces; fill its outline (F), or use Mesh Plan"
     return ""
 

@@ -8,6 +8,7 @@ from ..properties.group_settings import condition_annotations, kind_parameters, 
 from ..properties.links import by_uid, plan_of
 from ..properties.settings import SETTINGS, SIZE_PROPERTY, energies_on, fitted_settings, setting_annotations
 from ..results.objects import check_writable
+from ..results.visibility import why_not_seen
 from ..tasks.solve import SolveTask, settings_of
 from ..tasks.task import Task
 from .modal import ModalOperator, Steps
@@ -51,7 +52,10 @@ class TaskOperator(ModalOperator):
         if plan is None:
             raise CmcError(f"The plan '{name}' was deleted while it was being solved.")
         check_writable(plan)
-        for warning in task.write(context, plan, result):
+        warnings = task.write(context, plan, result)
+        if unseen := why_not_seen(context, plan, task.shows()):
+            warnings.append(unseen)
+        for warning in warnings:
             self.report({"WARNING"}, warning)
         if result.converged:  # otherwise the warnings say how it ended
             self.report({"INFO"}, f"{plan.name}: {result.message}")

@@ -10,6 +10,7 @@ from ..bridges.start_bridge import has_start
 from ..drawing.palette import icon_of
 from ..properties import group_list
 from ..properties.group_settings import kind_parameters
+from ..properties.libraries import keeps_changes
 from ..properties.links import plan_to_solve
 from ..properties.registration import registration
 from .symmetry_panel import draw_group
@@ -75,7 +76,7 @@ class CMC_PT_boundary(Tab, bpy.types.Panel):
             self._ungrouped(layout, mesh)
         if mesh.cmc.groups:
             column = properties_column(layout)
-            column.enabled = plan.is_editable
+            column.enabled = keeps_changes(plan)
             column.prop(plan.cmc, "blend")
 
     def _list(self, layout, mesh, own):
@@ -97,7 +98,7 @@ class CMC_PT_boundary(Tab, bpy.types.Panel):
 
     def _parameters(self, layout, mesh, group):
         column = properties_column(layout)
-        column.enabled = mesh.is_editable
+        column.enabled = keeps_changes(mesh)
         row = column.row(align=True)
         row.prop(group, "kind")
         row.menu("CMC_MT_group_presets", text="", icon="PRESET")

@@ -4,6 +4,7 @@ import bpy
 
 from ..drawing.curvature_lines import default_spacing_of
 from ..properties.colour_range import stored_range
+from ..properties.libraries import keeps_changes
 from ..properties.links import families, plan_to_solve
 from ..properties.registration import registration
 from ..results import gauss_image
@@ -26,7 +27,7 @@ class CMC_PT_look(Tab, bpy.types.Panel):
         plan = plan_to_solve(context)
         if plan is None:
             return
-        self.layout.enabled = plan.is_editable
+        self.layout.enabled = keeps_changes(plan)
         column = properties_column(self.layout)
         column.prop(plan.cmc, "colour_by")
         if plan.cmc.colour_by != "NONE":

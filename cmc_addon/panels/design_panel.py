@@ -19,6 +19,7 @@ from ...solver.fitting.targets import (
 )
 from ..live.follow import problem_of
 from ..operators.design import draw_approximate, draw_fit
+from ..properties.libraries import keeps_changes
 from ..properties.links import plan_to_solve, result_of
 from ..properties.registration import registration
 from ..properties.reports import last_design
@@ -76,7 +77,7 @@ class CMC_PT_design(Tab, bpy.types.Panel):
     def _settings(self, layout, context, plan):
         """A column of settings. The buttons stay outside: only a button disabled by its own poll explains why."""
         column = properties_column(layout)
-        column.enabled = plan.is_editable and not context.window_manager.cmc.running
+        column.enabled = keeps_changes(plan) and not context.window_manager.cmc.running
         return column
 
     def _button(self, layout, name):

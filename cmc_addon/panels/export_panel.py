@@ -4,6 +4,7 @@ import bpy
 
 from ...solver.errors import CmcError
 from ..properties.export_settings import draw_export
+from ..properties.libraries import keeps_changes
 from ..properties.links import plan_to_solve
 from ..properties.registration import registration
 from ..tasks.export import wanted_objects
@@ -22,7 +23,7 @@ class CMC_PT_export(Tab, bpy.types.Panel):
             hint(layout, "Select a plan or its shell", "to export it")
             return
         column = properties_column(layout)
-        column.enabled = plan.is_editable
+        column.enabled = keeps_changes(plan)
         draw_export(column, plan.cmc)
         if context.window_manager.cmc.running:
             running_row(layout, context)

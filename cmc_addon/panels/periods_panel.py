@@ -5,6 +5,7 @@ import bpy
 from ...solver.errors import CmcError
 from ..operators import add_bubble
 from ..operators.add_plan import first_in_add_menu, in_add_menu
+from ..properties.libraries import keeps_changes
 from ..properties.links import plan_to_solve
 from ..properties.periods_settings import draw_close, draw_tile
 from ..properties.registration import registration
@@ -36,7 +37,7 @@ class CMC_PT_periods(ResultPanel, bpy.types.Panel):
         numbers(layout, gap_rows(report))
         numbers(layout, closing_rows(report))
         column = properties_column(layout)
-        column.enabled = plan.is_editable and not context.window_manager.cmc.running
+        column.enabled = keeps_changes(plan) and not context.window_manager.cmc.running
         draw_close(column, plan.cmc)
         self._button(layout, "cmc.close_periods")
         if not report.get("is_open"):
@@ -44,7 +45,7 @@ class CMC_PT_periods(ResultPanel, bpy.types.Panel):
             return
         layout.separator()
         column = properties_column(layout)
-        column.enabled = plan.is_editable and not context.window_manager.cmc.running
+        column.enabled = keeps_changes(plan) and not context.window_manager.cmc.running
         draw_tile(column, plan.cmc, len(report["holes"]))
         self._counts(layout, context, plan, len(report["holes"]))
         self._button(layout, "cmc.tile_periods")

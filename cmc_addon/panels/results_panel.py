@@ -9,7 +9,7 @@ from ...solver.measure.summary import percent
 from ..properties.links import result_of
 from ..properties.registration import registration
 from ..properties.reports import design_report, last_report, shown_sheet
-from ..properties.units import length_text, per_length
+from ..properties.units import in_units, length_text, per_length
 from .periods_text import gap_sentence
 from .tab import BESIDE_SOLVE, Tab
 
@@ -38,6 +38,10 @@ def numbers(layout: bpy.types.UILayout, rows: list[tuple[str, str]]) -> None:
         left.active = False
         left.label(text=name)
         split.label(text=value)
+
+
+# An overhang of less of the area is noise of the rim's triangles.
+_SOME = 1e-4
 
 
 class ResultPanel(Tab):
@@ -76,7 +80,7 @@ def size_rows(report: dict) -> list[tuple[str, str]]:
         ("Rise", length_text(shown["rise"])),
         ("Area", length_text(shown["area"], 2)),
         ("Radius 1/H", length_text(1 / H)),
-        ("H", f"{H:.4g} {per_length()}"),
+        ("H", f"{in_units(H):.4g} {per_length()}"),
     ]
 
 
@@ -106,7 +110,7 @@ def check_rows(report: dict) -> list[tuple[str, str]]:
         rows.append(("Off Outline", f"{mean}, at most {most}"))
     if shown["overhang"]:
         share, lean = shown["overhang"]["area_share"], shown["overhang"]["largest_lean"]
-        rows.append(("Overhang", f"{percent(share)}, by {lean:.1f}°" if share else "None"))
+        rows.append(("Overhang", f"{percent(share)}, by {lean:.1f}°" if share >= _SOME else "None"))
     if shown["intersections"]:
         pairs = shown["intersections"]["count"]
         rows.append(("Crossing", f"{pairs} pairs of faces" if pairs else "None"))

@@ -8,6 +8,7 @@ from ...solver.catalogue.module_presets import PRESETS
 from ...solver.errors import CmcError
 from ...solver.measure.summary import percent
 from ..bridges.mesh_cache import mirror_corners
+from ..properties.libraries import keeps_changes
 from ..properties.links import plan_to_solve
 from ..properties.registration import registration
 from ..properties.reports import complete_report, last_report
@@ -107,7 +108,7 @@ class CMC_PT_symmetry(Tab, bpy.types.Panel):
         if plan is None:
             return
         column = properties_column(layout)
-        column.enabled = plan.is_editable and not context.window_manager.cmc.running
+        column.enabled = keeps_changes(plan) and not context.window_manager.cmc.running
         draw_complete(column, plan.cmc)
         self._preview(layout, context, plan)
         row = layout.row()

@@ -19,6 +19,7 @@ from ..bridges.start_bridge import has_lengths, has_start
 from ..operators.go_to import target
 from ..operators.plan import outline_of, plan_of
 from ..operators.solve import draw_advanced, draw_shell
+from ..properties.libraries import keeps_changes
 from ..properties.links import plan_to_solve
 from ..properties.preferences import CATEGORY
 from ..properties.registration import registration
@@ -153,6 +154,8 @@ class CMC_PT_shell(Tab, bpy.types.Panel):
             return
         if not plan.is_editable:
             hint(layout, "This plan is linked from another", "file; make it local to solve it")
+        elif not keeps_changes(plan):
+            hint(layout, "This plan is a library override;", "make it local to solve it")
         self._settings(layout, plan)
         self._solve(layout)
         if context.mode == "EDIT_MESH":
@@ -171,7 +174,7 @@ class CMC_PT_shell(Tab, bpy.types.Panel):
     def _settings(self, layout, plan):
         settings = plan.cmc
         column = properties_column(layout)
-        column.enabled = plan.is_editable
+        column.enabled = keeps_changes(plan)
         column.prop(settings, "size")
         value = SIZE_PROPERTY[settings.size]
         if value:
@@ -193,7 +196,7 @@ class CMC_PT_options(Tab, bpy.types.Panel):
     def draw(self, context):
         settings = plan_to_solve(context).cmc
         column = properties_column(self.layout)
-        column.enabled = plan_to_solve(context).is_editable
+        column.enabled = keeps_changes(plan_to_solve(context))
         draw_shell(column, settings)
         column.prop(settings, "sheet")
         checks = column.column(heading="Also Make")
@@ -223,7 +226,7 @@ class CMC_PT_advanced(Tab, bpy.types.Panel):
         if plan is None:
             return
         column = properties_column(self.layout)
-        column.enabled = plan.is_editable
+        column.enabled = keeps_changes(plan)
         draw_advanced(column, plan.cmc)
         draw_start(column, plan)
 

@@ -57,6 +57,6 @@ def _parsed(text: str, needed: tuple[str, ...]) -> dict | None:
     """A report with these entries; None if there is none or another program wrote into the property."""
     try:
         report = json.loads(text)
-    except ValueError:
+    except (ValueError, RecursionError):
         return None
     return report if isinstance(report, dict) and all(name in report for name in needed) else None

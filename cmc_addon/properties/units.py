@@ -4,18 +4,34 @@ from __future__ import annotations
 
 import bpy
 
+_FOOT = 0.3048
+
+
+def metres(value: float) -> float:
+    """A length in metres as Blender units of the scene, as the defaults of Blender's own primitives are."""
+    units = bpy.context.scene.unit_settings
+    return value if units.system == "NONE" else value / units.scale_length
+
 
 def length_text(value: float, power: int = 1, digits: int = 4) -> str:
     """A length or area in the units of the scene."""
     units = bpy.context.scene.unit_settings
     if units.system == "NONE":
         return f"{value:.{digits}g}" if abs(value) >= 1e-6 else "0"
-    kind = {1: "LENGTH", 2: "AREA"}[power]
     value *= units.scale_length**power
+    if power == 2 and units.system == "IMPERIAL":  # Blender would give square yards beside feet
+        return f"{value / _FOOT**2:.{digits}g} sq ft"
+    kind = {1: "LENGTH", 2: "AREA"}[power]
     return bpy.utils.units.to_string(units.system, kind, value, precision=digits, split_unit=False)
 
 
 def per_length() -> str:
-    """The unit of H: one over a Blender unit, which is a metre in a metric scene of scale 1."""
+    """The unit in which `in_units` gives H."""
+    return {"METRIC": "1/m", "IMPERIAL": "1/ft"}.get(bpy.context.scene.unit_settings.system, "per unit")
+
+
+def in_units(curvature: float, power: int = 1) -> float:
+    """A curvature of a surface in Blender units, H or with power 2 K, in the units of the scene (see `per_length`)."""
     units = bpy.context.scene.unit_settings
-    return "1/m" if units.system == "METRIC" and units.scale_length == 1.0 else "per unit"
+    length = {"METRIC": 1.0, "IMPERIAL": _FOOT}.get(units.system, units.scale_length)
+    return curvature * (length / units.scale_length) ** power

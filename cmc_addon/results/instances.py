@@ -14,7 +14,7 @@ from ..bridges.mesh_bridge import NORMAL_ATTRIBUTE, PlanMesh, set_attribute, set
 from ..bridges.result_bridge import Cut, fresh_mesh, put_mesh
 from ..properties.links import copies_of
 from .measures import Measured
-from .objects import Writer
+from .objects import Writer, result_origin
 
 PIECE = "cmc_piece"
 """Custom property of a piece's mesh: the sheet it shows."""
@@ -36,14 +36,19 @@ def write_instances(
 
     measures: sheet -> the measures on it.
     """
-    collection = copies_of(plan) or _new_collection(context, plan, depsgraph, mesh)
-    origin = np.array(plan.matrix_world.translation, dtype=np.float64)
+    writer = Writer(context, plan, depsgraph, mesh, None)
+    collection = copies_of(plan) or _new_collection(plan, writer)
+    origin = result_origin(plan, mesh)
     meshes = {}
     for sheet in sorted(set(completed.sheets)):
         fresh = fresh_mesh(plan, depsgraph, mesh, cut)
         meshes[sheet] = _piece(plan, collection, sheet, fresh)
         _place(meshes[sheet], completed, sheet, origin, measures[sheet])
     before = list(collection.objects)
+    if collection not in context.scene.collection.children_recursive:
+        own = writer.collection()  # links it with all that it contains
+        if collection not in own.children_recursive:
+            own.children.link(collection)
     _match_count(plan, collection, before, len(completed.transforms), next(iter(meshes.values())))
     to_origin = np.eye(4)
     to_origin[:3, 3] = origin
@@ -70,10 +75,10 @@ def delete_instances(plan: bpy.types.Object) -> None:
     _drop_unused(plan, {})
 
 
-def _new_collection(context, plan, depsgraph, mesh) -> bpy.types.Collection:
+def _new_collection(plan: bpy.types.Object, writer: Writer) -> bpy.types.Collection:
     collection = bpy.data.collections.new(f"{plan.name} copies")
     collection.cmc_plan = plan
-    Writer(context, plan, depsgraph, mesh, None)._collection().children.link(collection)
+    writer.collection().children.link(collection)
     plan.cmc.copies = collection
     return collection
 

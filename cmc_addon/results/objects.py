@@ -13,9 +13,9 @@ the object stays, with its materials; layers that the user added to the mesh are
 **Other faces.** With the dual or the corner mesh chosen, the same object gets that mesh, with the plan's
 layers interpolated to its vertices (see `polygon_bridge`); and back.
 
-**Place.** A result starts with its origin at the plan's, unrotated and unscaled. What the user then does to
-its transform stays: the solve moves it only by as much as the plan has been moved since (a parented result
-not even that).
+**Place.** A result starts with its origin at the plan's (near the plan, if that is far from its own origin), unrotated
+and unscaled. What the user then does to its transform stays: the solve moves it only by as much as the plan has been
+moved since (a parented result not even that).
 
 **No longer wanted.** A result that exists but is not wanted now is updated and hidden, and shown again when it is
 wanted. A sheet that has become a single point is deleted.
@@ -26,7 +26,8 @@ role, which Solve neither changes nor hides; everything else here applies to the
 **Completed.** Repeat by Symmetry makes "Hall completed", or instances in a collection "Hall copies", and hides the
 shell, which is one of the copies. The next solve shows the shell again and hides the copies of the older one.
 
-**Deleted.** A result counts as deleted when it is in no scene; the next solve makes a new one. The same
+**Deleted.** A result counts as deleted when it is in no scene; the next solve makes a new one. One that is in another
+scene is linked to this one, too. The same
 holds for the collection. A result whose plan is deleted stays as it is and can no longer be solved.
 
 **Duplicated.** A link counts only if it goes both ways: the plan names the result and the result names the
@@ -47,9 +48,10 @@ from numpy.typing import NDArray
 from ...solver.errors import CmcError
 from ...solver.shells.polygon_sheets import PolygonSheet
 from ..bridges.colour_bridge import put_measures
-from ..bridges.mesh_bridge import NORMAL_ATTRIBUTE, PlanMesh, readable_mesh, set_attribute, set_positions
+from ..bridges.mesh_bridge import NORMAL_ATTRIBUTE, PlanMesh, near_origin, readable_mesh, set_attribute, set_positions
 from ..bridges.polygon_bridge import polygon_mesh, row_weights
 from ..bridges.result_bridge import Cut, fresh_mesh, put_mesh, put_weights, vertex_weights
+from ..properties.libraries import why_not_kept
 from ..properties.links import _is_own, copies_of, result_of, results_of
 from ..properties.stored import COMPLETED_ROLES, DESIGN_ROLES, ROLES
 
@@ -61,11 +63,8 @@ _SUFFIX["COMPLETED"] = "completed"
 
 def check_writable(plan: bpy.types.Object) -> None:
     """Raise `CmcError` if a result cannot be written, before anything is changed."""
-    if not plan.is_editable:
-        raise CmcError(
-            f"'{plan.name}' is linked from another file; make it local (Object > Library Override, or "
-            "Object > Relations > Make Local) to solve it here."
-        )
+    if reason := why_not_kept(plan):
+        raise CmcError(f"{reason} to solve it here.")
     for result in results_of(plan, (*ROLES, *DESIGN_ROLES, *COMPLETED_ROLES)).values():
         if result.data.is_editmode:
             raise CmcError(f"The result '{result.name}' is in edit mode; leave it (Tab) and solve again.")
@@ -89,7 +88,7 @@ class Writer:
     ) -> None:
         self.scene = context.scene
         self.plan, self.depsgraph, self.mesh, self.cut = plan, depsgraph, mesh, cut
-        self.origin = np.array(plan.matrix_world.translation, dtype=np.float64)
+        self.origin = result_origin(plan, mesh)
         self.group_names = [group.name for group in plan.vertex_groups]
         self.weights = self._weights()
 
@@ -153,7 +152,16 @@ class Writer:
         if result.data.shape_keys is not None:
             result.shape_key_clear()
         put_weights(result, self.group_names, weights)
+        self.link(result)
         return result
+
+    def link(self, result: bpy.types.Object) -> None:
+        """Have a result in this scene, too, where it is only in another one that shows the same plan."""
+        here = self.scene.objects
+        if here.get(result.name) != result and here.get(self.plan.name) == self.plan:
+            collection = self.collection()
+            if result.name not in collection.objects:
+                collection.objects.link(result)
 
     def _new(self, role: str, mesh: bpy.types.Mesh) -> bpy.types.Object:
         _forget(self.plan, role)
@@ -162,7 +170,7 @@ class Writer:
         result = bpy.data.objects.new(name, mesh)
         result.cmc.role, result.cmc.source = role, self.plan
         result.location = result.cmc.placed_at = self.origin
-        self._collection().objects.link(result)
+        self.collection().objects.link(result)
         for own, slot in zip(result.material_slots, self.plan.material_slots, strict=False):
             if slot.link == "OBJECT":
                 own.link = "OBJECT"
@@ -170,15 +178,15 @@ class Writer:
         setattr(self.plan.cmc, role.lower(), result)
         return result
 
-    def _collection(self) -> bpy.types.Collection:
-        """The plan's own collection; made if it has none in this scene."""
+    def collection(self) -> bpy.types.Collection:
+        """The plan's own collection, in this scene; made if no scene has it."""
         collection = self.plan.cmc.collection
-        if (
-            collection is not None
-            and collection.cmc_plan == self.plan
-            and collection in self.scene.collection.children_recursive
-        ):
-            return collection
+        if collection is not None and collection.cmc_plan == self.plan:
+            if collection in self.scene.collection.children_recursive:
+                return collection
+            if any(collection in scene.collection.children_recursive for scene in bpy.data.scenes):
+                self.scene.collection.children.link(collection)
+                return collection
         collection = bpy.data.collections.new(f"CMC {self.plan.name}")
         collection.cmc_plan = self.plan
         self.scene.collection.children.link(collection)
@@ -186,8 +194,13 @@ class Writer:
         return collection
 
 
+def result_origin(plan: bpy.types.Object, mesh: PlanMesh) -> NDArray[np.float64]:
+    """The origin (3,) of the results of a plan: the plan's own, or one near a plan whose own is far away."""
+    return near_origin(np.array(plan.matrix_world.translation, dtype=np.float64), mesh.positions)
+
+
 def move_along(result: bpy.types.Object, origin: NDArray) -> None:
-    """Move a result by as much as its plan has moved since the last write; origin (3,): the plan's."""
+    """Move a result by as much as its plan has moved since the last write; origin (3,): see `result_origin`."""
     moved = origin - np.array(result.cmc.placed_at, dtype=np.float64)
     if not moved.any():
         return
@@ -203,7 +216,7 @@ def put_points(
     normals: NDArray,
     measures: Mapping[str, NDArray] | None,
 ) -> None:
-    """Write points (n, 3) in the world, normals (n, 3) and measures into a result; origin (3,): that of the plan."""
+    """Write points (n, 3) in the world, normals (n, 3) and measures into a result; origin (3,): see `result_origin`."""
     if measures is not None:
         put_measures(result.data, measures)
     set_attribute(result.data, NORMAL_ATTRIBUTE, "FLOAT_VECTOR", "POINT", normals)

@@ -63,6 +63,9 @@ class CloseTask(ShellTask[CloseResult]):
         solve, known = read_solve(context, plan)
         return cls(solve, None if known is None or known.more else known, wanted)
 
+    def shows(self) -> str:
+        return self.solve.shows()
+
     def work(self, progress: Progress) -> CloseResult:
         settings, mesh = solver_settings(self.solve.settings), self.solve.mesh
         prepared = plan_cache.prepare(mesh, settings.solver_choice)

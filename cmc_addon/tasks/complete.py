@@ -95,6 +95,9 @@ class CompleteTask(ShellTask[CompleteResult]):
         """Read the plan. Raises `CmcError` where it cannot be read or there is no such box."""
         return cls(*read_solve(context, plan), copies_wanted(plan, wanted), wanted)
 
+    def shows(self) -> str:
+        return "COMPLETED"
+
     def work(self, progress: Progress) -> CompleteResult:
         """Solve if need be, find the copies, and weld them if one mesh is wanted."""
         solved, mesh = self.known or self.solve.work(progress), self.solve.mesh

@@ -31,7 +31,7 @@ from ..results.deviation import show_deviation
 from ..results.measures import Measured, sheet_measures
 from ..results.objects import Writer, park, write_report
 from .design_frame import Frame
-from .solve import check_unchanged, plan_depsgraph
+from .solve import check_unchanged, plan_depsgraph, plan_warnings
 from .task import Result, Task
 
 Array = NDArray[np.float64]
@@ -91,6 +91,9 @@ class DesignTask(Task[DesignResult]):
     @property
     def tolerance(self) -> float:
         return self.settings.tolerance
+
+    def shows(self) -> str:
+        return self.role
 
     def work(self, progress: Progress) -> DesignResult:
         prepared = plan_cache.prepare(self.mesh)
@@ -187,7 +190,8 @@ def read_common(context: bpy.types.Context, plan: bpy.types.Object, settings: Si
     settings.apply_modifiers, settings.tolerance = plan.cmc.apply_modifiers, plan.cmc.tolerance
     mesh = read_plan(plan, plan_depsgraph(context, settings))
     measured = colours.wanted_measures(plan)
-    return {"name": plan.name, "mesh": mesh, "settings": settings, "measured": measured}
+    warnings = plan_warnings(context, plan, settings)
+    return {"name": plan.name, "mesh": mesh, "settings": settings, "measured": measured, "warnings": warnings}
 
 
 def _still_there(block: tuple[str, str] | None):

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -25,27 +26,43 @@ _MADE_BY = {"SHELL": "Solve", "FIT": "Fit to Outline", "COMPLETED": "Repeat by S
 class ExportTask(Task[list[Path]]):
     """An export; here the work writes the files.
 
-    parts: the meshes, written as one. report: text of the JSON file beside it, if one is wanted. what: the choice of
-    results, kept with the plan.
+    parts: the meshes, written as one, their coordinates times `scale`. report: text of the JSON file beside it, if one
+    is wanted. what: the choice of results, kept with the plan. warnings: for the user.
     """
 
     path: Path
     parts: list[Placed]
     report: str | None
     what: str
+    scale: float = 1.0
+    warnings: tuple[str, ...] = ()
 
     @classmethod
     def read(
         cls, context: bpy.types.Context, plan: bpy.types.Object, path: Path, what: str, modifiers: bool, report: bool
     ) -> ExportTask:
-        """Read the results. Raises `CmcError` where there are none, they have no faces, or the format is not known."""
+        """Read the results.
+
+        Raises `CmcError` where there are none, they have no faces, the format is not known, or a file that is not of
+        this program would be lost.
+        """
         if path.suffix.lower() not in FORMATS:
             raise JobError(f'{path} has no format known here; use one of {", ".join(FORMATS)}.')
         objects = wanted_objects(context, plan, what)
         parts = read_objects(objects, context.evaluated_depsgraph_get() if modifiers else None)
         if not any(len(part.mesh.starts) for part in parts):
             raise CmcError(f"'{objects[0].name}' has no faces, so there is nothing to export.")
-        return cls(path, parts, _report(plan, objects) if report else None, what)
+        _check_targets(path, report)
+        stored = _stored_report(plan, objects)
+        return cls(
+            path,
+            parts,
+            _report(plan, objects, stored or {}) if report else None,
+            what,
+            # glTF's unit is the metre by definition; the other formats have none
+            context.scene.unit_settings.scale_length if path.suffix.lower() == ".glb" else 1.0,
+            () if stored or not report else (f"'{plan.name}' has no report to write beside the mesh; solve again.",),
+        )
 
     def work(self, progress: Progress) -> list[Path]:
         """Write the files, each whole or not at all; returns their paths, none if the export was cancelled meanwhile.
@@ -57,13 +74,14 @@ class ExportTask(Task[list[Path]]):
             place.mkdir(parents=True, exist_ok=True)
             with TemporaryDirectory(prefix=".export-", dir=place) as scratch:
                 files = self._write(Path(scratch))
-                return [] if progress(1, 1.0) is False else [_move(file, place) for file in files]
+                return [] if progress(1, 1.0) is False else _move(files, place)
         except OSError as error:
             raise JobError(f"{self.path} cannot be written: {error.strerror or error}.") from error
 
     def _write(self, folder: Path) -> list[Path]:
         files = [folder / self.path.name]
         mesh, normals = joined(self.parts)
+        mesh = replace(mesh, positions=self.scale * mesh.positions)
         write_mesh(files[0], mesh, normals=normals)
         if self.report is not None:
             files.append(files[0].with_suffix(".json"))
@@ -73,12 +91,50 @@ class ExportTask(Task[list[Path]]):
     def write(self, context: bpy.types.Context, plan: bpy.types.Object, result: list[Path]) -> list[str]:
         """Keep the choices with the plan."""
         plan.cmc.export_what, plan.cmc.export_format = self.what, self.path.suffix[1:].upper()
-        return []
+        return list(self.warnings)
 
 
-def _move(file: Path, place: Path) -> Path:
-    os.replace(file, place / file.name)
-    return place / file.name
+def _check_targets(path: Path, report: bool) -> None:
+    """Raise `JobError` where a folder has the name of a file, or a file that is not a report that of the report."""
+    beside = path.with_suffix(".json")
+    for file in (path, beside) if report else (path,):
+        if file.is_dir():
+            raise JobError(f"{file} cannot be written: it is a folder; add the name of a file.")
+    if report and beside.exists() and not _is_report(beside):
+        raise JobError(
+            f"The report would replace {beside}, which is not a report of this program; choose another name, or export "
+            "without *Report*."
+        )
+
+
+def _is_report(file: Path) -> bool:
+    """Whether a file is a report that an export has written."""
+    try:
+        found = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return False
+    return isinstance(found, dict) and {"plan", "objects"} <= found.keys()
+
+
+def _move(files: Sequence[Path], place: Path) -> list[Path]:
+    """Move files to a folder, all or none: if one cannot be moved, those it had before come back."""
+    moved: list[tuple[Path, Path | None]] = []
+    try:
+        for file in files:
+            target, before = place / file.name, None
+            if target.exists():
+                before = file.with_name(f"before-{file.name}")
+                shutil.copy2(target, before)
+            os.replace(file, target)
+            moved.append((target, before))
+    except OSError:
+        for target, before in moved:
+            if before is None:
+                target.unlink(missing_ok=True)
+            else:
+                os.replace(before, target)
+        raise
+    return [target for target, _ in moved]
 
 
 def wanted_objects(context: bpy.types.Context, plan: bpy.types.Object, what: str) -> list[bpy.types.Object]:
@@ -110,9 +166,13 @@ def _in_role(plan: bpy.types.Object, what: str) -> list[bpy.types.Object]:
     return [] if result is None else [result]
 
 
-def _report(plan: bpy.types.Object, objects: Sequence[bpy.types.Object]) -> str:
-    """The report of the exported shell, with the names of its objects."""
+def _stored_report(plan: bpy.types.Object, objects: Sequence[bpy.types.Object]) -> dict | None:
+    """The report of the exported shell; None if its plan has none, or one of another program."""
     reports = {"FIT": design_report, "NEAREST": design_report, "COMPLETED": complete_report}
-    report = reports.get(objects[0].cmc.role, solve_report)(plan) or {}
+    return reports.get(objects[0].cmc.role, solve_report)(plan)
+
+
+def _report(plan: bpy.types.Object, objects: Sequence[bpy.types.Object], report: dict) -> str:
+    """The text of a report, with the names of the exported objects."""
     names = [ob.name for ob in objects]
     return json.dumps({"plan": plan.name, "objects": names, **report}, indent=2, ensure_ascii=False) + "\n"

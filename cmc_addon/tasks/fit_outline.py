@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 from ...solver.errors import CmcError, Progress
 from ...solver.fitting.fit import Fit, FitStatus
 from ...solver.fitting.outline import fit_outline
-from ...solver.meshing.wires import chain
+from ...solver.meshing.wires import chain, joined_ends
 from ...solver.shells.rim_curves import curves_of_loops
 from ..background import plan_cache
 from ..bridges import outline_bridge
+from ..bridges.drawn_bridge import drawn_warnings
 from ..properties.design_settings import POINTERS
 from .design import LIMIT, DesignResult, DesignTask, counted, read_common
 from .design_frame import Frame
@@ -71,8 +72,11 @@ class FitTask(DesignTask):
 
         Raises `CmcError` on what is missing.
         """
+        common = read_common(context, plan, settings)
+        if curve is not None and settings.fit_to == "CURVE":
+            common["warnings"] += drawn_warnings(context, curve, outline_bridge.WAY_OUT)
         return cls(
-            **read_common(context, plan, settings),
+            **common,
             role="FIT",
             stored=stored,
             targets={
@@ -180,7 +184,7 @@ def _curves(plan: bpy.types.Object, curve: bpy.types.Object | None) -> list[np.n
         raise CmcError(f"'{plan.name}' has no curve to fit to; choose a closed curve or a mesh under Fit to Outline.")
     if not curve.users_scene:
         raise CmcError(f"The curve '{curve.name}' has been deleted; choose another one under Fit to Outline.")
-    wire = outline_bridge.read_wire(curve)
+    wire = joined_ends(outline_bridge.read_wire(curve))
     if not len(wire.edges):
         raise CmcError(f"'{curve.name}' has no edges; draw a closed loop in it.")
     return [wire.points[loop] for loop, _ in chain(wire)]

@@ -19,6 +19,7 @@ from ...solver.shells.polygon_sheets import PolygonSheet, polygon_sheet
 from ...solver.shells.shell import Shell
 from ...solver.surface.cmc_surface import SHEETS
 from ..background import plan_cache, solve_cache
+from ..bridges.drawn_bridge import coarse, drawn_warnings
 from ..bridges.mesh_bridge import PlanMesh, read_plan
 from ..bridges.result_bridge import Cut, find_cut
 from ..properties.attributes import ATTRIBUTES, USUAL
@@ -107,6 +108,7 @@ class SolveTask(Task[SolveResult]):
                     f"No boundary edge of '{plan.name}' is selected; select edges of its outline in edit mode."
                 )
         groups, warnings = _groups(plan.data.cmc.groups, mesh, selected)
+        warnings += plan_warnings(context, plan, settings)
         if selection is not None:
             kind = selection["kind"].lower()
             groups.append(Group("Selection", mesh.edges[selected], kind, selection["parameters"]))
@@ -115,6 +117,9 @@ class SolveTask(Task[SolveResult]):
     @property
     def tolerance(self) -> float:
         return self.settings.tolerance
+
+    def shows(self) -> str:
+        return self.settings.sheet
 
     def work(self, progress: Progress) -> SolveResult:
         settings = solver_settings(self.settings)
@@ -205,6 +210,13 @@ def still_wanted(progress: Progress) -> Callable[[], bool]:
 def plan_depsgraph(context: bpy.types.Context, settings: SimpleNamespace) -> bpy.types.Depsgraph | None:
     """The depsgraph to read the plan with, if its modifiers are applied."""
     return context.evaluated_depsgraph_get() if settings.apply_modifiers else None
+
+
+def plan_warnings(context: bpy.types.Context, plan: bpy.types.Object, settings: SimpleNamespace) -> list[str]:
+    """What of a plan is seen and not solved."""
+    if settings.apply_modifiers:
+        return coarse(plan)
+    return drawn_warnings(context, plan, "tick Apply Modifiers to solve what is seen")
 
 
 def check_unchanged(plan: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None, mesh: PlanMesh) -> None:

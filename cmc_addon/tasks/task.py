@@ -27,6 +27,10 @@ class Task(ABC, Generic[R]):
         """The residual at which the progress bar is full."""
         return 1.0
 
+    def shows(self) -> str:
+        """The role of the result that the user waits for; "" for none."""
+        return ""
+
     @abstractmethod
     def work(self, progress: Progress) -> R:
         """Do the work, without any Blender data. Raises `CmcError` in the plan's own numbering."""

@@ -5,7 +5,7 @@ Arrays only; the add-on's `outline_bridge` reads them from Blender and writes th
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from ..errors import MeshError, plural
 from .outline import inside, signed_area
 
 _FLAT = 1e-5  # of the size: an outline this close to a plane counts as flat
+_TOUCHING = 1e-5  # of the size: loose ends this close are one
 _LEVEL = 1e-4  # the horizontal part of a normal below which its plane counts as level
 
 MOST_TRIANGLES = 1_000_000
@@ -32,6 +33,10 @@ class Wire:
     edges: NDArray[np.int32]
     groups: NDArray[np.int32]
     numbered: bool = True
+
+    def loose_ends(self) -> NDArray[np.bool_]:
+        """(V,) points at which one edge ends."""
+        return np.bincount(self.edges.ravel(), minlength=len(self.points)) == 1
 
     def where(self, vertices: NDArray[np.int64]) -> str:
         """Vertices as a message names them: by number, or by the place of the first."""
@@ -102,6 +107,7 @@ def make_outline(wire: Wire) -> Outline:
         )
     if not len(wire.edges):
         raise MeshError(f"{wire.name} has no outline: draw a closed loop of edges, a face, or a closed curve.")
+    wire = joined_ends(wire)
     chains = chain(wire)
     plane, off = fit_plane(wire.points[np.concatenate([vertices for vertices, _ in chains])])
     areas = [abs(signed_area(plane.flatten(wire.points[vertices]))) for vertices, _ in chains]
@@ -109,6 +115,19 @@ def make_outline(wire: Wire) -> Outline:
     outline = Outline(wire, plane, [chains[k][0] for k in order], [chains[k][1] for k in order], off)
     _check_parts(outline)
     return outline
+
+
+def joined_ends(wire: Wire) -> Wire:
+    """The wire with loose ends that touch made one, as lines of a drawing or a ring that repeats its first point."""
+    loose = np.flatnonzero(wire.loose_ends())
+    if not loose.size:
+        return wire
+    near = _TOUCHING * float(np.ptp(wire.points, axis=0).max())
+    same, of_edge = np.arange(len(wire.points)), {tuple(sorted(pair)) for pair in wire.edges.tolist()}
+    for i, j in sorted(KDTree(wire.points[loose]).query_pairs(near)):
+        if (loose[i], loose[j]) not in of_edge:
+            same[loose[j]] = same[loose[i]]
+    return replace(wire, edges=same[wire.edges].astype(np.int32))
 
 
 def chain(wire: Wire) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
@@ -234,9 +253,24 @@ def _check_parts(outline: Outline) -> None:
     apart = [
         k for k, loop in enumerate(others, 1) if not inside(loop, outer, np.roll(outer, -1, axis=0)).any()
     ]
+    twins = _coinciding(outline) if apart else 0
+    if twins:
+        raise MeshError(
+            f"{outline.wire.name} has {len(apart) + 1} outlines beside each other, of which {twins} vertices coincide "
+            "and are not joined; weld them (Merge by Distance), so that they become one.",
+            vertices=np.concatenate([outline.vertices[k] for k in apart]),
+        )
     if apart:
         raise MeshError(
             f"{outline.wire.name} has {len(apart) + 1} separate outlines; mesh one plan at a time "
             "(P separates loose parts), or join them into one.",
             vertices=np.concatenate([outline.vertices[k] for k in apart]),
         )
+
+
+def _coinciding(outline: Outline) -> int:
+    """How many points of one loop lie on points of another."""
+    points = np.concatenate(outline.loops)
+    loop = np.repeat(np.arange(len(outline.loops)), [len(loop) for loop in outline.loops])
+    pairs = KDTree(points).query_pairs(_TOUCHING * outline.size, output_type="ndarray")
+    return int((loop[pairs[:, 0]] != loop[pairs[:, 1]]).sum())

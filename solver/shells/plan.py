@@ -29,6 +29,7 @@ from ..surface.cmc_surface import COMBINATORICS, SHEETS
 from ..surface.options import SolveOptions
 from ..surface.placement import Rule
 from .plan_metric import metric_domain, start_map
+from .plan_parts import check_junctions, explain_parts
 
 Array = NDArray[np.float64]
 Int = NDArray[np.int32]
@@ -234,7 +235,11 @@ def plan_domain(plan: Plan) -> Domain:
     if plan.initial is not None:
         start_map(plan.initial, len(plan.positions))
     if plan.lengths is None:
-        domain = Domain.from_positions(plan.positions, plan.triangles)
+        try:
+            domain = Domain.from_positions(plan.positions, plan.triangles)
+        except MeshError as error:
+            raise explain_parts(error, np.asarray(plan.positions), plan.triangles) from error
+        check_junctions(np.asarray(plan.positions), domain.edges[domain.boundary_edges])
     else:
         domain = metric_domain(plan.positions, plan.triangles, plan.lengths)
     if not len(domain.boundary_edges) and plan.initial is None:

@@ -182,3 +182,67 @@ def test_meshes_with_and_without_uvs_together(plan, tmp_path):
     textured = [bool(len(corners)) for corners in both.uv_corners]
     assert sum(textured) == len(fitted.data.polygons)
     assert {name for name, there in zip(both.objects, textured, strict=True) if there} == {fitted.name}
+
+
+def test_a_foreign_json_is_never_replaced(plan, tmp_path):
+    own = '{"my": "own data"}'
+    (tmp_path / "site.json").write_text(own)
+    with pytest.raises(RuntimeError, match=r"would replace .*site.json, which is not a report"):
+        bpy.ops.cmc.export(filepath=str(tmp_path / "site.glb"))
+    assert os.listdir(tmp_path) == ["site.json"] and (tmp_path / "site.json").read_text() == own
+    assert bpy.ops.cmc.export(filepath=str(tmp_path / "site.glb"), export_report=False) == FINISHED
+    assert (tmp_path / "site.json").read_text() == own
+    for _ in range(2):  # a report of its own is replaced
+        assert bpy.ops.cmc.export(filepath=str(tmp_path / "hall.glb")) == FINISHED
+
+
+@pytest.mark.parametrize("path", ["/", ".", "//", "..", "sub/", "sub"])
+def test_a_path_without_a_name(plan, tmp_path, monkeypatch, path):
+    (tmp_path / "sub").mkdir()
+    monkeypatch.chdir(tmp_path)
+    given = f"{tmp_path}/{path}" if path.startswith("sub") else path
+    with pytest.raises(RuntimeError, match="names a folder; add the name of a file"):
+        bpy.ops.cmc.export(filepath=given)
+    assert os.listdir(tmp_path) == ["sub"] and os.listdir(tmp_path / "sub") == []
+
+
+def test_if_the_second_file_fails_the_first_stays(plan, tmp_path, monkeypatch):
+    (tmp_path / "half.glb").write_text("OLD")
+    (tmp_path / "half.json").mkdir()
+    with pytest.raises(RuntimeError, match=r"half.json cannot be written: it is a folder"):
+        bpy.ops.cmc.export(filepath=str(tmp_path / "half.glb"))
+    assert (tmp_path / "half.glb").read_text() == "OLD"
+    (tmp_path / "half.json").rmdir()
+    real = os.replace
+
+    def full(source, target):
+        if str(target) == str(tmp_path / "half.json"):
+            raise OSError(28, "No space left on device")
+        real(source, target)
+
+    monkeypatch.setattr(os, "replace", full)
+    for name in ("half", "new"):
+        (tmp_path / f"{name}.json").unlink(missing_ok=True)
+    with pytest.raises(RuntimeError, match="cannot be written: No space left"):
+        bpy.ops.cmc.export(filepath=str(tmp_path / "half.glb"))
+    assert (tmp_path / "half.glb").read_text() == "OLD" and os.listdir(tmp_path) == ["half.glb"]
+    (tmp_path / "half.glb").unlink()
+    with pytest.raises(RuntimeError, match="cannot be written: No space left"):
+        bpy.ops.cmc.export(filepath=str(tmp_path / "half.glb"))
+    assert os.listdir(tmp_path) == []
+
+
+@pytest.mark.parametrize("text", ["[1]", "3", "null", "[" * 3000, '{"sheets": 1}', '{"sheets": {}, "sheet": []}'])
+def test_a_foreign_report_in_the_plan(plan, tmp_path, capfd, text):
+    plan.cmc.report = text
+    assert bpy.ops.cmc.export(filepath=str(tmp_path / "e.obj")) == FINISHED
+    assert "has no report to write beside the mesh; solve again" in capfd.readouterr().out
+    assert json.loads((tmp_path / "e.json").read_text())["objects"] == [plan.cmc.f_plus.name]
+
+
+def test_glb_is_in_metres(plan, tmp_path):
+    bpy.context.scene.unit_settings.scale_length = 0.001
+    for suffix, scale in (("glb", 0.001), ("obj", 1.0)):
+        bpy.ops.cmc.export(filepath=str(tmp_path / f"hall.{suffix}"), export_report=False)
+        found = np.ptp(read(tmp_path / f"hall.{suffix}").positions, axis=0)
+        np.testing.assert_allclose(found, scale * np.ptp(points(plan.cmc.f_plus), axis=0), rtol=1e-4)

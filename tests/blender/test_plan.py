@@ -109,7 +109,8 @@ def test_transforms_are_respected() -> None:
     bpy.context.view_layer.update()
     plan = mesh_plan(edge_length=0.4, round_corners=False)
     assert tuple(plan.scale) == pytest.approx((1, 1, 1), abs=1e-6)
-    assert tuple(plan.location) == pytest.approx((10, -5, 2), abs=1e-6)
+    middle = (points(plan).min(axis=0) + points(plan).max(axis=0)) / 2
+    assert tuple(plan.location) == pytest.approx(tuple(middle), abs=1e-5), "the origin is in the middle"
     assert area(plan) == pytest.approx(16 * 3, rel=1e-5)
     drawn = [ob.matrix_world @ v.co for v in ob.data.vertices]
     nearest = [min((Vector(p) - q).length for p in points(plan)) for q in drawn]
@@ -150,7 +151,7 @@ def test_uv_layer_holds_plan_coordinates() -> None:
     assert plan.data.uv_layers.active.name == "Plan"
     uv = np.array([item.vector for item in plan.data.uv_layers["Plan"].uv])
     vertex = [loop.vertex_index for loop in plan.data.loops]
-    assert uv == pytest.approx(points(plan)[vertex][:, :2], abs=1e-4)
+    assert uv == pytest.approx(points(plan)[vertex][:, :2] - (104, 53), abs=1e-4), "from the plan's middle"
 
 
 # --- settings ------------------------------------------------------------------------------
