@@ -24,7 +24,7 @@ from ..gauss.conditions import KINDS, Parameter
 from ..gauss.energies import ENERGIES, energy_on
 from ..gauss.methods import METHODS
 from ..io.mesh_files import FORMATS, read_mesh
-from ..io.obj import MeshData
+from ..io.obj import MeshData, decoded
 from ..shells.close import ClosingOptions, close_plan, closing_report
 from ..shells.complete import Completed, complete_plan
 from ..shells.fit import FitOptions, fit_plan
@@ -142,7 +142,7 @@ def make_job(data: Mapping[str, object], file: Path) -> Job:
     root.finish()
     if fit is None:
         plan_conditions(plan, settings, domain)
-    return Job(file, plan, settings, mesh, outputs, up, fit, close, complete, root.notes)
+    return Job(file, plan, settings, mesh, outputs, up, fit, close, complete, [*mesh.notes, *root.notes])
 
 
 def run_job(job: Job, progress: Progress | None = None) -> Shell:
@@ -190,11 +190,10 @@ def _completed(job: Job, plan: Plan, shell: Shell) -> tuple[Completed | None, Cm
 
 def _parse(file: Path) -> dict[str, object]:
     try:
-        with file.open("rb") as stream:
-            return tomllib.load(stream)
+        return tomllib.loads(decoded(file.read_bytes()))
     except OSError as error:
         raise JobError(f"{file} cannot be read: {error.strerror or error}.") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except tomllib.TOMLDecodeError as error:
         raise JobError(f"{file} is not valid TOML: {error}.") from error
 
 
