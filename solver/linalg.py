@@ -54,6 +54,11 @@ def sum_rows(rows: NDArray[np.integer], values: Array, count: int) -> Array:
     return np.stack([sum_rows(rows, column, count) for column in values.T], axis=1)
 
 
+def reach_of_place(points: Array) -> float:
+    """How near points (n, d) of a mesh are in one place: a millionth of the diagonal; single precision leaves 1e-7."""
+    return 1e-6 * float(np.linalg.norm(np.ptp(points, axis=0))) if len(points) else 0.0
+
+
 def same_places(points: Array, reach: float) -> NDArray[np.int64]:
     """For each of points (n, d) the first one in its place; chains of points within about `reach` share a place.
 

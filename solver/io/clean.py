@@ -11,13 +11,10 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 from ..errors import MeshError, listed, plural
-from ..linalg import same_places
+from ..linalg import reach_of_place, same_places
 from .obj import MeshData
 
 Int = NDArray[np.int64]
-
-# Vertices nearer than this fraction of the diagonal are in one place: single precision leaves 1e-7.
-_PLACE = 1e-6
 
 
 def clean(mesh: MeshData, *, weld: bool = False) -> MeshData:
@@ -31,7 +28,7 @@ def clean(mesh: MeshData, *, weld: bool = False) -> MeshData:
     sizes = np.array([len(polygon) for polygon in mesh.polygons], dtype=np.int64)
     flat = np.concatenate([np.zeros(0, dtype=np.int64), *mesh.polygons]).astype(np.int64)
     used = _used(mesh, flat, sizes)
-    reach = _PLACE * float(np.linalg.norm(np.ptp(mesh.positions[used], axis=0))) if len(used) else 0.0
+    reach = reach_of_place(mesh.positions[used])
     place, notes = _places(mesh, flat, sizes, used, reach, weld)
     mesh = _without_repeats(replace(mesh, notes=[*mesh.notes, *notes]), place, flat, sizes)
     kept = np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *mesh.polygons]).astype(np.int64))

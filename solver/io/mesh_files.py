@@ -51,6 +51,8 @@ def read_mesh(path: str | os.PathLike[str], *, up: str | None = None) -> MeshDat
         raise MeshError(f"{file} has no faces.")
     try:
         mesh = clean(mesh, weld=suffix in _WELDED)
+        if suffix in _WELDED:  # such a file has no numbers of its own, but one for each corner
+            mesh = replace(mesh, vertex_of=mesh.vertex_of[:0])
     except MeshError as error:
         raise MeshError(f"{file}: {error}") from error
     if not mesh.polygons:

@@ -7,7 +7,7 @@ import io
 import math
 import os
 import unicodedata
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
@@ -55,15 +55,18 @@ class MeshData:
         vertices, first = np.unique(self.vertex_of, return_index=True)
         return first[vertices >= 0]
 
-    def from_file(self, numbers: NDArray[np.integer]) -> NDArray[np.int64]:
+    def from_file(self, given: Sequence[int] | NDArray[np.integer]) -> NDArray[np.int64]:
         """The vertices with these numbers in the file; raises `MeshError` on one that is not there or in no face."""
+        numbers = np.asarray(given)
         count = len(self.vertex_of) or len(self.positions)
         outside = numbers[(numbers < 0) | (numbers >= count)]
         if outside.size:
-            raise MeshError(f"There is no vertex {outside.flat[0]}; the mesh has {count}, counted from 0.")
-        vertices = self.vertex_of[numbers] if len(self.vertex_of) else np.asarray(numbers, dtype=np.int64)
-        if (vertices < 0).any():
-            raise MeshError(f"{plural('vertex', numbers[vertices < 0]).capitalize()} of the file is in no face.")
+            raise MeshError(f"there is no vertex {outside.flat[0]}; the mesh has {count}, counted from 0.")
+        numbers = numbers.astype(np.int64)
+        vertices = self.vertex_of[numbers] if len(self.vertex_of) else numbers
+        loose = numbers[vertices < 0]
+        if loose.size:
+            raise MeshError(f"no face of the mesh has {plural('vertex', loose.ravel())}.")
         return vertices
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from ..catalogue import shapes
 from ..domain.domain import Domain
 from ..domain.sites import SITES
-from ..errors import CmcError, ConditionError, JobError, Progress
+from ..errors import CmcError, ConditionError, JobError, MeshError, Progress
 from ..gauss.conditions import KINDS, Parameter
 from ..gauss.energies import ENERGIES, energy_on
 from ..gauss.methods import METHODS
@@ -128,11 +128,11 @@ def make_job(data: Mapping[str, object], file: Path) -> Job:
     mesh, sides, up = _read_plan(root, file.parent)
     plan = Plan.from_mesh(mesh)
     if "start" in root:
-        read_start_key(root, plan, file.parent)
+        read_start_key(root, plan, mesh, file.parent)
     domain = plan_domain(plan)
-    fit = read_fit(root, domain, file.parent, up) if "fit" in root else None
+    fit = read_fit(root, domain, mesh, file.parent, up) if "fit" in root else None
     plan.groups = [_group(table, domain, mesh, sides) for table in root.tables("conditions")]
-    plan.flipped_corners = _flipped_corners(root.table("default"), domain)
+    plan.flipped_corners = _flipped_corners(root.table("default"), mesh)
     output = root.table("output")
     settings = _settings(root, output.text("combinatorics", "primal", among=list(COMBINATORICS)))
     outputs = _outputs(output, file.parent)
@@ -251,12 +251,11 @@ _SHAPE_VALUES: dict[str, Callable[[Table, str], object]] = {
 }
 
 
-def _flipped_corners(default: Table, domain: Domain) -> list[int]:
-    vertices = default.integers("flipped_corners")
-    for vertex in vertices:
-        if not 0 <= vertex < domain.vertex_count:
-            raise default.fail(f'"flipped_corners": there is no vertex {vertex}; there are {domain.vertex_count}.')
-    return vertices
+def _flipped_corners(default: Table, mesh: MeshData) -> list[int]:
+    try:
+        return mesh.from_file(default.integers("flipped_corners")).tolist()
+    except MeshError as error:
+        raise default.fail(f'"flipped_corners": {error}') from error
 
 
 def _group(table: Table, domain: Domain, mesh: MeshData, sides: dict[str, Pairs]) -> Group:

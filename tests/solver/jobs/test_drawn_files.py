@@ -180,7 +180,7 @@ def test_numbers_in_a_job_are_those_of_the_file(tmp_path):
     (tmp_path / "job.toml").write_text(text)
     groups = load_job(tmp_path / "job.toml").plan.groups
     assert_array_equal([group.edges for group in groups], [[[0, 1], [1, 2]], [[2, 3], [3, 4]]])
-    for numbers, message in (("[0, 1]", "Vertex 0 of the file is in no face"), ("[1, 99]", "There is no vertex 99")):
+    for numbers, message in (("[0, 1]", "no face of the mesh has vertex 0"), ("[1, 99]", "no vertex 99; the mesh")):
         (tmp_path / "job.toml").write_text(f'mesh = "plan.obj"\n[[conditions]]\nvertices = {numbers}\n')
         with pytest.raises(CmcError, match=message):
             load_job(tmp_path / "job.toml")
