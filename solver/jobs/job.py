@@ -30,6 +30,7 @@ from ..shells.complete import Completed, complete_plan
 from ..shells.fit import FitOptions, fit_plan
 from ..shells.form import form
 from ..shells.gaps import hole_gaps
+from ..shells.numbering import drawn_numbers
 from ..shells.plan import SHELLS, Group, Plan, Settings, plan_conditions, plan_domain, usual_sheet
 from ..shells.shell import Shell
 from ..surface.averaging import AVERAGINGS
@@ -141,7 +142,8 @@ def make_job(data: Mapping[str, object], file: Path) -> Job:
     root.known += ["fit", "close", "complete", "start"]
     root.finish()
     if fit is None:
-        plan_conditions(plan, settings, domain)
+        with drawn_numbers(plan):
+            plan_conditions(plan, settings, domain)
     return Job(file, plan, settings, mesh, outputs, up, fit, close, complete, [*mesh.notes, *root.notes])
 
 

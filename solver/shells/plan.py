@@ -28,6 +28,7 @@ from ..linalg import as_numbers
 from ..surface.cmc_surface import COMBINATORICS, SHEETS
 from ..surface.options import SolveOptions
 from ..surface.placement import Rule
+from .numbering import drawn_numbers, renumbered, rules
 from .plan_metric import metric_domain, start_map
 
 Array = NDArray[np.float64]
@@ -69,7 +70,8 @@ class Plan:
     each triangle; only output uses them. flipped_corners: vertices between two mirrors that take the other one of their
         two normals (see `conditions.mirror`); other vertices are left alone.
     lengths: (T, 3) side lengths of the triangles, side k opposite corner k, in place of the drawn ones; the positions
-        then only say where the shell stands. initial: (V, 3) the normals that a solve starts from.
+        then only say where the shell stands. polygon_numbers, vertex_numbers: those of a file, where they differ, for
+        messages. initial: (V, 3) the normals that a solve starts from.
     """
 
     positions: Array
@@ -80,6 +82,8 @@ class Plan:
     flipped_corners: Sequence[int] = ()
     lengths: Array | None = None
     initial: Array | None = None
+    polygon_numbers: NDArray[np.integer] | None = None
+    vertex_numbers: NDArray[np.integer] | None = None
 
     def __post_init__(self) -> None:
         self.positions = as_numbers(self.positions, "The positions of a plan", MeshError)
@@ -105,8 +109,20 @@ class Plan:
 
         Raises `MeshError` naming a polygon that cannot be cut.
         """
-        triangles, owner = triangulate_polygons(mesh.positions, mesh.polygons)
-        return cls(mesh.positions, triangles, mesh.polygons, triangle_polygons=owner)
+        polygons = mesh.polygon_numbers if len(mesh.polygon_numbers) else None
+        vertices = mesh.vertex_numbers if len(mesh.vertex_of) else None
+        try:
+            triangles, owner = triangulate_polygons(mesh.positions, mesh.polygons)
+        except MeshError as error:
+            raise renumbered(error, rules(vertices, polygons)) from error
+        return cls(
+            mesh.positions,
+            triangles,
+            mesh.polygons,
+            triangle_polygons=owner,
+            polygon_numbers=polygons,
+            vertex_numbers=vertices,
+        )
 
     def __repr__(self) -> str:
         groups = ", ".join(f"{group.name}: {group.kind}" for group in self.groups)
@@ -221,10 +237,11 @@ def plan_domain(plan: Plan) -> Domain:
     """
     if plan.initial is not None:
         start_map(plan.initial, len(plan.positions))
-    if plan.lengths is None:
-        domain = Domain.from_positions(plan.positions, plan.triangles)
-    else:
-        domain = metric_domain(plan.positions, plan.triangles, plan.lengths)
+    with drawn_numbers(plan):
+        if plan.lengths is None:
+            domain = Domain.from_positions(plan.positions, plan.triangles)
+        else:
+            domain = metric_domain(plan.positions, plan.triangles, plan.lengths)
     if not len(domain.boundary_edges) and plan.initial is None:
         raise MeshError(
             "The mesh is closed: it has no boundary along which to prescribe tangent planes; delete the faces that are "

@@ -202,3 +202,28 @@ def test_faces_without_area_are_left_out_and_named(tmp_path):
 def test_an_unfinished_mesh_is_refused(tmp_path):
     with pytest.raises(MeshError, match="has no face with an area"):
         loaded(tmp_path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 1 2\n")
+
+
+FLIPPED = PLAIN.replace("f 12 13 20 19", "f 19 20 13 12")
+
+
+@pytest.mark.parametrize(
+    ("text", "message", "numbers"),
+    [
+        (PLAIN.replace("g Long", "f 12 13 20 19\ng Long"), "Faces 10, 24 have the same vertices", (10, 24)),
+        (FLIPPED, "Face 10 has the other orientation than the rest of the mesh; recalculate", (10,)),
+        (FLIPPED.replace("f 1 2", "f 1 1 2\nf 1 2"), "Face 11 has the other orientation", (11,)),
+        (PLAIN.replace("f 1 2", "f 1 1 2\nf 1 3 2 4 5\nf 1 2"), "Polygon 1 has a spike", (1,)),
+    ],
+)
+def test_messages_count_the_faces_of_the_file(tmp_path, text, message, numbers):
+    with pytest.raises(MeshError, match=message) as caught:
+        loaded(tmp_path, text)
+    assert caught.value.faces == numbers
+
+
+def test_messages_count_the_vertices_of_the_file(tmp_path):
+    third = SAME["loose_first"].replace("g Long", "v 3 2 5\nf 10 11 37\ng Long")
+    with pytest.raises(MeshError, match="Edge from vertex 9 to 10 has more than two faces") as caught:
+        loaded(tmp_path, third)
+    assert caught.value.vertices == (9, 10)
