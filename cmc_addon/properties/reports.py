@@ -43,7 +43,7 @@ def _of_shell(text: str, needed: tuple[str, ...]) -> dict | None:
     report = _parsed(text, ("message", "sheets", "sheet", *needed))
     try:
         return report if report is None or "area" in report["sheets"][report["sheet"]] else None
-    except (KeyError, TypeError):
+    except (KeyError, TypeError, IndexError):
         return None
 
 
@@ -57,6 +57,6 @@ def _parsed(text: str, needed: tuple[str, ...]) -> dict | None:
     """A report with these entries; None if there is none or another program wrote into the property."""
     try:
         report = json.loads(text)
-    except ValueError:
+    except (ValueError, RecursionError):
         return None
     return report if isinstance(report, dict) and all(name in report for name in needed) else None

@@ -185,7 +185,7 @@ def test_components_that_touch_are_to_be_merged():
     assert error.vertices == (1, 2, 4, 7)
     tall = np.array([[1, 0], [2, 0], [2, 3], [1, 3.0]])
     error = refused(np.vstack([left, tall]), np.vstack([quads, quads + 4]))
-    assert "vertices 1, 4 lie" in str(error) and "split the longer ones" in str(error)
+    assert "vertices 1, 4 lie" in str(error) and "split the longer of their edges" in str(error)
     error = refused(np.vstack([left, left + [5, 0]]), np.vstack([quads, quads + 4]))
     assert "solve them one by one" in str(error)
 
