@@ -13,7 +13,9 @@ from typing import Any, Protocol
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
+from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
+from scipy.spatial import KDTree
 
 from .errors import CmcError, ConditionError
 
@@ -50,6 +52,27 @@ def sum_rows(rows: NDArray[np.integer], values: Array, count: int) -> Array:
     if values.ndim == 1:
         return np.asarray(np.bincount(rows, values, count), dtype=np.float64)
     return np.stack([sum_rows(rows, column, count) for column in values.T], axis=1)
+
+
+def reach_of_place(points: Array) -> float:
+    """How near points (n, d) of a mesh are in one place: a millionth of the diagonal; single precision leaves 1e-7."""
+    return 1e-6 * float(np.linalg.norm(np.ptp(points, axis=0))) if len(points) else 0.0
+
+
+def same_places(points: Array, reach: float) -> NDArray[np.int64]:
+    """For each of points (n, d) the first one in its place; chains of points within about `reach` share a place.
+
+    Points in one small cell are one to begin with, so that thousands in one place make no millions of pairs.
+    """
+    if not len(points):
+        return np.zeros(0, dtype=np.int64)
+    cell = np.floor((points - points.min(axis=0)) / (max(reach, 1e-300) / 8.0))
+    _, chosen, member = np.unique(cell, axis=0, return_index=True, return_inverse=True)
+    pairs = KDTree(points[chosen]).query_pairs(reach, output_type="ndarray")
+    links = sp.coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(chosen), len(chosen)))
+    label = connected_components(links, directed=False)[1][member.ravel()]
+    _, first, place = np.unique(label, return_index=True, return_inverse=True)
+    return first[place]
 
 
 def graph_laplacian(links: NDArray[np.integer], weights: Array, count: int) -> sp.csr_array:

@@ -5,16 +5,14 @@ The solver numbers triangles and its own edges, a user sees polygons and Blender
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...solver.errors import CmcError, listed, plural
+from ...solver.errors import CmcError
+from ...solver.shells.numbering import renumbered
 from .mesh_bridge import PlanMesh
-
-_MENTION = re.compile(r"\b(face|edge)s? (\d+(?:, \d+)*(?: and \d+ more)?)(?: (have|are)\b)?", re.IGNORECASE)
 
 
 def in_plan_numbers(
@@ -24,31 +22,7 @@ def in_plan_numbers(
 
     A triangle becomes its polygon. A diagonal of a polygon has no number in the plan; its vertices name it.
     """
-    edges = _plan_edges(plan, triangles)
-    faces_of = {"face": lambda i: int(owners[i]), "edge": edges}
-    message = _MENTION.sub(lambda match: _renumbered(match, error, faces_of), str(error))
-    return type(error)(
-        message,
-        vertices=error.vertices,
-        faces=sorted({int(owners[i]) for i in error.faces}),
-        edges=sorted({e for e in map(edges, error.edges) if isinstance(e, int)}),
-    )
-
-
-def _renumbered(match: re.Match, error: CmcError, number_of: dict[str, Callable[[int], int | str]]) -> str:
-    noun, numbers, verb = match.group(1), match.group(2), match.group(3)
-    all_of_kind = {"face": error.faces, "edge": error.edges}[noun.lower()]
-    # a shortened list ("… and 3 more") stands for all indices of the error
-    given = all_of_kind if numbers == listed(all_of_kind) else [int(n) for n in re.findall(r"\d+", numbers)]
-    mapped = list(dict.fromkeys(number_of[noun.lower()](i) for i in given))
-    numbered = [i for i in mapped if isinstance(i, int)]
-    if len(numbered) == len(mapped):
-        text = plural(noun.lower(), numbered)
-    else:
-        text = f"{noun.lower()}{'s' if len(mapped) > 1 else ''} {', '.join(map(str, mapped))}"
-    if verb:
-        text += " " + ({"have": "has", "are": "is"}[verb] if len(mapped) == 1 else verb)
-    return text[0].upper() + text[1:] if noun[0].isupper() else text
+    return renumbered(error, {"face": lambda i: int(owners[i]), "edge": _plan_edges(plan, triangles)})
 
 
 def _plan_edges(plan: PlanMesh, triangles: NDArray[np.int32]) -> Callable[[int], int | str]:

@@ -43,7 +43,7 @@ def _of_shell(text: str, needed: tuple[str, ...]) -> dict | None:
     report = _parsed(text, ("message", "sheets", "sheet", *needed))
     try:
         return report if report is None or "area" in report["sheets"][report["sheet"]] else None
-    except (KeyError, TypeError):
+    except (KeyError, TypeError, IndexError):
         return None
 
 

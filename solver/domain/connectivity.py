@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse.csgraph import connected_components
 
 from ..errors import MeshError, listed, plural
+from ..linalg import reach_of_place, same_places
 
 Int = NDArray[np.int32]
 
@@ -69,7 +70,7 @@ def check_faces(faces: Int, vertex_count: int) -> None:
     bad = _repeated_faces(faces, vertex_count)
     if bad.size:
         raise MeshError(
-            f"{_cap(plural('face', bad))} have the same three vertices; delete the repeated faces.", faces=bad
+            f"{_cap(plural('face', bad))} have the same vertices; delete the repeated faces.", faces=bad
         )
     unused = np.flatnonzero(np.bincount(faces.ravel(), minlength=vertex_count) == 0)
     if unused.size:
@@ -140,36 +141,53 @@ def _check_opposite(faces: Int, start: Int, end: Int, left: NDArray, right: NDAr
     if not (opposite | joined).all():
         e = interior[~(opposite | joined)]
         raise MeshError(f"{_cap(plural('edge', e))} join different vertices in their two faces.", edges=e)
+    turned = _turned(len(faces), first // 3, second // 3, opposite)
+    if turned is not None:
+        raise MeshError(
+            f"{_cap(plural('face', turned))} {_have(turned)} the other orientation than the rest of the mesh; "
+            "recalculate the normals.",
+            edges=bad,
+            faces=turned,
+        )
     involved = np.unique(np.stack([first[~opposite] // 3, second[~opposite] // 3]))
-    if _one_sided(len(faces), first // 3, second // 3, opposite):
-        message = "The mesh is one-sided, like a Möbius strip: no choice of normals is consistent across"
-        way_out = "cut the strip open, or untwist it"
-    else:
-        message, way_out = "Neighbouring faces are oriented against each other at", "recalculate the normals"
     a, b = start[left[bad[0]]], end[left[bad[0]]]
     raise MeshError(
-        f"{message} {plural('edge', bad)} (the first joins vertices {a}, {b}; faces {listed(involved)}); {way_out}.",
+        f"The mesh is one-sided, like a Möbius strip: no choice of normals is consistent across {plural('edge', bad)} "
+        f"(the first joins vertices {a}, {b}; {plural('face', involved)}); cut the strip open, or untwist it.",
         edges=bad,
         faces=involved,
     )
 
 
-def _one_sided(face_count: int, left: NDArray, right: NDArray, opposite: NDArray) -> bool:
-    """Whether the mesh is one-sided: its orientation cover is connected."""
+def _turned(face_count: int, left: NDArray, right: NDArray, opposite: NDArray) -> NDArray[np.int64] | None:
+    """The faces to turn, the smaller part of each component; None if the mesh is one-sided.
+
+    On the orientation cover the two sides of a face are apart, unless the mesh is one-sided.
+    """
     shift = np.where(opposite, 0, face_count)
     rows = np.concatenate([left, left + face_count])
     cols = np.concatenate([right + shift, right + face_count - shift])
     cover = sp.coo_array((np.ones(rows.size), (rows, cols)), shape=(2 * face_count, 2 * face_count))
     labels = connected_components(cover, directed=False)[1]
-    return bool((labels[:face_count] == labels[face_count:]).any())
+    front, back = labels[:face_count], labels[face_count:]
+    if (front == back).any():
+        return None
+    sizes = np.bincount(front, minlength=labels.max() + 1)
+    fewer = sizes[front] < sizes[back]
+    return np.flatnonzero(fewer | ((sizes[front] == sizes[back]) & (front > back)))
 
 
-def check_surface(faces: Int, mesh: Edges, vertex_count: int) -> None:
-    """Raise `MeshError` on vertices where several sheets touch, and on several components."""
+def check_surface(faces: Int, mesh: Edges, vertex_count: int, positions: NDArray | None = None) -> None:
+    """Raise `MeshError` on vertices where several sheets touch, and on several components.
+
+    positions (V, 2|3) tell components that coincide along their edges from those that are apart.
+    """
     interior = mesh.edge_faces[:, 1] >= 0
     left, right = mesh.edge_faces[interior].T
     graph = sp.coo_array((np.ones(left.size), (left, right)), shape=(len(faces), len(faces)))
     count, labels = connected_components(graph, directed=False)
+    if count > 1 and positions is not None:
+        _check_contact(faces, count, labels, positions)
     if count > 1:
         sizes = np.bincount(labels)
         smallest = np.flatnonzero(labels == np.argmin(sizes))
@@ -186,6 +204,29 @@ def check_surface(faces: Int, mesh: Edges, vertex_count: int) -> None:
             "the mesh that share no edge there; split the vertex, or widen the neck.",
             vertices=pinched,
         )
+
+
+def _check_contact(faces: Int, count: int, labels: NDArray, positions: NDArray) -> None:
+    """Raise `MeshError` where components have vertices in the same places, but not in common."""
+    place = same_places(positions, reach_of_place(positions))
+    pairs = np.unique(np.column_stack([place[faces].ravel(), np.repeat(labels, 3)]), axis=0)
+    shared, times = np.unique(pairs[:, 0], return_counts=True)
+    touching = np.flatnonzero(np.isin(place, shared[times > 1]))
+    if len(touching) == (times > 1).sum():  # each is one vertex already
+        return
+    start, end = half_edge_vertices(place[faces].astype(np.int32))
+    sides = np.unique(
+        np.column_stack([np.minimum(start, end), np.maximum(start, end), np.repeat(labels, 3)]), axis=0
+    )
+    edges_meet = (np.diff(sides[:, :2], axis=0) == 0).all(axis=1).any()
+    way_out = "merge them by distance"
+    if not edges_meet:
+        way_out = "split the longer of their edges there at the ends of the shorter ones, then merge by distance"
+    raise MeshError(
+        f"The mesh has {count} components that touch: {plural('vertex', touching)} lie where another one has a vertex, "
+        f"too; {way_out}.",
+        vertices=touching,
+    )
 
 
 def _fan_vertices(faces: Int, mesh: Edges) -> Int:

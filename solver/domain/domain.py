@@ -66,7 +66,7 @@ class Domain:
         positions = _as_positions(vertices)
         triangles = connectivity.as_faces(faces)
         connectivity.check_faces(triangles, len(positions))
-        mesh = _checked_edges(triangles, len(positions), None)
+        mesh = _checked_edges(triangles, len(positions), None, positions)
         edge_vectors = positions[mesh.edges[:, 1]] - positions[mesh.edges[:, 0]]
         return _with_proper_faces(mesh, triangles, np.linalg.norm(edge_vectors, axis=1))
 
@@ -282,7 +282,9 @@ def _as_positions(vertices: ArrayLike) -> Array:
     return positions
 
 
-def _checked_edges(faces: Int, vertex_count: int, face_edges: ArrayLike | None) -> Edges:
+def _checked_edges(
+    faces: Int, vertex_count: int, face_edges: ArrayLike | None, positions: Array | None = None
+) -> Edges:
     if face_edges is None:
         numbering = connectivity.edges_by_vertex_pairs(faces, vertex_count)
     else:
@@ -290,7 +292,7 @@ def _checked_edges(faces: Int, vertex_count: int, face_edges: ArrayLike | None) 
         if numbering.shape != faces.shape or numbering.min() < 0 or (np.bincount(numbering.ravel()) == 0).any():
             raise MeshError(f"Face edges must number the sides {faces.shape} from 0 without gaps.")
     mesh = connectivity.pair_half_edges(faces, numbering)
-    connectivity.check_surface(faces, mesh, vertex_count)
+    connectivity.check_surface(faces, mesh, vertex_count, positions)
     return mesh
 
 

@@ -15,11 +15,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import KDTree
 
 from ..errors import JobError, MeshError
+from .clean import clean
 from .obj import MeshData, obj_text, read_obj
 from .polygons import triangulate_polygons
 
@@ -27,8 +25,7 @@ Array = NDArray[np.float64]
 Int = NDArray[np.int32]
 
 FORMATS = (".obj", ".ply", ".stl", ".glb")
-# Vertices of an STL or GLB nearer than this fraction of the diagonal are one vertex: single precision leaves 1e-7.
-_MERGE = 1e-6
+_WELDED = (".stl", ".glb")
 
 _Y_TO_Z = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 
@@ -38,12 +35,13 @@ __all__ = ["FORMATS", "MeshData", "read_mesh", "triangulate_polygons", "write_by
 def read_mesh(path: str | os.PathLike[str], *, up: str | None = None) -> MeshData:
     """Read a mesh file. `up` is the file's own up, "y" or "z"; None means y for GLB, z for the rest.
 
-    STL and GLB store a vertex once for each of its faces; coinciding ones are merged. Raises `JobError` if the file or
-    its format cannot be read, and `MeshError` if it holds no mesh.
+    STL and GLB store a vertex once for each of its faces; coinciding ones are merged. In OBJ and PLY they are merged
+    where they join parts (see `clean`, also for unused vertices). Raises `JobError` if the file or its format cannot be
+    read, and `MeshError` if it holds no mesh, or one with numbers out of range.
     """
     file = Path(path)
     suffix = _format(file)
-    if not file.is_file():
+    if "\0" in str(file) or not file.is_file():
         raise JobError(f"There is no file {file}.")
     try:
         mesh = read_obj(file) if suffix == ".obj" else _read_by_trimesh(file)
@@ -51,6 +49,14 @@ def read_mesh(path: str | os.PathLike[str], *, up: str | None = None) -> MeshDat
         raise JobError(f"{file} cannot be read: {error.strerror or error}.") from error
     if not mesh.polygons:
         raise MeshError(f"{file} has no faces.")
+    try:
+        mesh = clean(mesh, weld=suffix in _WELDED)
+        if suffix in _WELDED:  # such a file has no numbers of its own, but one for each corner
+            mesh = replace(mesh, vertex_of=mesh.vertex_of[:0])
+    except MeshError as error:
+        raise MeshError(f"{file}: {error}") from error
+    if not mesh.polygons:
+        raise MeshError(f"{file} has no face with an area.")
     return replace(mesh, positions=mesh.positions @ _Y_TO_Z.T) if _up(file, up) == "y" else mesh
 
 
@@ -89,10 +95,10 @@ def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
             stream.write(data)
         os.chmod(temporary, 0o666 & ~_umask())
         os.replace(temporary, file)
-    except OSError as error:
+    except (OSError, ValueError) as error:  # ValueError: a null character in the name
         if temporary is not None:
             Path(temporary).unlink(missing_ok=True)
-        raise JobError(f"{file} cannot be written: {error.strerror or error}.") from error
+        raise JobError(f"{file} cannot be written: {getattr(error, 'strerror', None) or error}.") from error
 
 
 def _umask() -> int:
@@ -121,30 +127,13 @@ def _read_by_trimesh(file: Path) -> MeshData:
     try:
         loaded: Any = trimesh.load(file, force="mesh", process=False)
         positions = np.asarray(loaded.vertices, dtype=np.float64).reshape(-1, 3)
-        faces = np.asarray(loaded.faces, dtype=np.int32).reshape(-1, 3)
+        faces = np.asarray(loaded.faces, dtype=np.int64).reshape(-1, 3)
     except OSError:
         raise
     except Exception as error:  # a broken file surfaces as whatever its parser stumbled over
-        raise MeshError(f"{file} cannot be read as {file.suffix[1:].upper()}: {error}.") from error
-    if file.suffix.lower() != ".ply":
-        positions, faces = _merged(positions, faces)
+        why = "it is damaged, or of another format; export it again"
+        raise MeshError(f"{file} cannot be read as {file.suffix[1:].upper()}: {why}.") from error
     return MeshData(positions, list(faces))
-
-
-def _merged(positions: Array, faces: Int) -> tuple[Array, Int]:
-    """The mesh with coinciding vertices merged, each at the first one's place."""
-    if not len(positions):
-        return positions, faces
-    reach = _MERGE * float(np.linalg.norm(np.ptp(positions, axis=0)))
-    pairs = KDTree(positions).query_pairs(reach, output_type="ndarray")
-    count = len(positions)
-    links = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-    _, label = connected_components(links, directed=False)
-    _, first, index = np.unique(label, return_index=True, return_inverse=True)
-    order = np.argsort(first)
-    rank = np.empty(len(first), dtype=np.int32)
-    rank[order] = np.arange(len(first), dtype=np.int32)
-    return positions[first[order]], rank[index][faces]
 
 
 def _trimesh_bytes(mesh: MeshData, normals: Array | None, suffix: str) -> bytes:

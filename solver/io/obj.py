@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import codecs
+import io
+import math
 import os
+import unicodedata
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
@@ -10,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import MeshError
+from ..errors import MeshError, plural
 
 Array = NDArray[np.float64]
 Int = NDArray[np.int32]
@@ -25,6 +30,8 @@ class MeshData:
     positions (V, 3); polygons: vertex indices of each; uvs (T, 2) and uv_corners: rows of `uvs` for the corners of each
     polygon (an empty array for none); objects, groups, materials: names; edge_groups: (K, 2) vertex pairs of the
     polylines under each group name; libraries: material files.
+    vertex_of: the vertex here of each vertex of a file, -1 for one that no face uses; polygon_numbers: the number in
+    the file of each polygon; both empty where nothing was left out or merged. notes: what was, a sentence each.
     """
 
     positions: Array
@@ -36,6 +43,46 @@ class MeshData:
     materials: list[str] = field(default_factory=list)
     edge_groups: dict[str, Int] = field(default_factory=dict)
     libraries: list[Path] = field(default_factory=list)
+    vertex_of: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    polygon_numbers: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    notes: list[str] = field(default_factory=list)
+
+    @property
+    def vertex_numbers(self) -> NDArray[np.int64]:
+        """The number in the file of each vertex, the first one of those that were merged."""
+        if not len(self.vertex_of):
+            return np.arange(len(self.positions))
+        vertices, first = np.unique(self.vertex_of, return_index=True)
+        return first[vertices >= 0]
+
+    def from_file(self, given: Sequence[int] | NDArray[np.integer]) -> NDArray[np.int64]:
+        """The vertices with these numbers in the file; raises `MeshError` on one that is not there or in no face."""
+        numbers = np.asarray(given)
+        count = len(self.vertex_of) or len(self.positions)
+        outside = numbers[(numbers < 0) | (numbers >= count)]
+        if outside.size:
+            raise MeshError(f"there is no vertex {outside.flat[0]}; the mesh has {count}, counted from 0.")
+        numbers = numbers.astype(np.int64)
+        vertices = self.vertex_of[numbers] if len(self.vertex_of) else numbers
+        loose = numbers[vertices < 0]
+        if loose.size:
+            raise MeshError(f"no face of the mesh has {plural('vertex', loose.ravel())}.")
+        return vertices
+
+
+def decoded(data: bytes) -> str:
+    """A text file, whatever program wrote it: UTF-8 or UTF-16 as its first bytes say, else UTF-8, else Windows'."""
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return data.decode("utf-16", "replace")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return data.decode("cp1252", "replace")
+
+
+def same_name(name: str) -> str:
+    """A name as it is compared: letters with accents are one character, however they are stored (NFC)."""
+    return unicodedata.normalize("NFC", name)
 
 
 class _Reader:
@@ -54,18 +101,12 @@ class _Reader:
         self.object = self.group = self.material = ""
 
     def read(self) -> MeshData:
-        with self.path.open(encoding="utf-8", errors="surrogateescape") as lines:
-            pending = ""
-            for self.line, text in enumerate(lines, start=1):
-                text = pending + text.split("#", 1)[0].strip()
-                if text.endswith("\\"):
-                    pending = text[:-1] + " "
-                    continue
-                pending = ""
-                keyword, _, rest = text.partition(" ")
-                method = getattr(self, f"_{keyword}", None) if keyword in _KEYWORDS else None
-                if method is not None:
-                    method(rest.strip())
+        for number, keyword, rest in _lines(decoded(self.path.read_bytes())):
+            self.line = number
+            if "\0" in rest:
+                raise self._fail("a null character has no place in an OBJ; save it as a text in UTF-8.")
+            if keyword in _KEYWORDS:
+                getattr(self, f"_{keyword}")(rest)
         return self._mesh()
 
     def _mesh(self) -> MeshData:
@@ -91,6 +132,8 @@ class _Reader:
             raise self._fail(f'"{rest}" is not {what}.') from None
         if len(numbers) < count:
             raise self._fail(f'"{rest}" is not {what}; it takes {count} numbers.')
+        if not all(map(math.isfinite, numbers)):
+            raise self._fail(f'"{rest}" is not {what}; its numbers must be finite.')
         return numbers
 
     def _index(self, word: str, count: int, what: str) -> int:
@@ -130,19 +173,38 @@ class _Reader:
         self.edges.setdefault(name, []).extend(pairwise(vertices))
 
     def _o(self, rest: str) -> None:
-        self.object, self.group = rest, ""
+        self.object, self.group = same_name(rest), ""
 
     def _g(self, rest: str) -> None:
-        self.group = rest
+        self.group = same_name(rest)
 
     def _usemtl(self, rest: str) -> None:
-        self.material = rest
+        self.material = same_name(rest)
 
     def _mtllib(self, rest: str) -> None:
         self.libraries.append((self.path.parent / rest).resolve())
 
 
-_KEYWORDS = {"v", "vt", "f", "l", "o", "g", "usemtl", "mtllib"}
+_NAMING = {"o", "g", "usemtl", "mtllib"}
+_KEYWORDS = {"v", "vt", "f", "l"} | _NAMING
+
+
+def _lines(text: str) -> Iterator[tuple[int, str, str]]:
+    """Number, keyword and rest of each line, continued ones joined; a name may contain "#", numbers end at it."""
+    pending = ""
+    for number, line in enumerate(io.StringIO(text, newline=None), start=1):
+        line = pending + line.strip()
+        if _split(line)[0] not in _NAMING:
+            line = line.split("#", 1)[0].rstrip()
+        pending = line[:-1] + " " if line.endswith("\\") else ""
+        if not pending:
+            yield number, *_split(line)
+
+
+def _split(line: str) -> tuple[str, str]:
+    """The keyword of a line and the rest, with any white space between them."""
+    words = line.split(None, 1)
+    return (words[0] if words else "", words[1].rstrip() if len(words) > 1 else "")
 
 
 def read_obj(path: str | os.PathLike[str]) -> MeshData:

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..domain.domain import Domain
-from ..errors import ConditionError
+from ..errors import ConditionError, MeshError
 from ..fitting.gauss_map import GaussMapOptions
 from ..fitting.goals import HEIGHT_PARAMETERS, OutlineOptions
+from ..io.obj import MeshData
 from ..shells.fit import FitOptions
 from ..shells.rim_curves import check_count, read_curves
 from ..surface.cmc_surface import SHEETS
@@ -23,7 +24,7 @@ Anchors = tuple[NDArray[np.integer], Array, Array]
 Readers = dict[str, Callable[[Table, str], object]]
 
 
-def read_fit(root: Table, domain: Domain, folder: Path, up: str | None) -> FitOptions:
+def read_fit(root: Table, domain: Domain, mesh: MeshData, folder: Path, up: str | None) -> FitOptions:
     """The options of a job's [fit]. Raises `JobError`."""
     table = root.table("fit")
     given = [key for key in _RESULTS if key in root]
@@ -36,7 +37,7 @@ def read_fit(root: Table, domain: Domain, folder: Path, up: str | None) -> FitOp
         for key, instead in _INSTEAD.items():
             if key in table:
                 raise table.fail(f'"{key}" goes with "approximate"; {instead}.')
-        options = _outline(table, domain, folder, up)
+        options = _outline(table, domain, mesh, folder, up)
     table.finish()
     return options
 
@@ -48,8 +49,8 @@ def _approximation(table: Table) -> GaussMapOptions:
     return GaussMapOptions(**_values(table, _APPROXIMATE))
 
 
-def _outline(table: Table, domain: Domain, folder: Path, up: str | None) -> OutlineOptions:
-    anchors = _anchors(table, domain)
+def _outline(table: Table, domain: Domain, mesh: MeshData, folder: Path, up: str | None) -> OutlineOptions:
+    anchors = _anchors(table, mesh)
     height_parameters = [name for name in HEIGHT_PARAMETERS if name in table]
     if len(height_parameters) > 1:
         raise table.fail(f"give one of {', '.join(HEIGHT_PARAMETERS)}, not {' and '.join(height_parameters)}.")
@@ -81,16 +82,16 @@ def _tilt(table: Table, key: str) -> tuple[float, float]:
     return table.radians(key, least), table.radians(key, most)
 
 
-def _anchors(table: Table, domain: Domain) -> Anchors | None:
+def _anchors(table: Table, mesh: MeshData) -> Anchors | None:
     """All [[fit.anchors]] in a row: vertices (k,), places (k, 3), weights (k,)."""
-    parts = [_anchor(anchor, domain) for anchor in table.tables("anchors")]
+    parts = [_anchor(anchor, mesh) for anchor in table.tables("anchors")]
     if not parts:
         return None
     vertices, places, weights = zip(*parts, strict=True)
     return np.concatenate(vertices), np.concatenate(places), np.concatenate(weights)
 
 
-def _anchor(table: Table, domain: Domain) -> Anchors:
+def _anchor(table: Table, mesh: MeshData) -> Anchors:
     """One table: a vertex and a place, or vertices and as many places."""
     table.where = table.where.replace("[[anchors]]", "[[fit.anchors]]")
     one, many = ("vertex" in table, "place" in table), ("vertices" in table, "places" in table)
@@ -102,13 +103,14 @@ def _anchor(table: Table, domain: Domain) -> Anchors:
         vertices, places = _vertices(table, "vertices"), table.rows("places", 3, "places, [[0, 0, 0]]")
     if len(vertices) != len(places):
         raise table.fail(f"{len(vertices)} vertices cannot be at {len(places)} places.")
-    wrong = [vertex for vertex in vertices if not 0 <= vertex < domain.vertex_count]
-    if wrong:
-        raise table.fail(f"there is no vertex {wrong[0]}; the mesh has {domain.vertex_count}, counted from 0.")
+    try:
+        vertices = mesh.from_file(vertices)
+    except MeshError as error:
+        raise table.fail(str(error)) from error
     weight = _positive(table, "weight", 1.0)
     table.known.extend(ANCHOR_KEYS)
     table.finish()
-    return np.array(vertices), places, np.full(len(vertices), weight)
+    return vertices, places, np.full(len(vertices), weight)
 
 
 def _vertices(table: Table, key: str) -> list[int]:

@@ -19,17 +19,18 @@ import numpy as np
 from ..catalogue import shapes
 from ..domain.domain import Domain
 from ..domain.sites import SITES
-from ..errors import CmcError, ConditionError, JobError, Progress
+from ..errors import CmcError, ConditionError, JobError, MeshError, Progress
 from ..gauss.conditions import KINDS, Parameter
 from ..gauss.energies import ENERGIES, energy_on
 from ..gauss.methods import METHODS
 from ..io.mesh_files import FORMATS, read_mesh
-from ..io.obj import MeshData
+from ..io.obj import MeshData, decoded
 from ..shells.close import ClosingOptions, close_plan, closing_report
 from ..shells.complete import Completed, complete_plan
 from ..shells.fit import FitOptions, fit_plan
 from ..shells.form import form
 from ..shells.gaps import hole_gaps
+from ..shells.numbering import drawn_numbers
 from ..shells.plan import SHELLS, Group, Plan, Settings, plan_conditions, plan_domain, usual_sheet
 from ..shells.shell import Shell
 from ..surface.averaging import AVERAGINGS
@@ -128,11 +129,11 @@ def make_job(data: Mapping[str, object], file: Path) -> Job:
     mesh, sides, up = _read_plan(root, file.parent)
     plan = Plan.from_mesh(mesh)
     if "start" in root:
-        read_start_key(root, plan, file.parent)
+        read_start_key(root, plan, mesh, file.parent)
     domain = plan_domain(plan)
-    fit = read_fit(root, domain, file.parent, up) if "fit" in root else None
+    fit = read_fit(root, domain, mesh, file.parent, up) if "fit" in root else None
     plan.groups = [_group(table, domain, mesh, sides) for table in root.tables("conditions")]
-    plan.flipped_corners = _flipped_corners(root.table("default"), domain)
+    plan.flipped_corners = _flipped_corners(root.table("default"), mesh)
     output = root.table("output")
     settings = _settings(root, output.text("combinatorics", "primal", among=list(COMBINATORICS)))
     outputs = _outputs(output, file.parent)
@@ -141,8 +142,9 @@ def make_job(data: Mapping[str, object], file: Path) -> Job:
     root.known += ["fit", "close", "complete", "start"]
     root.finish()
     if fit is None:
-        plan_conditions(plan, settings, domain)
-    return Job(file, plan, settings, mesh, outputs, up, fit, close, complete, root.notes)
+        with drawn_numbers(plan):
+            plan_conditions(plan, settings, domain)
+    return Job(file, plan, settings, mesh, outputs, up, fit, close, complete, [*mesh.notes, *root.notes])
 
 
 def run_job(job: Job, progress: Progress | None = None) -> Shell:
@@ -190,11 +192,10 @@ def _completed(job: Job, plan: Plan, shell: Shell) -> tuple[Completed | None, Cm
 
 def _parse(file: Path) -> dict[str, object]:
     try:
-        with file.open("rb") as stream:
-            return tomllib.load(stream)
+        return tomllib.loads(decoded(file.read_bytes()))
     except OSError as error:
         raise JobError(f"{file} cannot be read: {error.strerror or error}.") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except tomllib.TOMLDecodeError as error:
         raise JobError(f"{file} is not valid TOML: {error}.") from error
 
 
@@ -252,12 +253,11 @@ _SHAPE_VALUES: dict[str, Callable[[Table, str], object]] = {
 }
 
 
-def _flipped_corners(default: Table, domain: Domain) -> list[int]:
-    vertices = default.integers("flipped_corners")
-    for vertex in vertices:
-        if not 0 <= vertex < domain.vertex_count:
-            raise default.fail(f'"flipped_corners": there is no vertex {vertex}; there are {domain.vertex_count}.')
-    return vertices
+def _flipped_corners(default: Table, mesh: MeshData) -> list[int]:
+    try:
+        return mesh.from_file(default.integers("flipped_corners")).tolist()
+    except MeshError as error:
+        raise default.fail(f'"flipped_corners": {error}') from error
 
 
 def _group(table: Table, domain: Domain, mesh: MeshData, sides: dict[str, Pairs]) -> Group:

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..domain.domain import Domain
-from ..io.obj import MeshData
+from ..errors import CmcError
+from ..io.obj import MeshData, same_name
 from .tables import Table, suggestion
 
 Pairs = NDArray[np.integer]
@@ -56,7 +57,7 @@ def _side(table: Table, domain: Domain, mesh: MeshData, sides: dict[str, Pairs])
 
 
 def _group(table: Table, domain: Domain, mesh: MeshData, sides: dict[str, Pairs]) -> Pairs:
-    name = table.text("group")
+    name = same_name(table.text("group"))
     if name in mesh.edge_groups:
         return mesh.edge_groups[name]
     for names in (mesh.groups, mesh.objects, mesh.materials):
@@ -84,18 +85,27 @@ def _boundary_of_polygons(domain: Domain, polygons: list[NDArray[np.int32]]) -> 
 
 
 def _edges(table: Table, domain: Domain, mesh: MeshData, sides: dict[str, Pairs]) -> Pairs:
-    return _whole(table, "edges", table.rows("edges", 2, "pairs of vertices, [[0, 1], [1, 2]]"))
+    rows = table.rows("edges", 2, "pairs of vertices, [[0, 1], [1, 2]]")
+    return _from_file(table, mesh, _whole(table, "edges", rows))
 
 
 def _vertices(table: Table, domain: Domain, mesh: MeshData, sides: dict[str, Pairs]) -> Pairs:
     value = table.data["vertices"]
     table.data = {**table.data, "vertices": [[item] for item in value] if isinstance(value, list) else value}
-    listed = _whole(table, "vertices", table.rows("vertices", 1, "vertices, [0, 1, 2]"))[:, 0]
+    listed = _from_file(table, mesh, _whole(table, "vertices", table.rows("vertices", 1, "vertices, [0, 1, 2]")))[:, 0]
     boundary = domain.edges[domain.boundary_edges]
     chosen = boundary[np.isin(boundary, listed).all(axis=1)]
     if not len(chosen):
         raise table.fail("no boundary edge has both ends among these vertices.")
     return chosen
+
+
+def _from_file(table: Table, mesh: MeshData, numbers: Pairs) -> Pairs:
+    """Vertices of the plan by their numbers in the file, where these differ."""
+    try:
+        return mesh.from_file(numbers) if len(mesh.vertex_of) else numbers
+    except CmcError as error:
+        raise table.fail(str(error)) from error
 
 
 def _whole(table: Table, key: str, numbers: NDArray[np.float64]) -> Pairs:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import CmcError, JobError
+from ..io.obj import MeshData
 from ..shells.plan import Plan
 from ..shells.plan_metric import side_lengths, start_map
 from .tables import Table
@@ -28,19 +28,39 @@ class Start:
     lengths: Array | None = None
 
 
-def read_start_key(root: Table, plan: Plan, folder: Path) -> None:
-    """Give a plan the start of `start = "file.npz"`. Raises `JobError` where it does not fit the plan."""
+def read_start_key(root: Table, plan: Plan, mesh: MeshData, folder: Path) -> None:
+    """Give a plan the start of `start = "file.npz"`, whose vertices are those of the file of the mesh.
+
+    Raises `JobError` where it does not fit the plan.
+    """
     name = root.text("start")
     if not name:
         return
     try:
-        start = read_start(folder / name)
+        start = _in_plan(read_start(folder / name), mesh)
         if start.normals is not None:
             plan.initial = start_map(start.normals, len(plan.positions))
         if start.edges is not None and start.lengths is not None:
             plan.lengths = side_lengths(plan.triangles, start.edges, start.lengths)
     except CmcError as error:
         raise root.fail(f'"start": {error}') from error
+
+
+def _in_plan(start: Start, mesh: MeshData) -> Start:
+    """The start on the vertices of the plan, where these are not all of the file's."""
+    count = len(mesh.vertex_of) or len(mesh.positions)
+    normals, edges, lengths = start.normals, start.edges, start.lengths
+    if edges is not None and edges.size and (edges.min() < 0 or edges.max() >= count):
+        raise JobError(f"an edge has a vertex that is not there; the mesh has {count}, counted from 0.")
+    if not len(mesh.vertex_of):
+        return start
+    if normals is not None and len(normals) == count:
+        normals = normals[mesh.vertex_numbers]
+    if edges is not None and lengths is not None:
+        edges = mesh.vertex_of[edges]
+        within = (edges >= 0).all(axis=1)
+        edges, lengths = edges[within], np.ravel(lengths)[within]
+    return Start(normals, edges, lengths)
 
 
 def read_start(path: str | os.PathLike[str]) -> Start:
@@ -52,8 +72,14 @@ def read_start(path: str | os.PathLike[str]) -> Start:
     try:
         with np.load(file, allow_pickle=False) as data:
             arrays = {name: data[name] for name in ("normals", "edges", "lengths") if name in data}
-    except (OSError, ValueError, BadZipFile) as error:
-        raise JobError(f"{file} cannot be read as .npz: {error}.") from error
+    except OSError as error:
+        raise JobError(f"{file} cannot be read: {error.strerror or error}.") from error
+    except Exception as error:  # a damaged file surfaces as whatever its parsers stumbled over
+        raise JobError(f"{file} cannot be read: it is damaged, or no .npz file; write it with write_start.") from error
+    for name, array in arrays.items():
+        if array.dtype.kind not in ("iu" if name == "edges" else "iuf"):
+            what = "vertex numbers" if name == "edges" else "numbers"
+            raise JobError(f'The array "{name}" of {file} must hold {what}, not {array.dtype}.')
     if not arrays or ("edges" in arrays) != ("lengths" in arrays):
         raise JobError(f'{file} must have the arrays "normals", or "edges" and "lengths", or all three.')
     lengths = arrays.get("lengths")

@@ -52,6 +52,8 @@ class Table:
         value = self._take(key, default)
         if not isinstance(value, str):
             raise self._wrong(key, "a text")
+        if "\0" in value:
+            raise self.fail(f'"{key}" contains a null character (\\u0000); take it out.')
         if among and value not in among and key in self.data:
             raise self.fail(f'there is no {key} "{value}"{suggestion(value, among)}')
         return value

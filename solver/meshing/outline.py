@@ -160,9 +160,11 @@ def _as_points(points: np.ndarray, name: str, start: int) -> np.ndarray:
 
 
 def _check_repeated(points: np.ndarray, name: str, start: int, size: float) -> None:
-    pairs = KDTree(points - points[0]).query_pairs(_SAME_PLACE * size, output_type="ndarray")
-    if len(pairs):
-        a, b = min(map(tuple, np.sort(pairs, axis=1).tolist()))
+    tree = KDTree(points - points[0])
+    near = np.flatnonzero(np.asarray(tree.query(tree.data, k=2)[0])[:, 1] <= _SAME_PLACE * size)
+    if len(near):
+        a = int(near[0])  # one pair of perhaps thousands in one place
+        b = min(k for k in tree.query_ball_point(tree.data[a], _SAME_PLACE * size) if k != a)
         raise MeshError(
             f"Points {a} and {b} of {name} are at the same place; merge them by distance, or move one.",
             vertices=(start + a, start + b),

@@ -28,8 +28,9 @@ from ..linalg import as_numbers
 from ..surface.cmc_surface import COMBINATORICS, SHEETS
 from ..surface.options import SolveOptions
 from ..surface.placement import Rule
+from .numbering import drawn_numbers, renumbered, rules
 from .plan_metric import metric_domain, start_map
-from .plan_parts import check_junctions, explain_parts
+from .t_junctions import check_junctions, rim_of
 
 Array = NDArray[np.float64]
 Int = NDArray[np.int32]
@@ -82,7 +83,8 @@ class Plan:
     each triangle; only output uses them. flipped_corners: vertices between two mirrors that take the other one of their
         two normals (see `conditions.mirror`); other vertices are left alone.
     lengths: (T, 3) side lengths of the triangles, side k opposite corner k, in place of the drawn ones; the positions
-        then only say where the shell stands. initial: (V, 3) the normals that a solve starts from.
+        then only say where the shell stands. polygon_numbers, vertex_numbers: those of a file, where they differ, for
+        messages. initial: (V, 3) the normals that a solve starts from.
     """
 
     positions: Array
@@ -93,6 +95,8 @@ class Plan:
     flipped_corners: Sequence[int] = ()
     lengths: Array | None = None
     initial: Array | None = None
+    polygon_numbers: NDArray[np.integer] | None = None
+    vertex_numbers: NDArray[np.integer] | None = None
 
     def __post_init__(self) -> None:
         self.positions = as_numbers(self.positions, "The positions of a plan", MeshError)
@@ -118,8 +122,20 @@ class Plan:
 
         Raises `MeshError` naming a polygon that cannot be cut.
         """
-        triangles, owner = triangulate_polygons(mesh.positions, mesh.polygons)
-        return cls(mesh.positions, triangles, mesh.polygons, triangle_polygons=owner)
+        polygons = mesh.polygon_numbers if len(mesh.polygon_numbers) else None
+        vertices = mesh.vertex_numbers if len(mesh.vertex_of) else None
+        try:
+            triangles, owner = triangulate_polygons(mesh.positions, mesh.polygons)
+        except MeshError as error:
+            raise renumbered(error, rules(vertices, polygons)) from error
+        return cls(
+            mesh.positions,
+            triangles,
+            mesh.polygons,
+            triangle_polygons=owner,
+            polygon_numbers=polygons,
+            vertex_numbers=vertices,
+        )
 
     def __repr__(self) -> str:
         groups = ", ".join(f"{group.name}: {group.kind}" for group in self.groups)
@@ -227,6 +243,17 @@ def usual_sheet(shell: str) -> str:
     return "f-" if shell == "bubble" else "f+"
 
 
+def _drawn_domain(positions: Array, triangles: Int) -> Domain:
+    """The domain of drawn triangles; T-junctions along the rim are refused, since the mesh is open there unnoticed."""
+    try:
+        domain = Domain.from_positions(positions, triangles)
+    except MeshError as error:
+        check_junctions(np.asarray(positions), rim_of(triangles, len(positions)))
+        raise error
+    check_junctions(np.asarray(positions), domain.edges[domain.boundary_edges])
+    return domain
+
+
 def plan_domain(plan: Plan) -> Domain:
     """The plan's mesh as a domain, with its own edge lengths if it has them.
 
@@ -234,14 +261,11 @@ def plan_domain(plan: Plan) -> Domain:
     """
     if plan.initial is not None:
         start_map(plan.initial, len(plan.positions))
-    if plan.lengths is None:
-        try:
-            domain = Domain.from_positions(plan.positions, plan.triangles)
-        except MeshError as error:
-            raise explain_parts(error, np.asarray(plan.positions), plan.triangles) from error
-        check_junctions(np.asarray(plan.positions), domain.edges[domain.boundary_edges])
-    else:
-        domain = metric_domain(plan.positions, plan.triangles, plan.lengths)
+    with drawn_numbers(plan):
+        if plan.lengths is None:
+            domain = _drawn_domain(plan.positions, plan.triangles)
+        else:
+            domain = metric_domain(plan.positions, plan.triangles, plan.lengths)
     if not len(domain.boundary_edges) and plan.initial is None:
         raise MeshError(
             "The mesh is closed: it has no boundary along which to prescribe tangent planes; delete the faces that are "

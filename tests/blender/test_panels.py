@@ -306,3 +306,13 @@ def test_percentages_without_rounding_errors(part, text) -> None:
     from cmc_formfinding.solver.measure.summary import percent
 
     assert percent(part) == text
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["[]", '"text"', "3", "null", '{"message": "", "converged": true, "sheets": [], "sheet": 3}', "[" * 100_000],
+)
+def test_a_stored_report_that_is_no_report_counts_as_none(addon, text):
+    bpy.ops.mesh.primitive_plane_add()
+    bpy.context.object.cmc.report = text
+    assert addon.cmc_addon.properties.reports.solve_report(bpy.context.object) is None

@@ -150,7 +150,7 @@ def test_refuses_a_face_that_repeats_a_vertex():
 
 def test_refuses_repeated_faces():
     error = refused(SQUARE, [[0, 1, 2], [0, 2, 3], [2, 0, 1]])
-    assert error.faces == (0, 2) and "same three vertices" in str(error)
+    assert error.faces == (0, 2) and "same vertices" in str(error)
 
 
 def test_refuses_loose_vertices():
@@ -166,7 +166,28 @@ def test_refuses_an_edge_with_three_faces():
 
 def test_refuses_faces_oriented_against_each_other():
     error = refused(SQUARE, [[0, 1, 2], [0, 3, 2]])
-    assert error.faces == (0, 1) and "recalculate" in str(error)
+    assert error.faces == (1,) and "Face 1 has the other orientation" in str(error) and "recalculate" in str(error)
+
+
+def test_names_the_faces_to_turn_only():
+    """Those of the smaller part, wherever they are."""
+    shape = shapes.disc(60)
+    faces = shape.domain.faces.copy()
+    faces[[5, 17]] = faces[[5, 17]][:, ::-1]
+    assert refused(shape.positions, faces).faces == (5, 17)
+
+
+def test_components_that_touch_are_to_be_merged():
+    left = np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]])
+    quads = np.array([[0, 1, 2], [0, 2, 3]])
+    error = refused(np.vstack([left, left + [1, 0]]), np.vstack([quads, quads + 4]))
+    assert "2 components that touch: vertices 1, 2, 4, 7 lie" in str(error) and "; merge them by distance" in str(error)
+    assert error.vertices == (1, 2, 4, 7)
+    tall = np.array([[1, 0], [2, 0], [2, 3], [1, 3.0]])
+    error = refused(np.vstack([left, tall]), np.vstack([quads, quads + 4]))
+    assert "vertices 1, 4 lie" in str(error) and "split the longer of their edges" in str(error)
+    error = refused(np.vstack([left, left + [5, 0]]), np.vstack([quads, quads + 4]))
+    assert "solve them one by one" in str(error)
 
 
 def test_refuses_a_moebius_strip_as_one_sided():

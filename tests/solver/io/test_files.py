@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import os
 import stat
+import struct
+import tracemalloc
 from dataclasses import replace
 from pathlib import Path
 
@@ -214,3 +217,79 @@ def test_polygons_without_a_triangulation_are_written_as_fans(tmp_path, suffix):
     write_mesh(tmp_path / f"m{suffix}", mesh)
     again = read_mesh(tmp_path / f"m{suffix}")
     assert len(again.polygons) == 2 + 2 + 3
+
+
+def stl(triangles: np.ndarray) -> bytes:
+    records = np.zeros(len(triangles), dtype=[("normal", "<3f4"), ("corners", "<9f4"), ("more", "<u2")])
+    records["corners"] = triangles.reshape(-1, 9)
+    return b"\0" * 80 + np.uint32(len(triangles)).tobytes() + records.tobytes()
+
+
+def glb(index: int) -> bytes:
+    """One triangle whose last corner has this index."""
+    data = struct.pack("<9f3I", 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, index)
+    view, shape = {"buffer": 0}, {"count": 3, "type": "VEC3", "componentType": 5126}
+    scene = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "accessors": [
+            {**shape, "bufferView": 0},
+            {**shape, "bufferView": 1, "componentType": 5125, "type": "SCALAR"},
+        ],
+        "bufferViews": [{**view, "byteLength": 36}, {**view, "byteOffset": 36, "byteLength": 12}],
+        "buffers": [{"byteLength": 48}],
+    }
+    text = json.dumps(scene).encode()
+    text += b" " * (-len(text) % 4)
+    body = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(data), b"BIN\0") + data
+    return struct.pack("<4sII", b"glTF", 2, 12 + len(body)) + body
+
+
+CORNERS = np.array([[[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[1, 0, 0], [1, 1, 0], [0, 1, 0.0]]])
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "message"),
+    [
+        ("nan.stl", stl(np.where(CORNERS == 1, np.nan, CORNERS)), "position of vertices 1, 2, .* not a finite number"),
+        ("inf.stl", stl(np.where(CORNERS == 1, np.inf, CORNERS)), "position of vertices 1, 2, .* not a finite number"),
+        ("index.glb", glb(112), "face 0 has vertex 112, but there are 3"),
+        ("huge.glb", glb(2**32 - 1), "face 0 has vertex 4294967295, but there are 3"),
+        ("nul.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nmtllib a\0b\n", "nul.obj, line 5: a null character"),
+        ("nan.obj", b"v 0 0 0\nv nan 0 0\n", r'nan.obj, line 2: "nan 0 0" is not a position; .* finite'),
+        ("inf.obj", b"v 0 0 1e999\n", r"inf.obj, line 1: .* finite"),
+        ("words.ply", b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float z\nend_header\n0\n", "it is damaged"),
+        ("flat.stl", stl(np.zeros((3, 3, 3))), "has no face with an area"),
+    ],
+)
+def test_damaged_files_are_refused_with_a_sentence(tmp_path, name, data, message):
+    (tmp_path / name).write_bytes(data)
+    with pytest.raises(MeshError, match=message):
+        read_mesh(tmp_path / name)
+
+
+def test_a_good_glb_is_read(tmp_path):
+    (tmp_path / "m.glb").write_bytes(glb(2))
+    assert [polygon.tolist() for polygon in read_mesh(tmp_path / "m.glb").polygons] == [[0, 1, 2]]
+
+
+def test_names_with_a_null_character(plan, tmp_path):
+    with pytest.raises(JobError, match="There is no file"):
+        read_mesh(tmp_path / "a\0b.obj")
+    with pytest.raises(JobError, match="cannot be written"):
+        write_mesh(tmp_path / "a\0b.obj", plan)
+
+
+@pytest.mark.parametrize("spread", [0.0, 1e-7])
+def test_thousands_of_vertices_in_one_place(tmp_path, spread):
+    """Memory in proportion to the file: all pairs of them would take more than 2 GB."""
+    noise = spread * np.random.default_rng(0).random((6000, 3, 3))
+    (tmp_path / "m.stl").write_bytes(stl(np.tile(CORNERS[:1], (6000, 1, 1)) + noise))
+    tracemalloc.start()
+    mesh = read_mesh(tmp_path / "m.stl")
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert len(mesh.positions) == 3 and peak < 1e8

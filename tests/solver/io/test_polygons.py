@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
@@ -77,6 +79,18 @@ def test_a_regular_polygon_of_many_corners():
     triangles, _ = triangulate_polygons(points, [np.arange(150)])
     assert len(triangles) == 148
     assert (areas(points.astype(float), triangles) > 0).all()
+
+
+@pytest.mark.parametrize("roughness", [0.0, 0.3])
+def test_thousands_of_corners_take_seconds(roughness):
+    """Time in proportion to the corners: comparing each ear with all corners takes 20 s here."""
+    t = 2 * np.pi * np.arange(6000) / 6000
+    radius = 1 + roughness * np.random.default_rng(0).random(len(t))
+    points = radius[:, None] * np.column_stack([np.cos(t), np.sin(t)])
+    start = time.process_time()
+    triangles, _ = triangulate_polygons(points, [np.arange(len(points))])
+    assert time.process_time() - start < 8.0
+    assert len(triangles) == len(points) - 2 and (areas(points, triangles) > 0).all()
 
 
 SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1.0]]

@@ -202,7 +202,7 @@ def test_more_copies_than_are_ever_made_are_refused_at_once(tmp_path):
 
 @pytest.mark.parametrize(("given", "message"), [
     ('["a"]', r'"flipped_corners" must be a list of whole numbers'),
-    ("[0, 999]", r'"flipped_corners": there is no vertex 999; there are \d+'),
+    ("[0, 999]", r'"flipped_corners": there is no vertex 999; the mesh has \d+'),
 ])  # fmt: skip
 def test_flipped_corners_are_vertices(tmp_path, given, message):
     path = job_file(tmp_path, 'mesh = "a.stl"', more=f"[default]\nflipped_corners = {given}")

@@ -212,7 +212,21 @@ def test_bad_starts_of_jobs_are_named(torus, tmp_path):
     (tmp_path / "text.npz").write_text("no zip")
     np.savez(tmp_path / "empty.npz", other=np.zeros(3))
     np.savez(tmp_path / "short.npz", normals=np.zeros((2, 3)))
+    np.save(tmp_path / "array.npy", np.zeros((3, 3)))
+    (tmp_path / "array.npy").rename(tmp_path / "array.npz")
+    (tmp_path / "nothing.npz").write_bytes(b"")
+    damaged = bytearray((tmp_path / "torus.npz").read_bytes())
+    damaged[len(damaged) // 4] ^= 255
+    (tmp_path / "damaged.npz").write_bytes(damaged)
+    np.savez(tmp_path / "words.npz", normals=np.array(["up", "down"]))
+    np.savez(tmp_path / "far.npz", edges=[[0, 2**62]], lengths=[1.0])
     for start, words in {
+        "array.npz": "damaged, or no .npz",
+        "nothing.npz": "damaged, or no .npz",
+        "damaged.npz": "damaged, or no .npz",
+        "words.npz": '"normals" of .* must hold numbers',
+        "far.npz": "an edge has a vertex that is not there",
+        "a\0b.npz": "null character",
         "missing.npz": "cannot be read",
         "text.npz": "cannot be read",
         "empty.npz": "must have the arrays",

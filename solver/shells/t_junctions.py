@@ -1,11 +1,9 @@
-"""Rims that touch without being joined: vertices of two parts that coincide, and T-junctions."""
+"""T-junctions: vertices of the rim that lie inside one of its edges, where a mesh is open unnoticed."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 from ..errors import MeshError, plural
@@ -17,45 +15,22 @@ Int = NDArray[np.integer]
 _NEAR = 1e-6
 
 
-def explain_parts(error: MeshError, positions: Array, triangles: Int) -> MeshError:
-    """The error of a mesh that is no domain, or a better one if its parts only touch where they should be joined."""
+def rim_of(triangles: Int, count: int) -> Int:
+    """Edges (n, 2) that one triangle has, of triangles that may be no surface; none where they are no triangles."""
     corners = np.asarray(triangles)
-    if corners.ndim != 2 or not len(corners) or corners.min() < 0 or corners.max() >= len(positions):
-        return error
-    count = len(positions)
+    is_list = corners.ndim == 2 and corners.shape[1] == 3 and len(corners) > 0
+    if not is_list or corners.min() < 0 or corners.max() >= count:
+        return np.zeros((0, 2), dtype=np.int64)
     pairs = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
-    graph = coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(count, count))
-    part = connected_components(graph, directed=False)[1]
     ends, uses = np.unique(np.sort(pairs, axis=1), axis=0, return_counts=True)
-    rim = ends[uses == 1]
-    twins, (lying, _) = coinciding(positions, np.unique(rim), part), t_junctions(positions, rim)
-    if not twins.size and not lying.size:
-        return error
-    sentences = []
-    if twins.size:
-        sentences.append(
-            f"{len(twins)} vertices of one part of the mesh coincide with vertices of another and are not joined "
-            f"({plural('vertex', twins)}); weld them (Merge by Distance)."
-        )
-    if lying.size:
-        sentences.append(_junction_sentence(positions, rim))
-    return MeshError(" ".join(sentences), vertices=np.concatenate([twins, lying]))
+    return ends[uses == 1]
 
 
 def check_junctions(positions: Array, rim: Int) -> None:
     """Raise `MeshError` at vertices that lie on edges (n, 2) of the rim without being their ends."""
-    lying, _ = t_junctions(positions, rim)
+    lying = t_junctions(positions, rim)[0] if len(rim) else rim[:0, 0]
     if lying.size:
         raise MeshError(_junction_sentence(positions, rim), vertices=lying)
-
-
-def coinciding(positions: Array, vertices: Int, part: Int) -> Int:
-    """Those of the vertices that lie on one of another part; of each pair the one with the larger number."""
-    points = positions[vertices]
-    near = _NEAR * float(np.ptp(positions, axis=0).max())
-    pairs = vertices[KDTree(points).query_pairs(near, output_type="ndarray")].reshape(-1, 2)
-    apart = part[pairs[:, 0]] != part[pairs[:, 1]]
-    return np.unique(pairs[apart].max(axis=1)) if apart.any() else np.zeros(0, dtype=np.int64)
 
 
 def t_junctions(positions: Array, rim: Int) -> tuple[Int, Int]:
