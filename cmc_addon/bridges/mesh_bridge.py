@@ -111,7 +111,7 @@ def near_origin(base: NDArray, points: NDArray) -> NDArray[np.float64]:
     low, high = points.min(axis=0), points.max(axis=0)
     step = 2.0 ** np.ceil(np.log2(32.0 * (float((high - low).max()) or 1.0)))
     shift = step * np.round(((low + high) / 2 - base) / step)
-    return np.float32(base + shift).astype(np.float64)
+    return np.asarray(base + shift, dtype=np.float32).astype(np.float64)
 
 
 def copy_mesh(ob: bpy.types.Object, depsgraph: bpy.types.Depsgraph | None = None) -> bpy.types.Mesh:

@@ -182,5 +182,5 @@ def _to_origin(curve: bpy.types.Curve) -> NDArray[np.float64]:
     """Move a curve by its first point, which is returned (3,)."""
     first = next((spline.bezier_points or spline.points)[0] for spline in curve.splines)
     middle = np.array(first.co[:3], dtype=np.float64)
-    curve.transform(Matrix.Translation(Vector(-middle)), shape_keys=True)
+    curve.transform(Matrix.Translation(Vector((-middle).tolist())), shape_keys=True)
     return middle

@@ -194,9 +194,11 @@ class CMC_PT_options(Tab, bpy.types.Panel):
         return plan_to_solve(context) is not None
 
     def draw(self, context):
-        settings = plan_to_solve(context).cmc
+        plan = plan_to_solve(context)
+        assert plan is not None  # see `poll`
+        settings = plan.cmc
         column = properties_column(self.layout)
-        column.enabled = keeps_changes(plan_to_solve(context))
+        column.enabled = keeps_changes(plan)
         draw_shell(column, settings)
         column.prop(settings, "sheet")
         checks = column.column(heading="Also Make")

@@ -243,7 +243,7 @@ def usual_sheet(shell: str) -> str:
     return "f-" if shell == "bubble" else "f+"
 
 
-def _drawn_domain(positions: Array, triangles: Int) -> Domain:
+def _drawn_domain(positions: Array, triangles: NDArray[np.integer]) -> Domain:
     """The domain of drawn triangles; T-junctions along the rim are refused, since the mesh is open there unnoticed."""
     try:
         domain = Domain.from_positions(positions, triangles)
