@@ -39,7 +39,7 @@ BAD = {
     "touching faces": (
         lambda: added("Hall", [(x, y, 0) for x, y in [*SQUARE, (9, 9), (8, 9)]], [], [(0, 1, 2, 3), (2, 4, 5)]),
         "More than two edges .* meet at vertex 2"),
-    "two plans": (two_plans, "2 outlines beside each other"),
+    "two plans": (two_plans, "2 separate outlines"),
     "spike": (lambda: ngon([*SQUARE[:3], (4, 6), (4, 9), (4.0001, 6), (0, 6)]), "spike.*In 'Hall': vertex 4"),
     "no area": (lambda: wire([(0, 0), (1, 0), (2, 0)]), "spike|encloses no area"),
     "NaN": (lambda: wire([(0, 0), (math.nan, 0), (2, 2)]), "vertex 1 of 'Hall' are not finite"),

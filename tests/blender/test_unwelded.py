@@ -29,7 +29,7 @@ def merge(distance=1e-4):
 
 def test_two_halves():
     halves()
-    with pytest.raises(RuntimeError, match=r"9 vertices of one part .* coincide .*Merge by Distance"):
+    with pytest.raises(RuntimeError, match=r"2 components that touch: .*merge them by distance"):
         bpy.ops.cmc.solve()
     merge()
     assert bpy.ops.cmc.solve() == {"FINISHED"}
@@ -37,7 +37,7 @@ def test_two_halves():
 
 def test_a_t_junction():
     halves(other_step=2.0)
-    with pytest.raises(RuntimeError, match=r"5 vertices of one part .* lie inside an edge of the rim"):
+    with pytest.raises(RuntimeError, match=r"Vertices .* lie inside an edge of the rim"):
         bpy.ops.cmc.solve()
     merge()
     with pytest.raises(RuntimeError, match=r"Vertices .* lie inside an edge of the rim.*a T-junction"):
