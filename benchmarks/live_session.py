@@ -68,7 +68,7 @@ def bare_solves(addon, live, plan, changes):
     """A function of k: the bare solve after change k, with the plan's cached factor, from the last map."""
     tasks, update = addon.cmc_addon.tasks.solve, addon.cmc_addon.live.update
     plan_cache = addon.cmc_addon.background.plan_cache
-    conditions = __import__(f"{PACKAGE}.solver.shells.plan", fromlist=["plan_conditions"]).plan_conditions
+    conditions = __import__(f"{PACKAGE}.solver.shells.plan_conditions", fromlist=["plan_conditions"]).plan_conditions
     made = []
     for change in changes:
         change()

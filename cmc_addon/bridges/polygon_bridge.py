@@ -12,14 +12,7 @@ from numpy.typing import NDArray
 
 from ...solver.shells.polygon_sheets import PolygonSheet
 from .mesh_bridge import PlanMesh, build_polygons, copy_mesh, set_attribute
-from .result_bridge import (
-    NOT_REFRESHED,
-    active_layers,
-    corners_of,
-    gather,
-    mesh_layers,
-    set_active_layers,
-)
+from .result_bridge import NOT_REFRESHED, active_layers, corners_of, gather, mesh_layers, set_active_layers
 
 Int = NDArray[np.int32]
 

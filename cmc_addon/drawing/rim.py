@@ -16,7 +16,8 @@ from ...solver.domain.sites import SiteGraph
 from ...solver.errors import CmcError
 from ...solver.gauss.admissible import Admissible, resolved
 from ...solver.gauss.boundary_data import Conditions
-from ...solver.shells.plan import Settings, plan_conditions
+from ...solver.shells.plan import Settings
+from ...solver.shells.plan_conditions import plan_conditions
 from ..bridges.mesh_bridge import PlanMesh
 from .rim_strip import GroupState, Strip
 

@@ -21,13 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...solver.shells.polygon_sheets import PolygonSheet
-from ...solver.shells.vertex_measures import (
-    DIRECTION,
-    lines_on_polygons,
-    on_polygons,
-    rim_distances,
-    vertex_measures,
-)
+from ...solver.shells.vertex_measures import DIRECTION, lines_on_polygons, on_polygons, rim_distances, vertex_measures
 from ...solver.surface.cmc_surface import CmcSurface
 from ...solver.surface.placement import Similarity
 from ..properties.attributes import ATTRIBUTES, DEVIATION, USUAL

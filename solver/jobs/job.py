@@ -31,7 +31,8 @@ from ..shells.fit import FitOptions, fit_plan
 from ..shells.form import form
 from ..shells.gaps import hole_gaps
 from ..shells.numbering import drawn_numbers
-from ..shells.plan import SHELLS, Group, Plan, Settings, plan_conditions, plan_domain, usual_sheet
+from ..shells.plan import SHELLS, Group, Plan, Settings, plan_domain, usual_sheet
+from ..shells.plan_conditions import plan_conditions
 from ..shells.shell import Shell
 from ..surface.averaging import AVERAGINGS
 from ..surface.cmc_surface import COMBINATORICS, SHEETS

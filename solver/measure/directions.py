@@ -15,15 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..gauss.sphere import tangent_axes
-from .arrays import (
-    Array,
-    Indices,
-    face_areas_in_space,
-    points_in_space,
-    range_text,
-    triangles_of,
-    vertex_means,
-)
+from .arrays import Array, Indices, face_areas_in_space, points_in_space, range_text, triangles_of, vertex_means
 from .curvature import face_frames, shape_operator
 
 # Vertices where k1 - k2 is at most this part of the surface's curvature (root mean square) are umbilics.

@@ -18,7 +18,8 @@ from ..surface.placement import plan_plane, rim_weights
 from ..surface.solve import CmcSolver
 from .form import place_and_measure, solve_plan
 from .gaps import hole_loops
-from .plan import Plan, Settings, plan_conditions, plan_domain
+from .plan import Plan, Settings, plan_domain
+from .plan_conditions import plan_conditions
 from .shell import Shell
 
 Array = NDArray[np.float64]

@@ -22,7 +22,8 @@ from ..surface.cmc_surface import SHEETS, CmcSurface
 from ..surface.placement import ALIKE, PlacementError, Plane, Similarity, place, plan_frame
 from ..surface.solve import CmcSolver
 from ..symmetry.sides import side_cut_vertices
-from .plan import Group, Plan, Settings, matches, plan_conditions, plan_domain
+from .plan import Group, Plan, Settings, matches, plan_domain
+from .plan_conditions import plan_conditions
 from .plan_metric import at_sites, start_map
 from .plan_sides import group_sides
 from .second_shell import off_degree, second_shell

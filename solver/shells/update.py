@@ -12,7 +12,8 @@ from ..surface.cmc_surface import CmcSurface
 from ..surface.placement import Similarity
 from ..surface.solve import CmcSolver
 from .form import check_shown, place_over, placed_sheets, solve_plan
-from .plan import Plan, Settings, plan_conditions
+from .plan import Plan, Settings
+from .plan_conditions import plan_conditions
 
 Array = NDArray[np.float64]
 

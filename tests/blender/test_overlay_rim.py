@@ -68,7 +68,7 @@ def whole(addon, plan):
     from cmc_formfinding.cmc_addon.tasks import solve
     from cmc_formfinding.solver.domain.sites import SiteGraph
     from cmc_formfinding.solver.gauss.admissible import resolved
-    from cmc_formfinding.solver.shells.plan import plan_conditions
+    from cmc_formfinding.solver.shells.plan_conditions import plan_conditions
 
     bpy.context.view_layer.update()
     task = solve.SolveTask.read(bpy.context, plan, solve.settings_of(plan.cmc))

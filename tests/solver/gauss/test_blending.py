@@ -9,7 +9,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 from solver import JobError, conditions, mean_curvature_of, shapes
 from solver.gauss.frames import moving_average
 from solver.shells.form import form
-from solver.shells.plan import Group, Plan, Settings, plan_conditions
+from solver.shells.plan import Group, Plan, Settings
+from solver.shells.plan_conditions import plan_conditions
 
 
 @pytest.fixture
