@@ -60,7 +60,10 @@ def degree(N: Array, faces: NDArray[np.integer]) -> float:
 
 def fits_in_hemisphere(data: Array) -> bool:
     """Whether unit vectors (n, 3) lie in a closed hemisphere: a · N >= 0 for some a that is not zero."""
+    total = data.sum(axis=0)
+    if (data @ total).min(initial=0.0) >= 0.0 < total @ total:  # usually
+        return True
     if len(data) < 3 or np.linalg.svd(data, compute_uv=False)[-1] < 1e-6 * np.sqrt(len(data)):
         return True
-    best = linprog(-data.sum(axis=0), A_ub=-data, b_ub=np.zeros(len(data)), bounds=(-1.0, 1.0))
+    best = linprog(-total, A_ub=-data, b_ub=np.zeros(len(data)), bounds=(-1.0, 1.0))
     return bool(best.status == 0 and -best.fun > 1e-9 * len(data))
