@@ -22,6 +22,16 @@ def live_disc(name: str = "Disc", **shape) -> bpy.types.Object:
     return plan
 
 
+def start_update(live, change) -> None:
+    """Make changes until a tick leaves an update running: on a busy machine one may end before the tick looks."""
+    for attempt in range(100):
+        change(attempt)
+        live.tick()
+        if live.Live.running is not None:
+            return
+    raise AssertionError("every update ended at once")
+
+
 def settle(live, seconds: float = 30.0) -> int:
     """Tick until there is nothing more to do; returns the number of ticks."""
     bpy.context.view_layer.update()

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from .live_driver import EXACT, catch_up, live_disc, move, off_by, settle, state_of
+from .live_driver import EXACT, catch_up, live_disc, move, off_by, settle, start_update, state_of
 from .scenes import activate, add_group, boundary_edges, link, positions
 
 
@@ -105,9 +105,7 @@ def test_an_animated_plan(addon, live, plan):
 
 @pytest.mark.parametrize("how", ["removed", "deleted"])
 def test_the_plan_is_deleted_while_it_is_dragged(addon, live, plan, how):
-    group(plan).tilt = 0.6
-    live.tick()
-    assert live.Live.running is not None
+    start_update(live, lambda attempt: setattr(group(plan), "tilt", 0.6 + 0.001 * attempt))
     if how == "removed":
         bpy.data.objects.remove(plan)
     else:
