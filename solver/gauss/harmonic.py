@@ -29,7 +29,7 @@ from .mirror_start import side_normals
 from .newton import Iterate
 from .options import MapOptions, with_options
 from .problem import EnergyProblem, equal_laplacian
-from .rivals import escaped, lower, lowest_start
+from .rivals import Lowest, escaped, lower, lowest_start
 
 Array = NDArray[np.float64]
 
@@ -175,7 +175,7 @@ class HarmonicSolver:
             )
         lowest = self._lowest_start(admissible, conditions, options) if method.minimises else None
         if lowest is not None:
-            held, start = admissible.fixed, admissible.pin(lowest)
+            held, start = admissible.fixed, admissible.pin(lowest.start)
         elif initial is None:
             held, start = self._start(admissible, conditions, side)
         else:
@@ -188,7 +188,7 @@ class HarmonicSolver:
         dirichlet = self.dirichlet(admissible.fixed)
         problem = EnergyProblem(self.graph, self.energy, dirichlet, self._laplacian, admissible.mirrors)
         minimum = method.of(problem, start, **limits, **limit)
-        if lowest is not None and minimum.status is not Status.CANCELLED:
+        if lowest is not None and not lowest.is_sure and minimum.status is not Status.CANCELLED:
             usual = self._usual_start(admissible, conditions, side)
             if usual is not None:
                 minimum = lower(minimum, method.of(problem, usual, **limits, **limit))
@@ -211,7 +211,7 @@ class HarmonicSolver:
             None if len(self.domain.boundary_edges) else float(np.linalg.norm(imbalance(problem, normals))),
         )
 
-    def _lowest_start(self, admissible: Admissible, conditions: Conditions, options: MapOptions) -> Array | None:
+    def _lowest_start(self, admissible: Admissible, conditions: Conditions, options: MapOptions) -> Lowest | None:
         """A start near the lowest of several minimisers; None where there is but one, or the options choose."""
         has_mirrors = len(conditions.mirrors) or conditions.is_balanced
         if options.initial is not None or options.degree is not None or has_mirrors or conditions.faces.size:

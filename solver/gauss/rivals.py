@@ -10,6 +10,7 @@ answer.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -33,6 +34,8 @@ _COUNT = 1000
 _TOLERANCE = 1e-3
 # Of its vertices at most this part is held: otherwise it is too coarse for a thin strip, and says nothing about it.
 _MOST_HELD = 0.5
+# It decides alone where no more than this part is held, and each loop has at least so many of its vertices.
+_FEW_HELD, _FINE_LOOP = 0.25, 16
 # Steps from one start on it.
 _STEPS = 50
 # Relative difference of energies that the coarse mesh does not decide. The two lowest of the twisted disc with m = 4
@@ -49,9 +52,16 @@ _TINY = 1e-14
 _SWEEPS = 200
 
 
+class Lowest(NamedTuple):
+    """A map (S, 3) near the lowest minimiser, and whether the coarse mesh is fine enough to be sure of that."""
+
+    start: Array
+    is_sure: bool
+
+
 def lowest_start(
     graph: SiteGraph, conditions: Conditions, side: int, problem_on: Callable[[Domain, Conditions], EnergyProblem]
-) -> Array | None:
+) -> Lowest | None:
     """A map (S, 3) near the lowest minimiser with these boundary normals; None where the coarse mesh has no answer.
 
     problem_on: the energy at the vertices of a domain under conditions.
@@ -69,7 +79,10 @@ def lowest_start(
     held = Conditions(np.flatnonzero(is_kept), normals, up=conditions.up)
     problem = problem_on(coarse.domain, held)
     lowest = _lowest(problem, normals, conditions.up, side)
-    return None if lowest is None else _smoothed(graph, lowest, coarse, fixed, data)
+    start = None if lowest is None else _smoothed(graph, lowest, coarse, fixed, data)
+    shortest = min((len(loop) for loop in coarse.domain.boundary_loops), default=_FINE_LOOP)
+    is_sure = bool(is_kept.mean() <= _FEW_HELD and shortest >= _FINE_LOOP)
+    return None if start is None else Lowest(start, is_sure)
 
 
 def lower(minimum: Minimum, usual: Minimum) -> Minimum:
