@@ -213,8 +213,9 @@ class HarmonicSolver:
 
     def _lowest_start(self, admissible: Admissible, conditions: Conditions, options: MapOptions) -> Lowest | None:
         """A start near the lowest of several minimisers; None where there is but one, or the options choose."""
-        has_mirrors = len(conditions.mirrors) or conditions.is_balanced
-        if options.initial is not None or options.degree is not None or has_mirrors or conditions.faces.size:
+        if options.initial is not None or options.degree is not None or conditions.is_balanced:
+            return None
+        if len(conditions.mirrors) or conditions.faces.size:  # the coarse mesh has no place for these
             return None
         if not len(admissible.fixed) or sphere.fits_in_hemisphere(admissible.data):
             return None

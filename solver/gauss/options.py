@@ -27,7 +27,7 @@ Keywords = ParamSpec("Keywords")
 
 @dataclass(frozen=True, eq=False)
 class MapOptions:
-    """What `HarmonicSolver.solve` takes besides the conditions; it describes them.
+    """Options of `HarmonicSolver.solve`, which describes them.
 
     Raises `ConditionError` on a number out of range.
     """

@@ -34,7 +34,7 @@ _COUNT = 1000
 _TOLERANCE = 1e-3
 # Of its vertices at most this part is held: otherwise it is too coarse for a thin strip, and says nothing about it.
 _MOST_HELD = 0.5
-# It decides alone where no more than this part is held, and each loop has at least so many of its vertices.
+# It decides alone where at most this part is held and each boundary loop keeps at least this number of vertices.
 _FEW_HELD, _FINE_LOOP = 0.25, 16
 # Steps from one start on it.
 _STEPS = 50
