@@ -16,10 +16,10 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 
-# The rooms of each half, from the ground up. `errors` and `linalg` are files; `__init__` and `__main__` come last.
+# The rooms of each half, from the ground up. `errors`, `notes` and `linalg` are files; `__init__` and `__main__` are last.
 SOLVER = (
-    "errors", "linalg", "io", "meshing", "domain", "gauss", "surface", "measure", "symmetry", "closing", "fitting",
-    "catalogue", "shells", "jobs",
+    "errors", "notes", "linalg", "io", "meshing", "domain", "gauss", "surface", "measure", "symmetry", "closing",
+    "fitting", "catalogue", "shells", "jobs",
 )
 ADDON = (
     "properties", "bridges", "drawing", "background", "results", "tasks", "operators", "live", "headless", "panels",

@@ -1,0 +1,51 @@
+"""Warnings: sentences for people, each with a code for programs.
+
+A `Note` is a text, so it is printed and compared as one; reports write its code beside it (`notes_data`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from .errors import CmcError
+
+CODES = {
+    "not-converged": "the solve ended before its tolerance, or not where it was asked to",
+    "goal-missed": "a fit did not come as near to its goals as it should",
+    "gap": "the shell is cut open and does not close around its holes or handles",
+    "curvature": "the measured mean curvature is off its target by more than a tenth",
+    "degree": "the normals do not have the degree that was asked for",
+    "crossing": "the shell goes through itself",
+    "overhang": "part of the shell leans out past the vertical",
+    "size-only": "the boundary does not follow the outline, so only the size was matched",
+    "point": "a sheet degenerates to a point and is left out",
+    "empty-group": "a group has no boundary edges, or some of its edges are not on the boundary",
+    "faces-down": "the faces of the plan look down",
+    "slow": "the mesh makes the solve slow",
+    "input": "the file holds something that was left out, joined or taken otherwise",
+    "radians": "an angle looks as if it were given in radians",
+    "not-seen": "the plan or the result is not what the viewport shows",
+    "far": "an object is drawn so far from its origin that its points are rounded",
+}
+"""Every code, and what it says; docs/reference/warnings.md lists them with the way out."""
+
+
+class Note(str):
+    """A warning: a sentence, and `code`, one of `CODES`."""
+
+    code: str
+
+    def __new__(cls, code: str, text: str) -> Note:
+        if code not in CODES:
+            raise CmcError(f'There is no warning "{code}"; known are {", ".join(CODES)}.')
+        note = super().__new__(cls, text)
+        note.code = code
+        return note
+
+    def __getnewargs__(self) -> tuple[str, str]:  # for copies and pickles
+        return self.code, str(self)
+
+
+def notes_data(notes: Iterable[Note]) -> list[dict[str, str]]:
+    """Notes as reports have them: `[{"code": …, "text": …}, …]`."""
+    return [{"code": note.code, "text": str(note)} for note in notes]
