@@ -13,21 +13,29 @@ CODES = {
     "not-converged": "the solve ended before its tolerance, or not where it was asked to",
     "goal-missed": "a fit did not come as near to its goals as it should",
     "gap": "the shell is cut open and does not close around its holes or handles",
-    "curvature": "the measured mean curvature is off its target by more than a tenth",
+    "curvature": "the measured mean curvature is off its target by more than a tenth of it",
+    "not-cmc": "the measured mean curvature is off its target by more than half of it",
     "degree": "the normals do not have the degree that was asked for",
     "crossing": "the shell goes through itself",
     "overhang": "part of the shell leans out past the vertical",
+    "seams": "copies of a shell did not meet by themselves and were joined",
     "size-only": "the boundary does not follow the outline, so only the size was matched",
     "point": "a sheet degenerates to a point and is left out",
-    "empty-group": "a group has no boundary edges, or some of its edges are not on the boundary",
+    "empty-group": "a group has no boundary edges",
     "faces-down": "the faces of the plan look down",
+    "no-report": "there was no report to write beside an exported mesh",
     "slow": "the mesh makes the solve slow",
-    "input": "the file holds something that was left out, joined or taken otherwise",
+    "merged": "vertices of a file in one place were merged, which joins its parts",
+    "left-out": "something in a file or a group was left out",
     "radians": "an angle looks as if it were given in radians",
-    "not-seen": "the plan or the result is not what the viewport shows",
+    "not-seen": "a plan or an outline was taken otherwise than the viewport shows it",
+    "hidden": "the result cannot be seen in this view layer",
     "far": "an object is drawn so far from its origin that its points are rounded",
 }
 """Every code, and what it says; docs/reference/warnings.md lists them with the way out."""
+
+NOT_AS_ASKED = frozenset({"not-converged", "goal-missed", "gap", "not-cmc", "degree"})
+"""The codes of a shell that is not what was asked for: with one of them a command line ends with exit code 1."""
 
 
 class Note(str):
@@ -44,6 +52,11 @@ class Note(str):
 
     def __getnewargs__(self) -> tuple[str, str]:  # for copies and pickles
         return self.code, str(self)
+
+
+def as_asked(notes: Iterable[Note]) -> bool:
+    """Whether a shell with these warnings is what was asked for."""
+    return not any(note.code in NOT_AS_ASKED for note in notes)
 
 
 def notes_data(notes: Iterable[Note]) -> list[dict[str, str]]:

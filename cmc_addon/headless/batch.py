@@ -22,6 +22,7 @@ import bpy
 
 from ...solver.errors import CmcError, JobError
 from ...solver.io.mesh_files import write_bytes
+from ...solver.notes import Note, as_asked, notes_data
 from ..bridges.start_bridge import has_start
 from ..properties.links import result_of, results_of, wanted_roles
 from ..properties.reports import solve_report
@@ -57,7 +58,7 @@ class Done:
     plan: str
     good: bool
     message: str
-    warnings: Sequence[str] = ()
+    warnings: Sequence[Note] = ()
 
 
 def run_file(path: Path, request: Request) -> Iterator[Done]:
@@ -86,16 +87,16 @@ def run_plan(context: bpy.types.Context, plan: bpy.types.Object, request: Reques
     name = plan.name
     place = folder / bpy.path.clean_name(name)
     try:
-        message, warnings, converged = _solve(context, plan, request.settings)
+        message, warnings = _solve(context, plan, request.settings)
         wanted = [result_of(plan, role) for role in wanted_roles(settings_of(plan.cmc))]
         for suffix in request.formats:
             if suffix in EXPORTERS:
                 export(context, [ob for ob in wanted if ob is not None], place, f"shell.{suffix}")
-        report = {**(solve_report(plan) or {}), "warnings": warnings}
+        report = {**(solve_report(plan) or {}), "warnings": notes_data(warnings)}
         _write_report(place, report)
     except CmcError as error:
         return _failed(place, name, error)
-    return Done(name, converged, message, warnings)
+    return Done(name, as_asked(warnings), message, warnings)
 
 
 def find_plans(context: bpy.types.Context, names: Sequence[str] = ()) -> list[bpy.types.Object]:
@@ -124,15 +125,15 @@ def find_plans(context: bpy.types.Context, names: Sequence[str] = ()) -> list[bp
 
 def _solve(
     context: bpy.types.Context, plan: bpy.types.Object, overrides: Mapping[str, object]
-) -> tuple[str, list[str], bool]:
-    """Message, warnings, and whether it converged; the results are in the scene."""
+) -> tuple[str, list[Note]]:
+    """Message and warnings; the results are in the scene."""
     context.view_layer.update()
     settings = fitted_settings({name: getattr(plan.cmc, name) for name in SETTINGS} | dict(overrides), overrides)
     check_writable(plan)
     task = SolveTask.read(context, plan, settings)
     result = task.work(lambda iteration, residual: True)
     warnings = task.write(context, plan, result)
-    return result.shell.report.summary(), warnings, result.converged
+    return result.shell.report.summary(), warnings
 
 
 def _failed(place: Path, name: str, error: CmcError) -> Done:

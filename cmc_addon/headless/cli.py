@@ -29,8 +29,8 @@ Every input gets a folder OUTPUT/<name>/ with <name>.blend and, for each of its 
 shell.glb, shell.obj and report.json. In a .blend, every mesh with boundary groups or results and every mesh
 made by Mesh Plan is a plan. In an OBJ, polylines under a group name (g name, l 1 2 3) are boundary groups.
 
-exit code: 0 all plans were solved; 1 a plan failed, did not converge or has a gap (the others are written all
-the same); 2 bad arguments
+exit code: 0 all plans were solved; 1 a plan failed, or its shell is not as asked: it did not converge, has a gap,
+or its mean curvature is off by more than half (it and the others are written all the same); 2 bad arguments
 """
 
 

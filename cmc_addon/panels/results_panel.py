@@ -6,9 +6,10 @@ import bpy
 
 from ...solver.fitting.targets import RimOnCurve
 from ...solver.measure.summary import percent
+from ...solver.notes import NOT_AS_ASKED
 from ..properties.links import result_of
 from ..properties.registration import registration
-from ..properties.reports import design_report, last_report, shown_sheet
+from ..properties.reports import design_report, last_report, shown_sheet, warnings_in
 from ..properties.units import in_units, length_text, per_length
 from .periods_text import gap_sentence
 from .tab import BESIDE_SOLVE, Tab
@@ -63,11 +64,12 @@ class CMC_PT_results(ResultPanel, bpy.types.Panel):
     bl_order = 3
 
     def draw_report(self, context, report):
-        done = report["converged"] and not report.get("is_open")
+        warnings = warnings_in(report)
+        done = report["converged"] and not any(code in NOT_AS_ASKED for code, _ in warnings)
         sentence = gap_sentence(report) or report["message"]
         paragraph(self.layout, context, sentence, "CHECKMARK" if done else "ERROR")
         numbers(self.layout, [*size_rows(report), *rim_rows(report)])
-        for warning in report.get("warnings", ()):
+        for _, warning in warnings:
             if warning != report["message"]:
                 paragraph(self.layout, context, warning, "ERROR")
 

@@ -47,6 +47,12 @@ def _of_shell(text: str, needed: tuple[str, ...]) -> dict | None:
         return None
 
 
+def warnings_in(report: dict) -> list[tuple[str, str]]:
+    """Code and text of the warnings in a report; one of an older version has texts only."""
+    notes = report.get("warnings", ())
+    return [(note["code"], note["text"]) if isinstance(note, dict) else ("", note) for note in notes]
+
+
 def shown_sheet(report: dict) -> dict:
     """The numbers of the sheet that a report is about."""
     return report["sheets"][report["sheet"]]

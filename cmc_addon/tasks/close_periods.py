@@ -15,6 +15,7 @@ from bpy.app.handlers import persistent
 from numpy.typing import NDArray
 
 from ...solver.errors import Progress
+from ...solver.notes import Note
 from ...solver.shells.close import ClosedShell, close_plan, closing_report
 from ...solver.shells.complete import Completed, CopySelection
 from ...solver.shells.plan import Plan
@@ -84,7 +85,7 @@ class CloseTask(ShellTask[CloseResult]):
         prepared = replace(prepared, solver=shell.solver)
         return CloseResult(self.solve.result(shell, prepared, {"closing": closing_report(closed)}), closed)
 
-    def write(self, context: bpy.types.Context, plan: bpy.types.Object, result: CloseResult) -> list[str]:
+    def write(self, context: bpy.types.Context, plan: bpy.types.Object, result: CloseResult) -> list[Note]:
         """Write the closed shell, and move the holes of the plan where they have moved."""
         solve = self.solve
         solve.check_unchanged(context, plan)

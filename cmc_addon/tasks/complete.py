@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ...solver.errors import CmcError, Progress
 from ...solver.jobs.outputs import completed_report
+from ...solver.notes import Note
 from ...solver.shells.complete import Completed, CopySelection, complete_plan
 from ...solver.shells.plan import Group, Plan
 from ...solver.shells.plan_sides import goes_on
@@ -69,17 +70,20 @@ class CompleteResult(ShellResult):
         return measured
 
     @property
-    def warnings(self) -> list[str]:
+    def warnings(self) -> list[Note]:
         """Gaps and offsets that were closed, and how the solve ended."""
-        notes, scale = [] if self.converged else [self.solved.message], self.solved.shell.similarity.scale
+        notes = [] if self.converged else [Note("not-converged", self.solved.message)]
+        scale = self.solved.shell.similarity.scale
         if self.report["relative_gap"] > _WIDE:
-            notes.append(
+            text = (
                 f"Seams were up to {self.completed.largest_gap:.2g} apart, {100 * self.report['relative_gap']:.2g} % "
                 "of the shell's size, and were closed. A finer mesh, or a plan with the corner angles of the surface, "
                 "makes them meet by themselves."
             )
+            notes.append(Note("seams", text))
         if self.completed.largest_offset > _WIDE * surface_size(self.solved.shell.surface) * scale:
-            notes.append(f"Sides that share a plane are up to {self.completed.largest_offset:.2g} apart.")
+            text = f"Sides that share a plane are up to {self.completed.largest_offset:.2g} apart."
+            notes.append(Note("seams", text))
         return notes
 
 
@@ -111,7 +115,7 @@ class CompleteTask(ShellTask[CompleteResult]):
         """The copies of the shell over a plan."""
         return complete_plan(plan, solved.shell, self.copies, ROLES[self.solve.settings.sheet])
 
-    def write(self, context: bpy.types.Context, plan: bpy.types.Object, result: CompleteResult) -> list[str]:
+    def write(self, context: bpy.types.Context, plan: bpy.types.Object, result: CompleteResult) -> list[Note]:
         """Write the copies in place of earlier ones, and the shell where it was solved just now."""
         self.solve.check_unchanged(context, plan)
         warnings = [] if self.is_shown(plan) else self.solve.write(context, plan, result.solved)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import bpy
 
 from ...solver.errors import CmcError, Progress
+from ...solver.notes import Note
 from ...solver.shells import form
 from ..background import solve_cache
 from ..properties.reports import solve_report
@@ -47,7 +48,7 @@ class CountTask(ShellTask[CountResult]):
         solve_cache.remember(self.solve, counted)
         return CountResult(counted)
 
-    def write(self, context: bpy.types.Context, plan: bpy.types.Object, result: CountResult) -> list[str]:
+    def write(self, context: bpy.types.Context, plan: bpy.types.Object, result: CountResult) -> list[Note]:
         """Write the numbers into the report, and the shell where it was solved just now."""
         if not self.is_shown(plan):
             return self.solve.write(context, plan, result.solved)

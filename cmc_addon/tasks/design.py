@@ -20,6 +20,8 @@ from ...solver.errors import Progress
 from ...solver.fitting.fit import Fit
 from ...solver.fitting.targets import SmoothRim
 from ...solver.measure import report
+from ...solver.measure.curvature_fault import curvature_note
+from ...solver.notes import Note, notes_data
 from ...solver.shells.form import placed_normals
 from ..background import plan_cache
 from ..bridges.mesh_bridge import PlanMesh, read_plan
@@ -42,7 +44,10 @@ LIMIT = 300
 
 @dataclass(frozen=True, eq=False)
 class DesignResult(Result):
-    """A fitted shell in the world; deviation (n,): distances of the points from the surface that it approximates."""
+    """A fitted shell in the world; deviation (n,): distances of the points from the surface that it approximates.
+
+    notes: warnings about the shell.
+    """
 
     fit: Fit
     points: Array
@@ -51,6 +56,7 @@ class DesignResult(Result):
     cut: Cut | None
     report: dict
     deviation: Array | None
+    notes: list[Note]
 
     @property
     def converged(self) -> bool:
@@ -83,7 +89,7 @@ class DesignTask(Task[DesignResult]):
     settings: SimpleNamespace
     role: str
     stored: tuple[str, ...] = ()
-    warnings: list[str] = field(default_factory=list)
+    warnings: list[Note] = field(default_factory=list)
     targets: dict[str, tuple[str, str] | None] = field(default_factory=dict)
     latest: tuple[Array, NDArray] | None = None
     measured: tuple[str, ...] = USUAL
@@ -118,6 +124,8 @@ class DesignTask(Task[DesignResult]):
             intersections=False,
             up=frame.up,
         )
+        N = (1.0 if sheet == "f+" else -1.0) * placing.directions(surface.normals)
+        off = curvature_note(measured.shown, surface.domain, self.mesh.positions, points, surface.faces, N)
         return DesignResult(
             fit,
             points,
@@ -126,6 +134,7 @@ class DesignTask(Task[DesignResult]):
             find_cut(self.mesh, prepared.triangles, prepared.owners, surface.faces, surface.source),
             measured.to_dict(),
             deviation,
+            [] if off is None else [off],
         )
 
     # --- what differs between the two
@@ -148,7 +157,7 @@ class DesignTask(Task[DesignResult]):
 
     # --- the result
 
-    def write(self, context: bpy.types.Context, plan: bpy.types.Object, result: DesignResult) -> list[str]:
+    def write(self, context: bpy.types.Context, plan: bpy.types.Object, result: DesignResult) -> list[Note]:
         depsgraph = plan_depsgraph(context, self.settings)
         check_unchanged(plan, depsgraph, self.mesh)
         writer = Writer(context, plan, depsgraph, self.mesh, result.cut)
@@ -156,7 +165,9 @@ class DesignTask(Task[DesignResult]):
         ob.cmc.parked = ob.hide_viewport = ob.hide_render = False
         if self.role == "FIT":
             park(result_of(plan, plan.cmc.sheet))
-        table = self._report(context, plan, result)
+        missed = [] if result.converged else [Note("goal-missed", result.message)]
+        notes = [*self.warnings, *missed, *result.notes]
+        table = self._report(context, plan, result) | {"warnings": notes_data(notes)}
         if result.deviation is not None:
             show_deviation(plan, ob, result.deviation)
         write_report(ob, table)
@@ -166,7 +177,7 @@ class DesignTask(Task[DesignResult]):
         for name, block in self.targets.items():
             setattr(plan.cmc, name, _still_there(block))
         colours.repaint(plan)
-        return [*self.warnings, *([] if result.converged else [result.message])]
+        return notes
 
     def _report(self, context: bpy.types.Context, plan: bpy.types.Object, result: DesignResult) -> dict:
         fit = result.fit

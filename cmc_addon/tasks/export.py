@@ -14,6 +14,7 @@ import bpy
 
 from ...solver.errors import CmcError, JobError, Progress
 from ...solver.io.mesh_files import FORMATS, write_bytes, write_mesh
+from ...solver.notes import Note
 from ..bridges.export_bridge import Placed, joined, read_objects
 from ..properties.links import copies_of, result_of
 from ..properties.reports import complete_report, design_report, solve_report
@@ -35,7 +36,7 @@ class ExportTask(Task[list[Path]]):
     report: str | None
     what: str
     scale: float = 1.0
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[Note, ...] = ()
 
     @classmethod
     def read(
@@ -61,7 +62,7 @@ class ExportTask(Task[list[Path]]):
             what,
             # glTF's unit is the metre by definition; the other formats have none
             context.scene.unit_settings.scale_length if path.suffix.lower() == ".glb" else 1.0,
-            () if stored or not report else (f"'{plan.name}' has no report to write beside the mesh; solve again.",),
+            () if stored or not report else (_no_report(plan),),
         )
 
     def work(self, progress: Progress) -> list[Path]:
@@ -88,10 +89,14 @@ class ExportTask(Task[list[Path]]):
             write_bytes(files[1], self.report.encode())
         return files
 
-    def write(self, context: bpy.types.Context, plan: bpy.types.Object, result: list[Path]) -> list[str]:
+    def write(self, context: bpy.types.Context, plan: bpy.types.Object, result: list[Path]) -> list[Note]:
         """Keep the choices with the plan."""
         plan.cmc.export_what, plan.cmc.export_format = self.what, self.path.suffix[1:].upper()
         return list(self.warnings)
+
+
+def _no_report(plan: bpy.types.Object) -> Note:
+    return Note("no-report", f"'{plan.name}' has no report to write beside the mesh; solve again.")
 
 
 def _check_targets(path: Path, report: bool) -> None:

@@ -17,6 +17,7 @@ from ...solver.errors import CmcError, Progress
 from ...solver.fitting.fit import Fit, FitStatus
 from ...solver.fitting.outline import fit_outline
 from ...solver.meshing.wires import chain, joined_ends
+from ...solver.notes import Note
 from ...solver.shells.rim_curves import curves_of_loops
 from ..background import plan_cache
 from ..bridges import outline_bridge
@@ -140,7 +141,7 @@ class FitTask(DesignTask):
         lines = self._lines(frame, prepared)
         return self.mesh.positions if lines is None else [frame.outside(line) for line in lines]
 
-    def write(self, context: bpy.types.Context, plan: bpy.types.Object, result: DesignResult) -> list[str]:
+    def write(self, context: bpy.types.Context, plan: bpy.types.Object, result: DesignResult) -> list[Note]:
         warnings = super().write(context, plan, result)
         Latest.fit, Latest.drawn = result.fit, self._drawn(plan)
         Latest.settings = None if self.newer.is_set() else self.settings

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...solver.errors import CmcError, Progress
+from ...solver.notes import Note, notes_data
 from ...solver.shells import form
 from ...solver.shells.gaps import hole_gaps
 from ...solver.shells.plan import Group, Plan, Settings
@@ -84,7 +85,7 @@ class SolveTask(Task[SolveResult]):
     mesh: PlanMesh
     groups: list[Group]
     settings: SimpleNamespace
-    warnings: list[str]
+    warnings: list[Note]
     measured: tuple[str, ...] = USUAL
 
     @classmethod
@@ -160,7 +161,7 @@ class SolveTask(Task[SolveResult]):
         """The wanted sheets that are not points."""
         return [name for name in (ROLES[role] for role in wanted_roles(self.settings)) if name in shell.placed]
 
-    def write(self, context: bpy.types.Context, plan: bpy.types.Object, result: SolveResult) -> list[str]:
+    def write(self, context: bpy.types.Context, plan: bpy.types.Object, result: SolveResult) -> list[Note]:
         self.check_unchanged(context, plan)
         warnings = self.write_results(context, plan, result)
         for name in SETTINGS:
@@ -170,7 +171,7 @@ class SolveTask(Task[SolveResult]):
     def check_unchanged(self, context: bpy.types.Context, plan: bpy.types.Object) -> None:
         check_unchanged(plan, plan_depsgraph(context, self.settings), self.mesh)
 
-    def write_results(self, context: bpy.types.Context, plan: bpy.types.Object, result: SolveResult) -> list[str]:
+    def write_results(self, context: bpy.types.Context, plan: bpy.types.Object, result: SolveResult) -> list[Note]:
         """Write into a plan that has at least the polygons of this task; its settings stay."""
         shell, wanted = result.shell, wanted_roles(self.settings)
         warnings = [*self.warnings, *shell.warnings]
@@ -212,7 +213,7 @@ def plan_depsgraph(context: bpy.types.Context, settings: SimpleNamespace) -> bpy
     return context.evaluated_depsgraph_get() if settings.apply_modifiers else None
 
 
-def plan_warnings(context: bpy.types.Context, plan: bpy.types.Object, settings: SimpleNamespace) -> list[str]:
+def plan_warnings(context: bpy.types.Context, plan: bpy.types.Object, settings: SimpleNamespace) -> list[Note]:
     """What of a plan is seen and not solved."""
     if settings.apply_modifiers:
         return coarse(plan)
@@ -226,7 +227,7 @@ def check_unchanged(plan: bpy.types.Object, depsgraph: bpy.types.Depsgraph | Non
 
 
 def write_reports(
-    context: bpy.types.Context, plan: bpy.types.Object, result: SolveResult, warnings: list[str]
+    context: bpy.types.Context, plan: bpy.types.Object, result: SolveResult, warnings: list[Note]
 ) -> None:
     """Put the solver's report on a plan and its results, with names and the scene's unit."""
     report = {
@@ -236,21 +237,22 @@ def write_reports(
         **result.shell.report.to_dict(),
         "holes": [gap.to_dict() for gap in hole_gaps(result.shell)],
         **result.more,
-        "warnings": warnings,
+        "warnings": notes_data(warnings),
     }
     for ob in results_of(plan).values():
         write_report(ob, report)
     plan.cmc.report = json.dumps(report, ensure_ascii=False)
 
 
-def _groups(groups, mesh: PlanMesh, taken: NDArray[np.bool_]) -> tuple[list[Group], list[str]]:
+def _groups(groups, mesh: PlanMesh, taken: NDArray[np.bool_]) -> tuple[list[Group], list[Note]]:
     """The plan's groups with their boundary edges, without those taken; and a warning for each edge left out."""
     read, warnings = [], []
     for group in groups:
         mine = mesh.groups == group.uid
         inside = int((mine & ~mesh.boundary).sum())
         if inside:
-            warnings.append(f"{inside} edges of group '{group.name}' are not on the boundary: ignored.")
+            text = f"{inside} edges of group '{group.name}' are not on the boundary: ignored."
+            warnings.append(Note("left-out", text))
         edges = mesh.edges[mine & mesh.boundary & ~taken]
         if len(edges):
             parameters = parameter_values(group.kind, group)

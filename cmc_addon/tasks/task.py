@@ -15,6 +15,7 @@ from typing import Generic, TypeVar
 import bpy
 
 from ...solver.errors import Progress
+from ...solver.notes import Note
 
 R = TypeVar("R")
 
@@ -36,7 +37,7 @@ class Task(ABC, Generic[R]):
         """Do the work, without any Blender data. Raises `CmcError` in the plan's own numbering."""
 
     @abstractmethod
-    def write(self, context: bpy.types.Context, plan: bpy.types.Object, result: R) -> list[str]:
+    def write(self, context: bpy.types.Context, plan: bpy.types.Object, result: R) -> list[Note]:
         """Write a result into the scene; returns warnings for the user.
 
         Raises `CmcError`, with nothing changed, where the plan is not as it was read.

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..notes import Note
 from . import connectivity
 from .domain import Domain
 from .flips import Flips
@@ -68,13 +69,14 @@ def intrinsic_delaunay(domain: DomainLike) -> Retriangulation:
     return Retriangulation(new, _followed(domain, new), None if simple else flips)
 
 
-def speed_note(domain: Domain) -> str | None:
-    """A sentence if `intrinsic_delaunay` would be seconds faster on this domain with libigl; else None."""
+def speed_note(domain: Domain) -> Note | None:
+    """A warning if `intrinsic_delaunay` would be seconds faster on this domain with libigl; else None."""
     if len(domain.faces) < _LARGE or _libigl() is not None or _is_delaunay(domain) or not _is_for_libigl(domain):
         return None
-    return (
+    return Note(
+        "slow",
         "libigl is not installed, so edges were flipped one by one for the intrinsic Delaunay triangulation, which is "
-        "slower on large meshes; `pip install libigl` makes it faster."
+        "slower on large meshes; `pip install libigl` makes it faster.",
     )
 
 

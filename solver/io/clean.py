@@ -12,6 +12,7 @@ from scipy.spatial import KDTree
 
 from ..errors import MeshError, listed, plural
 from ..linalg import reach_of_place, same_places
+from ..notes import Note
 from .obj import MeshData
 
 Int = NDArray[np.int64]
@@ -65,7 +66,7 @@ def _used(mesh: MeshData, flat: Int, sizes: Int) -> Int:
 
 def _places(
     mesh: MeshData, flat: Int, sizes: Int, used: Int, reach: float, weld: bool
-) -> tuple[Int, list[str]]:
+) -> tuple[Int, list[Note]]:
     """The vertex that stands for each, and a note where vertices are merged to join parts."""
     place = np.arange(len(mesh.positions))
     parts = 1 if weld else _part_count(flat, sizes)
@@ -78,8 +79,8 @@ def _places(
     if joined == parts:
         return np.arange(len(mesh.positions)), []
     merged = int((place != np.arange(len(place))).sum())
-    note = f"{parts} parts of the mesh coincide along their edges; {merged} vertices were merged, which makes {joined}."
-    return place, [note]
+    text = f"{parts} parts of the mesh coincide along their edges; {merged} vertices were merged, which makes {joined}."
+    return place, [Note("merged", text)]
 
 
 def _part_count(flat: Int, sizes: Int) -> int:
@@ -118,7 +119,7 @@ def _without_repeats(mesh: MeshData, place: Int, flat: Int, sizes: Int) -> MeshD
     if len(left) == len(polygons):
         return mesh
     gone = np.setdiff1d(np.arange(len(polygons)), left)
-    note = f"Left out of the mesh, since they have no area: {plural('face', gone)}."
+    note = Note("left-out", f"Left out of the mesh, since they have no area: {plural('face', gone)}.")
     lists = {
         name: [values[index] for index in left] if (values := getattr(mesh, name)) else []
         for name in ("polygons", "uv_corners", "objects", "groups", "materials")
@@ -136,7 +137,7 @@ def _place_loose(mesh: MeshData, vertex_of: Int, kept: Int, reach: float) -> Non
         vertex_of[loose[near]] = np.asarray(nearest)[near]
 
 
-def _moved_groups(mesh: MeshData, vertex_of: Int) -> tuple[dict[str, NDArray[np.int32]], list[str]]:
+def _moved_groups(mesh: MeshData, vertex_of: Int) -> tuple[dict[str, NDArray[np.int32]], list[Note]]:
     """The polylines on their new vertices, and a note about segments that end beside the faces."""
     groups, notes = {}, []
     for name, pairs in mesh.edge_groups.items():
@@ -144,10 +145,11 @@ def _moved_groups(mesh: MeshData, vertex_of: Int) -> tuple[dict[str, NDArray[np.
         off = (moved < 0).any(axis=1)
         if off.any():
             count = int(off.sum())
-            notes.append(
+            text = (
                 f'The polyline group "{name}" has {count} segment{"s" * (count > 1)} with an end (vertices '
                 f"{listed(np.unique(pairs[moved < 0]))}) where no face has a corner; they were left out."
             )
+            notes.append(Note("left-out", text))
         moved = moved[~off & (moved[:, 0] != moved[:, 1])]
         if len(moved):
             groups[name] = moved.astype(np.int32)

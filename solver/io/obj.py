@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import MeshError, plural
+from ..notes import Note
 
 Array = NDArray[np.float64]
 Int = NDArray[np.int32]
@@ -45,7 +46,7 @@ class MeshData:
     libraries: list[Path] = field(default_factory=list)
     vertex_of: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     polygon_numbers: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
-    notes: list[str] = field(default_factory=list)
+    notes: list[Note] = field(default_factory=list)
 
     @property
     def vertex_numbers(self) -> NDArray[np.int64]:

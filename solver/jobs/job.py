@@ -25,6 +25,7 @@ from ..gauss.energies import ENERGIES, energy_on
 from ..gauss.methods import METHODS
 from ..io.mesh_files import FORMATS, read_mesh
 from ..io.obj import MeshData, decoded
+from ..notes import Note
 from ..shells.close import ClosingOptions, close_plan, closing_report
 from ..shells.complete import Completed, complete_plan
 from ..shells.fit import FitOptions, fit_plan
@@ -102,7 +103,7 @@ class Job:
     fit: FitOptions | None = None
     close: ClosingOptions | None = None
     complete: CompleteOptions | None = None
-    warnings: list[str] = field(default_factory=list)
+    warnings: list[Note] = field(default_factory=list)
 
     def __repr__(self) -> str:
         tables = "".join(f", [{name}]" for name in ("fit", "close", "complete") if getattr(self, name) is not None)

@@ -14,6 +14,7 @@ from ..errors import JobError
 from ..io.mesh_files import corner_rows, write_bytes, write_mesh
 from ..io.obj import MeshData
 from ..measure.report import to_plain
+from ..notes import notes_data
 from ..shells.complete import Completed
 from ..shells.plan import Plan
 from ..shells.polygon_sheets import PolygonSheet, polygon_sheet
@@ -89,7 +90,7 @@ def _check_placed(shell: Shell, sheet: str) -> None:
 
 def report_data(shell: Shell) -> dict[str, Any]:
     """The report as plain data, with the message and the warnings, and for a fit how near it came."""
-    data = {"message": shell.message, "warnings": shell.warnings, **shell.report.to_dict()}
+    data = {"message": shell.message, "warnings": notes_data(shell.warnings), **shell.report.to_dict()}
     if shell.fit is None:
         return data
     fit = shell.fit

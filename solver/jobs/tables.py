@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import JobError
+from ..notes import Note
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:
@@ -26,14 +27,14 @@ class Table:
     notes: warnings about values that are likely mistakes, shared with the tables below.
     """
 
-    def __init__(self, data: Any, where: str, name: str = "", notes: list[str] | None = None) -> None:
+    def __init__(self, data: Any, where: str, name: str = "", notes: list[Note] | None = None) -> None:
         if not isinstance(data, dict):
             raise JobError(f"{where} must be a table, not {_written(data)}.")
         self.data: dict[str, Any] = data
         self.where = where
         self.name = name
         self.known: list[str] = []
-        self.notes: list[str] = [] if notes is None else notes
+        self.notes: list[Note] = [] if notes is None else notes
 
     def __contains__(self, key: str) -> bool:
         return key in self.data
@@ -82,10 +83,11 @@ class Table:
         if abs(degrees) > 180.0:
             raise self.fail(f'"{key}" must be an angle from -180 to 180 degrees, not {degrees:g}.')
         if 0.0 < abs(degrees) < 0.5 * np.pi and degrees % 1.0:
-            self.notes.append(
+            text = (
                 f'{self.name}: "{key}" is {degrees:g}°; angles in jobs are in degrees, and {degrees:g} radians would '
                 f"be {np.degrees(degrees):.4g}."
             )
+            self.notes.append(Note("radians", text))
         return float(np.radians(degrees))
 
     def integer(self, key: str, default: int = 0) -> int:

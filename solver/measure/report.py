@@ -17,7 +17,7 @@ from ..surface.cmc_surface import SHEETS
 from .arrays import Array
 from .planes import PlaneReport
 from .sheet import SheetReport, measure_sheet
-from .summary import count, measure_lines, number, percent, size_line
+from .summary import count, how_far, measure_lines, number, percent, size_line
 
 if TYPE_CHECKING:
     from ..surface.cmc_surface import CmcSurface
@@ -224,6 +224,9 @@ def _sentence(surface: CmcSurface, shown: SheetReport, scale: float) -> str:
     gap = f"{Status.GAP.sentence} The gap is {scale * surface.gap:.4g} long."
     if surface.harmonic.status is not Status.CONVERGED or H is None:
         return f"{surface.outcome} {gap}" if surface.is_open else surface.outcome
+    if H.is_off:
+        off = f"Curvature is off by {how_far(H.relative_l2)}."
+        return f"{gap} {off}" if surface.is_open else off
     return f"{gap if surface.is_open else 'Done.'} Curvature is even to {percent(max(H.relative_l2, _EVEN))}."
 
 

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 Vector = tuple[float, float, float]
 _LISTED_PAIRS = 100
+# A mean curvature that misses its target by more than these parts of it, in L²: is off; is not constant at all.
+_OFF, _LOST = 0.1, 0.5
 
 
 @dataclass(frozen=True)
@@ -42,6 +44,16 @@ class CurvatureReport:
     inside_l2: float
     inside_linf: float
     gauss_mean: float
+
+    @property
+    def is_off(self) -> bool:
+        """Whether H misses its target by more than a tenth of it (`relative_l2`): worth a warning."""
+        return self.relative_l2 > _OFF
+
+    @property
+    def is_lost(self) -> bool:
+        """Whether it misses it by more than half of it: no surface of constant mean curvature any more."""
+        return self.relative_l2 > _LOST
 
 
 @dataclass(frozen=True)

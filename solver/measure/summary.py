@@ -23,7 +23,7 @@ def measure_lines(shown: SheetReport, unit: str) -> list[str]:
     H, Q = shown.mean_curvature, shown.distortion
     lines = [
         f"Mean curvature {number(H.mean, unit, -1)}, wanted {H.target:.5g}, "
-        f"error {percent(H.relative_l2)} in the mean (L²), {number(H.linf, unit, -1)} at most.",
+        f"off by {how_far(H.relative_l2)} in the mean (L²), {number(H.linf, unit, -1)} at most.",
         f"Conformal distortion Q {Q.mean:.4f} in the mean, {Q.max:.3f} at most (1 is none).",
     ]
     if shown.outline is not None:
@@ -63,6 +63,11 @@ def percent(part: float) -> str:
     if value < 0.01:
         return "under 0.01 %"
     return f"{value:.2g} %" if value < 99.5 else f"{value:.0f} %"
+
+
+def how_far(part: float) -> str:
+    """How far a number is from its target: "13 % of its target", "43 times its target"."""
+    return f"{part:.0f} times its target" if part >= 2.0 else f"{percent(part)} of its target"
 
 
 def count(amount: int, one: str, many: str = "") -> str:

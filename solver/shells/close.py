@@ -14,6 +14,7 @@ from ..domain.domain import Domain
 from ..errors import JobError, Progress
 from ..measure.report import to_plain
 from ..measure.summary import percent
+from ..notes import Note
 from ..surface.placement import plan_plane, rim_weights
 from ..surface.solve import CmcSolver
 from .form import place_and_measure, solve_plan
@@ -205,5 +206,5 @@ def _with_message(shell: Shell, closed: ClosedShell) -> Shell:
     """The shell with the closing's message, which is also its first warning where it does not close."""
     if not closed.closing.closed:
         others = [note for note in shell.warnings if note != shell.report.sentence]
-        return replace(shell, message=closed.message, warnings=[closed.message, *others])
+        return replace(shell, message=closed.message, warnings=[Note("gap", closed.message), *others])
     return replace(shell, message=closed.message) if shell.ok else shell

@@ -8,8 +8,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..domain.delaunay import speed_note
-from ..domain.domain import Domain
 from ..domain.shape import Shape
 from ..errors import ConditionError, MeshError, Progress, Status
 from ..fitting.fit import Fit
@@ -17,7 +15,8 @@ from ..gauss.energies import ENERGIES
 from ..gauss.methods import METHODS
 from ..measure.curvature import vertex_mean_curvature
 from ..measure.planes import PlaneReport, measure_plane
-from ..measure.report import Report, report
+from ..measure.report import report
+from ..notes import Note
 from ..surface.cmc_surface import SHEETS, CmcSurface
 from ..surface.placement import ALIKE, PlacementError, Plane, Similarity, place, plan_frame
 from ..surface.solve import CmcSolver
@@ -28,15 +27,11 @@ from .plan_metric import at_sites, start_map
 from .plan_sides import group_sides
 from .second_shell import off_degree, second_shell
 from .shell import Shell
+from .shell_notes import shell_notes
 
 Array = NDArray[np.float64]
 
 __all__ = ["Group", "Plan", "Settings", "Shell", "count_modes", "form"]
-
-# Share of the shell's area that may overhang, and degrees by which it may, before it is worth a warning: next to a
-# vertical rim the faces of an ordinary mesh lean by a degree or two.
-_OVERHANG = 0.01
-_LEAN = 5.0
 
 
 def form(
@@ -227,9 +222,9 @@ def measure_shell(
     measured = replace(measured, planes=_planes(plan, surface, similarity, placed[sheet]))
     N = similarity.directions(surface.normals) * (1.0 if sheet == "f+" else -1.0)
     H = vertex_mean_curvature(placed[sheet], surface.faces, N)
-    notes = _plan_warnings(plan, solver.domain) + _warnings(plan, surface, settings, similarity, measured)
+    notes = shell_notes(plan, settings, surface, similarity, measured, placed[sheet], N)
     if fit is not None and not fit.is_met:
-        notes.insert(0, fit.message)
+        notes.insert(0, Note("goal-missed", fit.message))
     return Shell(
         surface=surface,
         similarity=similarity,
@@ -256,56 +251,6 @@ def _planes(plan: Plan, surface: CmcSurface, similarity: Similarity, points: Arr
                 normal = similarity.directions(np.asarray(side.normal))
                 planes.append(measure_plane(side.name, group.kind, points, along, weights, normal))
     return tuple(planes)
-
-
-def _plan_warnings(plan: Plan, domain: Domain) -> list[str]:
-    """Likely mistakes in the plan: groups without edges, faces that look down."""
-    notes = [f'Group "{group.name}" has no edges.' for group in plan.groups if not np.size(group.edges)]
-    a, b, c = (plan.positions[domain.faces[:, k]] for k in range(3))
-    areas = 0.5 * np.cross(b - a, c - a)
-    if areas[:, 2].sum() < -0.5 * np.linalg.norm(areas, axis=1).sum():
-        notes.append("The plan's faces look down, so the shell hangs below it; flip their normals, or flip the shell.")
-    return notes
-
-
-def _warnings(
-    plan: Plan, surface: CmcSurface, settings: Settings, similarity: Similarity, measured: Report
-) -> list[str]:
-    notes = []
-    if surface.status is not Status.CONVERGED:
-        notes.append(measured.sentence)
-    has_rim = bool(len(surface.domain.boundary_edges))
-    if settings.size == "match_plan" and similarity.likeness < ALIKE and has_rim:
-        notes.append(
-            f"The boundary of {settings.sheet} does not follow the drawn outline, so only its size is "
-            "matched; allow it to rotate, or size it by span, rise or radius."
-        )
-    if settings.degree is not None and off_degree(surface, settings.degree):
-        notes.append(
-            f"The normals have degree {surface.harmonic.degree:.3g}, not {settings.degree:g}: no map of that "
-            "degree was found on this mesh; refine it, or choose another degree."
-        )
-    slow = speed_note(surface.domain) if settings.delaunay else None
-    if slow is not None:
-        notes.append(slow)
-    shown = measured.shown
-    twin = "f-" if measured.sheet == "f+" else "f+"
-    if twin not in measured.sheets:
-        notes.append(f"{twin} degenerates to a point for these boundary conditions and is left out.")
-    if shown.intersections is not None and shown.intersections.count:
-        owner = plan.triangle_polygons
-        pair = [int(i if owner is None else owner[i]) for i in shown.intersections.pairs[0]]
-        notes.append(
-            f"{shown.name} goes through itself: {shown.intersections.count} pairs of faces cross, the "
-            f"first of them {pair[0]} and {pair[1]}."
-        )
-    leaning = None if surface.domain.genus else shown.overhang  # half of every tube overhangs
-    if leaning is not None and leaning.area_share > _OVERHANG and leaning.largest_lean > _LEAN:
-        notes.append(
-            f"{100 * leaning.area_share:.0f} % of {shown.name} overhangs: its faces lean out past the vertical, by up "
-            f"to {leaning.largest_lean:.0f}°."
-        )
-    return notes
 
 
 def count_modes(plan: Plan, settings: Settings, shell: Shell) -> Shell:

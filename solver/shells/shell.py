@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import CmcError, Status
 from ..fitting.fit import Fit
 from ..measure.report import Report
+from ..notes import Note
 from ..surface import convert, notebook
 from ..surface.cmc_surface import CmcSurface
 from ..surface.placement import Similarity
@@ -35,7 +36,8 @@ class Shell:
         and f-.
     source (n,): the plan's vertex behind each vertex; faces (F, 3): in the order of the plan's triangles.
     mean_curvature (n,): measured on the sheet that is shown, positive on a sphere; its target is in the report.
-    message: the status in a sentence. warnings: what else the user should know. solver: for the next call of `form`.
+    message: the status in a sentence. warnings: what else the user should know, each with a code (`solver.notes`).
+    solver: for the next call of `form`.
     fit: of a fitted shell (`fit_plan`), how near it came.
     """
 
@@ -48,7 +50,7 @@ class Shell:
     mean_curvature: Array
     report: Report
     message: str
-    warnings: list[str] = field(default_factory=list)
+    warnings: list[Note] = field(default_factory=list)
     solver: CmcSolver | None = None
     fit: Fit | None = None
 

@@ -238,7 +238,7 @@ def test_warnings_stay_in_the_panel(plan) -> None:
     bpy.ops.cmc.group_add(tilt=-0.6, assign=True)
     bpy.ops.cmc.solve()
     warnings = json.loads(plan.cmc.report)["warnings"]
-    assert any("overhangs" in warning for warning in warnings)
+    assert any("overhangs" in warning["text"] for warning in warnings)
     assert "overhangs" in text_of(draw("CMC_PT_results"))
 
 

@@ -177,7 +177,7 @@ def test_a_remaining_gap_is_reported(plan, addon):
     assert len(plan.cmc.f_plus.data.vertices) > len(plan.data.vertices)
     sentence = addon.cmc_addon.panels.periods_text.gap_sentence(reported)
     assert sentence.startswith(reported["closing"]["message"]) and "is open by" in sentence
-    assert reported["warnings"][0] == reported["closing"]["message"]
+    assert reported["warnings"][0]["text"] == reported["closing"]["message"]
 
 
 @pytest.mark.parametrize("way", ["NORMALS", "HOLE"])

@@ -86,7 +86,7 @@ def test_plans(change, named, capfd):
         activate(plan)
         assert call() == FINISHED
         assert text in capfd.readouterr().out
-    assert any(text in warning for warning in json.loads(plan.cmc.report)["warnings"])
+    assert any(text in warning["text"] for warning in json.loads(plan.cmc.report)["warnings"])
     activate(plan)
     assert bpy.ops.cmc.solve(apply_modifiers=True) == FINISHED
     assert "taken as drawn" not in capfd.readouterr().out
