@@ -29,7 +29,7 @@ from .overlay_cache import kept
 from .overlay_layers import Layer, Look, arrow_length, cut_layer, rim_layers
 from .palette import colour_of, other_colour
 from .result_layers import gap_layers, measured, plane_layers, shell_of
-from .rim import Drawn, Rim, prescribed_rim
+from .rim import Drawn, Leaning, Rim, prescribed_rim
 from .rim_strip import GroupState
 
 Array = NDArray[np.float64]
@@ -124,7 +124,7 @@ def _seen(context: bpy.types.Context, plan: bpy.types.Object) -> Seen | None:
     matrix = plan.matrix_world.to_3x3().to_4x4()
     uids, modified = tuple(group.uid for group in groups), settings.apply_modifiers
     shape = (version(plan, plan.data), plan.mode, modified, tuple(map(tuple, matrix)), uids)
-    prescribed = groups, settings.blend, SIDES[settings.side]
+    prescribed = groups, Leaning(settings.blend, settings.against.lower()), SIDES[settings.side]
 
     def draw() -> Drawn | None:
         depsgraph = context.view_layer.depsgraph or context.evaluated_depsgraph_get()

@@ -16,6 +16,7 @@ from ...solver.domain.sites import SiteGraph
 from ...solver.errors import CmcError
 from ...solver.gauss.admissible import Admissible, resolved
 from ...solver.gauss.boundary_data import Conditions
+from ...solver.gauss.horizon import upwards
 from ...solver.shells.plan import Settings
 from ...solver.shells.plan_conditions import plan_conditions
 from ..bridges.mesh_bridge import PlanMesh
@@ -99,7 +100,15 @@ class Drawn:
             return bare
 
 
-def prescribed_rim(drawn: Drawn, groups: Sequence[GroupState], blend: float = 0.0, side: int = 1) -> Rim:
+@dataclass(frozen=True)
+class Leaning:
+    """How the angles of groups are taken: see `blend` and `against` of the solver's `Settings`."""
+
+    blend: float = 0.0
+    against: str = "horizon"
+
+
+def prescribed_rim(drawn: Drawn, groups: Sequence[GroupState], leaning: Leaning = Leaning(), side: int = 1) -> Rim:
     """The rim of a plan, with the normals that its groups prescribe; never raises for a bad group.
 
     Groups that are invalid by themselves are left out, then the vertices at which groups contradict each other.
@@ -107,7 +116,7 @@ def prescribed_rim(drawn: Drawn, groups: Sequence[GroupState], blend: float = 0.
     bare, strip = Rim(tuple(groups), drawn.lines, drawn.size), drawn.strip
     if strip is None:
         return bare
-    held = _held(strip, groups, blend, side, drawn.flipped)
+    held = _held(strip, groups, leaning, side, drawn.flipped)
     at = held.corners[held.corners < strip.rim_count]
     return replace(
         bare,
@@ -139,9 +148,11 @@ class _Held:
     corners: Int
 
 
-def _held(strip: Strip, groups: Sequence[GroupState], blend: float, side: int, flipped: Sequence[int]) -> _Held:
+def _held(
+    strip: Strip, groups: Sequence[GroupState], leaning: Leaning, side: int, flipped: Sequence[int]
+) -> _Held:
     normals, middles = (np.full((n, 3), np.nan) for n in (len(strip.points), len(strip.domain.edges)))
-    conditions, left_out = _conditions(strip, groups, blend)
+    conditions, left_out = _conditions(strip, groups, leaning)
     admissible = None if conditions is None else _admissible(strip, conditions, side)
     if conditions is None or admissible is None:
         return _Held(normals, middles, np.zeros(0, dtype=np.int64))
@@ -174,23 +185,26 @@ def _walks(strip: Strip, held: _Held) -> list[Walk]:
     return walks
 
 
-def _conditions(strip: Strip, groups: Sequence[GroupState], blend: float) -> tuple[Conditions | None, list[int]]:
+def _conditions(
+    strip: Strip, groups: Sequence[GroupState], leaning: Leaning
+) -> tuple[Conditions | None, list[int]]:
     """The conditions of the groups, and the uids of the groups left out as invalid."""
-    settings = Settings(blend=blend)
+    settings = Settings(blend=leaning.blend, against=leaning.against)
     try:
-        return _with_up(plan_conditions(strip.as_plan(groups), settings, strip.domain), strip), []
+        return _on_strip(strip, groups, settings), []
     except CmcError:
         pass
     sound = [group for group in groups if _is_sound(strip, group)]
     left_out = [group.uid for group in groups if group not in sound]
     try:
-        return _with_up(plan_conditions(strip.as_plan(sound), settings, strip.domain), strip), left_out
+        return _on_strip(strip, sound, settings), left_out
     except CmcError:
         return None, left_out
 
 
-def _with_up(conditions: Conditions, strip: Strip) -> Conditions:
+def _on_strip(strip: Strip, groups: Sequence[GroupState], settings: Settings) -> Conditions:
     """With the area vector of the whole plan, which the strip alone may get wrong."""
+    conditions = plan_conditions(strip.as_plan(groups), settings, strip.domain, upwards(strip.up))
     return replace(conditions, up=strip.up) if conditions.up.any() else conditions
 
 

@@ -98,6 +98,7 @@ def _object_settings(settings: Settings) -> dict[str, object]:
         "side": {number: name for name, number in SIDES.items()}[settings.side],
         "size": settings.size.upper(),
         "blend": settings.blend,
+        "against": settings.against.upper(),
         "ground": settings.ground.upper(),
         "sheet": roles[settings.sheet],
         "sites": settings.sites.upper(),

@@ -95,7 +95,7 @@ def draw_settings(layout: bpy.types.UILayout, owner) -> None:
         layout.prop(owner, value)
     elif owner.size == "MATCH_PLAN":
         layout.prop(owner, "rotate")
-    for name in ("blend", "ground"):
+    for name in ("blend", "against", "ground"):
         layout.prop(owner, name)
     draw_shell(layout, owner)
     for name in ("sheet", "flip", "apply_modifiers"):

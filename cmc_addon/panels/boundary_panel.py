@@ -74,10 +74,11 @@ class CMC_PT_boundary(Tab, bpy.types.Panel):
             draw_group(layout, context, mesh, group)
         if own:
             self._ungrouped(layout, mesh)
+        column = properties_column(layout)
+        column.enabled = keeps_changes(plan)
         if mesh.cmc.groups:
-            column = properties_column(layout)
-            column.enabled = keeps_changes(plan)
             column.prop(plan.cmc, "blend")
+        column.prop(plan.cmc, "against")
 
     def _list(self, layout, mesh, own):
         """The list; with a result active the groups of its plan, to edit but not to add or remove."""

@@ -13,6 +13,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty
 
 from ...solver.domain.sites import SITES
 from ...solver.errors import JobError
+from ...solver.gauss.conditions import AGAINST
 from ...solver.gauss.energies import ENERGIES
 from ...solver.gauss.methods import METHODS
 from ...solver.shells.plan import usual_sheet
@@ -140,6 +141,9 @@ _SETTINGS = {
         description="Length of rim over which the angles of neighbouring groups blend; at 0 they jump, and the "
         "shell gets a sharp notch",
         default=0.0, min=0.0, subtype="DISTANCE"),
+    "against": partial(
+        EnumProperty, name="Lean Against", description="What the lean of the rim is measured against",
+        items=[(name.upper(), *texts) for name, texts in AGAINST.items()], default="HORIZON"),
     "shell": partial(
         EnumProperty, name="Shell", description="Which of the shells over the same rim to make",
         items=_SHELLS, default="FIRST", update=_keep_sheet_fitting),

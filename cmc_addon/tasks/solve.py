@@ -273,6 +273,7 @@ def solver_settings(settings: SimpleNamespace) -> Settings:
         value=getattr(settings, value_name) if value_name else 1.0,
         ground=settings.ground.lower(),
         blend=settings.blend,
+        against=settings.against.lower(),
         rotate=settings.rotate,
         flip=settings.flip,
         sheet=ROLES[settings.sheet],

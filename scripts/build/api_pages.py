@@ -45,13 +45,19 @@ def page(name: str) -> str:
     if isinstance(value, ModuleType):
         parts.append(_docstring(value))
         for key, each in _public(vars(value)):
-            if inspect.isroutine(each) or inspect.isclass(each):
-                parts += [f"## {key}", *_described(key, each)] if each.__module__ == value.__name__ else []
+            if (inspect.isroutine(each) or inspect.isclass(each)) and _is_own(value, key, each):
+                parts += [f"## {key}", *_described(key, each)]
     else:
         parts += _described(name, value)
     text = "\n\n".join(part for part in parts if part) + "\n"
     others = set(solver.__all__) - {name}
     return re.sub(r"(?<!\[)`(\w+)`", lambda match: _link(match) if match[1] in others else match[0], text)
+
+
+def _is_own(module: ModuleType, name: str, each: Any) -> bool:
+    """Whether a module defines a name, or hands it on as its own and no page of its own has it."""
+    handed_on = name in getattr(module, "__all__", ()) and name not in solver.__all__
+    return handed_on or each.__module__ == module.__name__
 
 
 def source_of(value: Any) -> str:

@@ -20,7 +20,7 @@ from ..catalogue import shapes
 from ..domain.domain import Domain
 from ..domain.sites import SITES
 from ..errors import CmcError, ConditionError, JobError, MeshError, Progress
-from ..gauss.conditions import KINDS, Parameter
+from ..gauss.conditions import AGAINST, KINDS, Parameter
 from ..gauss.energies import ENERGIES, energy_on
 from ..gauss.methods import METHODS
 from ..io.mesh_files import FORMATS, read_mesh
@@ -283,6 +283,7 @@ def _settings(root: Table, combinatorics: str) -> Settings:
     values: dict[str, object] = {"combinatorics": combinatorics}
     values["default_kind"] = default.text("kind", "binormal", among=list(KINDS))
     values["default_tilt"] = default.angle("tilt")
+    values["against"] = default.text("against", "horizon", among=list(AGAINST))
     values["blend"] = default.number("blend")
     default.known.append("flipped_corners")
     default.finish()

@@ -14,7 +14,7 @@ from ..domain.domain import Domain
 from ..domain.shape import Shape, is_names, side_edges
 from ..domain.sites import SITES
 from ..errors import ConditionError, JobError, MeshError
-from ..gauss.conditions import KINDS
+from ..gauss.conditions import AGAINST, KINDS
 from ..gauss.energies import ENERGIES, energy_on
 from ..gauss.methods import METHODS
 from ..io.mesh_files import read_mesh
@@ -156,6 +156,8 @@ class Settings:
     """How a plan is solved and its shell placed.
 
     default_kind, default_tilt (radians): the condition of boundary edges in no group.
+    against: of `conditions.AGAINST`, what the tilts of kind "binormal" are measured against, the horizon or the drawn
+        surface.
     blend: length of boundary over which the tilts of neighbouring groups flow into each other; 0: they jump.
     size, value, ground, rotate, flip: see `placement.Rule`; they apply to `sheet`, "f+" or "f-".
     combinatorics: of `COMBINATORICS`, the polygons of the written sheets; they are measured on triangles.
@@ -168,6 +170,7 @@ class Settings:
 
     default_kind: str = "binormal"
     default_tilt: float = 0.0
+    against: str = "horizon"
     blend: float = 0.0
     size: str = "match_plan"
     value: float = 1.0
@@ -196,6 +199,7 @@ class Settings:
         if not (np.isfinite(self.blend) and self.blend >= 0.0):
             raise JobError(f"The blend must be a length of zero or more, not {self.blend}.")
         for what, name, known in (
+            ("reference for the lean", self.against, AGAINST),
             ("kind of sites", self.sites, SITES),
             ("method", self.method, METHODS),
             ("combinatorics", self.combinatorics, COMBINATORICS),

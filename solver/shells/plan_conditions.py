@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
 from ..errors import CmcError, ConditionError, listed
@@ -18,8 +19,8 @@ from .plan import Group, Plan, Settings
 Array = NDArray[np.float64]
 
 
-def plan_conditions(plan: Plan, settings: Settings, domain: Domain) -> Conditions:
-    """The groups' conditions, and the default one on boundary edges in no group.
+def plan_conditions(plan: Plan, settings: Settings, domain: Domain, up: ArrayLike | None = None) -> Conditions:
+    """The groups' conditions, and the default one on boundary edges in no group. up: (3,) as in `binormal`.
 
     Groups with the same condition act as one group where they meet. Raises `ConditionError` naming the group and its
     edges that are not on the boundary, an edge in two groups, or where every edge is free and the plan has no start.
@@ -37,12 +38,13 @@ def plan_conditions(plan: Plan, settings: Settings, domain: Domain) -> Condition
     owner[domain.boundary_edges[owner[domain.boundary_edges] < 0]] = len(plan.groups)
     chosen = [(group, np.flatnonzero(np.isin(owner, numbers))) for group, numbers in alike.values()]
     chosen = [(group, edges) for group, edges in chosen if len(edges)]
+    how = {"against": settings.against, "up": up}
     total = Conditions()
     if settings.blend > 0.0:
-        total = _blended(domain, plan.positions, chosen, settings.blend)
+        total = _blended(domain, plan.positions, chosen, settings.blend, how)
         chosen = [(group, edges) for group, edges in chosen if group.kind != "binormal"]
     for group, edges in chosen:
-        total = total + _build(group, domain, plan.positions, edges)
+        total = total + _build(group, domain, plan.positions, edges, how)
     if len(plan.flipped_corners):
         total = total + _flipped(domain, total, settings.side, plan.flipped_corners)
     if total.is_empty and plan.initial is None:
@@ -53,7 +55,11 @@ def plan_conditions(plan: Plan, settings: Settings, domain: Domain) -> Condition
 
 
 def _blended(
-    domain: Domain, positions: Array, chosen: Sequence[tuple[Group, NDArray[np.integer]]], width: float
+    domain: Domain,
+    positions: Array,
+    chosen: Sequence[tuple[Group, NDArray[np.integer]]],
+    width: float,
+    how: dict[str, Any],
 ) -> Conditions:
     """One condition for all tilted groups, their tilts a moving average along the boundary."""
     tilts = np.full(len(domain.edges), np.nan)
@@ -61,7 +67,7 @@ def _blended(
         if group.kind == "binormal":
             tilts[edges] = group.parameters.get("tilt", 0.0)
     edges = np.flatnonzero(np.isfinite(tilts))
-    return boundary.binormal(domain, positions, edges, moving_average(domain, edges, tilts[edges], width))
+    return boundary.binormal(domain, positions, edges, moving_average(domain, edges, tilts[edges], width), **how)
 
 
 def _flipped(domain: Domain, total: Conditions, side: int, vertices: Sequence[int]) -> Conditions:
@@ -85,9 +91,12 @@ def _condition_key(group: Group) -> object:
     return group.kind, tuple(sorted((name, str(np.asarray(v).tolist())) for name, v in group.parameters.items()))
 
 
-def _build(group: Group, domain: Domain, positions: Array, edges: NDArray[np.integer]) -> Conditions:
+def _build(
+    group: Group, domain: Domain, positions: Array, edges: NDArray[np.integer], how: dict[str, Any]
+) -> Conditions:
+    parameters: dict[str, Any] = how | dict(group.parameters)
     try:
-        return boundary.build(group.kind, domain, positions, edges, **dict(group.parameters))
+        return boundary.build(group.kind, domain, positions, edges, **parameters)
     except ConditionError as error:
         raise _in_group(group, error) from error
 

@@ -62,8 +62,8 @@ def test_binormals_turn_with_the_surface(disc):
     turn *= np.sign(np.linalg.det(turn))
     flat = np.column_stack([disc.positions, np.zeros(len(disc.positions))])
     edges = disc.domain.boundary_edges
-    one = conditions.binormal(disc.domain, flat, edges, tilt=0.4)
-    other = conditions.binormal(disc.domain, flat @ turn.T, edges, tilt=0.4)
+    one = conditions.binormal(disc.domain, flat, edges, tilt=0.4, against="surface")
+    other = conditions.binormal(disc.domain, flat @ turn.T, edges, tilt=0.4, against="surface")
     assert_allclose(other.vertex_normals, one.vertex_normals @ turn.T, rtol=0, atol=1e-12)
     assert_allclose(other.up, turn @ one.up, rtol=0, atol=1e-12)
 

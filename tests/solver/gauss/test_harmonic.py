@@ -57,7 +57,8 @@ def test_up_is_the_plans_own_normal_however_it_lies_in_space(seed, with_position
     domain, points = disc(300)
     turn = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]
     turn *= np.sign(np.linalg.det(turn))
-    condition = rim(domain, np.column_stack([points, 0 * points[:, 0]]) @ turn.T)
+    positions = np.column_stack([points, 0 * points[:, 0]]) @ turn.T
+    condition = conditions.binormal(domain, positions, domain.boundary_edges, against="surface")
     if not with_positions:
         condition = conditions.fixed_at(domain, condition.vertices, condition.vertex_normals)
     result = HarmonicSolver(domain).solve(condition)

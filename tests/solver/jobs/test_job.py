@@ -10,10 +10,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from solver import JobError
 from solver.io.mesh_files import write_mesh
 from solver.io.obj import MeshData
 from solver.jobs.job import EXAMPLE, SHAPES, load_job, run_job
-from solver.shells.plan import Plan
+from solver.shells.plan import Plan, plan_domain
+from solver.shells.plan_conditions import plan_conditions
 from tests.solver.job_files import PLAN, job, quad_plan
 
 JOBS = Path(__file__).parents[3] / "assets" / "jobs"
@@ -178,3 +180,20 @@ def test_choices_of_the_solver_arrive(folder):
         assert settings.solver_choice == ("faces", known_as, True)
         assert (settings.method, settings.combinatorics) == ("flow", "corner")
     assert load_job(job(folder, PLAN)).settings.solver_choice == ("vertices", "cotan", False)
+
+
+def test_leans_are_against_the_horizon_or_the_drawn_surface(folder):
+    """Over a hipped plan: the rim stands upright, or at right angles to its sloping faces."""
+    points = np.array([[0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0], [2, 2, 2]], dtype=float)
+    rows = [f"v {x} {y} {z}" for x, y, z in points] + ["f 1 2 5", "f 2 3 5", "f 3 4 5", "f 4 1 5"]
+    (folder / "hip.obj").write_text("\n".join(rows) + "\n")
+    z = {}
+    for against in ("horizon", "surface"):
+        read = load_job(job(folder, f'mesh = "hip.obj"\n[default]\ntilt = 20\nagainst = "{against}"\n'))
+        assert read.settings.against == against
+        normals = plan_conditions(read.plan, read.settings, plan_domain(read.plan)).edge_normals
+        z[against] = normals[:, 2]
+    assert_allclose(z["horizon"], np.sin(np.radians(20)), rtol=0, atol=1e-12)
+    assert_allclose(z["surface"], np.sin(np.radians(20 - 45)), rtol=0, atol=1e-12)
+    with pytest.raises(JobError, match="against"):
+        load_job(job(folder, 'mesh = "hip.obj"\n[default]\nagainst = "wind"\n'))

@@ -76,8 +76,8 @@ def test_a_sloped_plan_carries_everything_with_it():
     level = disc(centre=(1, 0, 2))
     angle = 0.3
     turn = np.array([[1, 0, 0], [0, np.cos(angle), -np.sin(angle)], [0, np.sin(angle), np.cos(angle)]])
-    sloped = form(replace(level, positions=level.positions @ turn.T), Settings(size="rise", value=4, flip=True))
-    straight = form(level, Settings(size="rise", value=4, flip=True))
+    settings = Settings(size="rise", value=4, flip=True, against="surface")
+    sloped, straight = form(replace(level, positions=level.positions @ turn.T), settings), form(level, settings)
     for name in ("f+", "g", "gauss"):
         assert_allclose(sloped.placed[name], straight.placed[name] @ turn.T, atol=1e-6)
     assert_allclose(sloped.report.shown.rise, 4, rtol=1e-9)
