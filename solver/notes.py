@@ -5,7 +5,8 @@ A `Note` is a text, so it is printed and compared as one; reports write its code
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from functools import partial
 
 from .errors import CmcError
 
@@ -44,6 +45,29 @@ class Note(str):
 
     def __getnewargs__(self) -> tuple[str, str]:  # for copies and pickles
         return self.code, str(self)
+
+
+class Sentence(str):
+    """A sentence with numbers in a power of the unit of length, which `written` gives in another unit.
+
+    template: the sentence with "{}" for each number.
+    """
+
+    template: str
+    lengths: tuple[float, ...]
+    power: int
+
+    def __new__(cls, template: str, *lengths: float, power: int = 1) -> Sentence:
+        sentence = super().__new__(cls, template.format(*(f"{length:.3g}" for length in lengths)))
+        sentence.template, sentence.lengths, sentence.power = template, lengths, power
+        return sentence
+
+    def __reduce__(self) -> tuple:  # for copies and pickles
+        return partial(Sentence, power=self.power), (self.template, *self.lengths)
+
+    def written(self, write: Callable[[float, int], str]) -> str:
+        """The sentence with each number as `write(number, power)` gives it."""
+        return self.template.format(*(write(length, self.power) for length in self.lengths))
 
 
 def notes_data(notes: Iterable[Note]) -> list[dict[str, str]]:
