@@ -24,6 +24,7 @@ CODES = {
     "faces-down": "the faces of the plan look down",
     "slow": "the mesh makes the solve slow",
     "input": "the file holds something that was left out, joined or taken otherwise",
+    "rounded": "corners of the outline were rounded, by a radius that was chosen or that is less than the one wanted",
     "radians": "an angle looks as if it were given in radians",
     "not-seen": "the plan or the result is not what the viewport shows",
     "far": "an object is drawn so far from its origin that its points are rounded",
