@@ -21,6 +21,8 @@ from __future__ import annotations
 import importlib
 from types import ModuleType
 
+import bpy
+
 MODULES = (
     "properties.stored", "background.worker", "operators", "bridges.group_history", "bridges.geometry_changes",
     "drawing.overlay_draw", "drawing.shading", "results.colours", "drawing.preview", "live.follow",
@@ -40,8 +42,11 @@ def _modules() -> list[ModuleType]:
 def register() -> None:
     """Register every module in order.
 
-    If one fails, unregister those before it, in reverse, and raise: a half-registered add-on is worse than none.
+    If one fails, unregister those before it, in reverse, and raise: a half-registered add-on is worse than none. What
+    is registered already is taken back first, or everything would be called twice.
     """
+    if hasattr(bpy.types.Object, "cmc"):
+        unregister()
     done: list[ModuleType] = []
     try:
         for module in _modules():

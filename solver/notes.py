@@ -5,7 +5,8 @@ A `Note` is a text, so it is printed and compared as one; reports write its code
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from functools import partial
 
 from .errors import CmcError
 
@@ -27,6 +28,7 @@ CODES = {
     "slow": "the mesh makes the solve slow",
     "merged": "vertices of a file in one place were merged, which joins its parts",
     "left-out": "something in a file or a group was left out",
+    "rounded": "corners of the outline were rounded, by a radius that was chosen or that is less than the one wanted",
     "radians": "an angle looks as if it were given in radians",
     "not-seen": "a plan or an outline was taken otherwise than the viewport shows it",
     "hidden": "the result cannot be seen in this view layer",
@@ -57,6 +59,29 @@ class Note(str):
 def as_asked(notes: Iterable[Note]) -> bool:
     """Whether a shell with these warnings is what was asked for."""
     return not any(note.code in NOT_AS_ASKED for note in notes)
+
+
+class Sentence(str):
+    """A sentence with numbers in a power of the unit of length, which `written` gives in another unit.
+
+    template: the sentence with "{}" for each number.
+    """
+
+    template: str
+    lengths: tuple[float, ...]
+    power: int
+
+    def __new__(cls, template: str, *lengths: float, power: int = 1) -> Sentence:
+        sentence = super().__new__(cls, template.format(*(f"{length:.3g}" for length in lengths)))
+        sentence.template, sentence.lengths, sentence.power = template, lengths, power
+        return sentence
+
+    def __reduce__(self) -> tuple:  # for copies and pickles
+        return partial(Sentence, power=self.power), (self.template, *self.lengths)
+
+    def written(self, write: Callable[[float, int], str]) -> str:
+        """The sentence with each number as `write(number, power)` gives it."""
+        return self.template.format(*(write(length, self.power) for length in self.lengths))
 
 
 def notes_data(notes: Iterable[Note]) -> list[dict[str, str]]:

@@ -17,8 +17,8 @@ from ..bridges.colour_bridge import is_painted
 from ..properties.colour_maps import Range, decimals
 from ..properties.colour_range import stored_range
 from ..properties.colour_settings import QUANTITIES
-from ..properties.links import result_of
-from ..properties.stored import COMPLETED_ROLES, DESIGN_ROLES, ROLES
+from ..properties.links import result_of, seen_results
+from ..properties.stored import COMPLETED_ROLES
 from ..properties.units import in_units, length_text, per_length
 from . import shading
 
@@ -63,17 +63,8 @@ def _plan(ob: bpy.types.Object | None) -> bpy.types.Object | None:
 
 
 def _seen(context: bpy.types.Context, plan: bpy.types.Object) -> bpy.types.Object | None:
-    """The active result if it is coloured and visible, else the first such result of the plan."""
-    roles = dict.fromkeys([plan.cmc.sheet, *DESIGN_ROLES, *COMPLETED_ROLES, *ROLES])
-    results = [result_of(plan, role) for role in roles]
-    copies = [] if plan.cmc.copies is None else plan.cmc.copies.objects[:1]
-    active = [context.object] if context.object.cmc.role != "NONE" else []
-    for ob in (*active, *results, *copies):
-        if ob is None or ob.type != "MESH" or not is_painted(ob.data):
-            continue
-        if ob.visible_get(view_layer=context.view_layer):
-            return ob
-    return None
+    """The result that is shown if it is coloured, else the first one seen that is."""
+    return next((ob for ob in seen_results(context, plan) if ob.type == "MESH" and is_painted(ob.data)), None)
 
 
 def _range(plan: bpy.types.Object, result: bpy.types.Object) -> Range | None:

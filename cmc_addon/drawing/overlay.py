@@ -20,15 +20,15 @@ from ..bridges.geometry_changes import version
 from ..bridges.overlay_bridge import cut_of, points_of, seen_plan
 from ..properties import group_list, preferences
 from ..properties.group_settings import parameter_values
-from ..properties.links import plan_to_solve, results_of
+from ..properties.links import plan_to_solve, results_of, shown_shell
 from ..properties.overlay_settings import SHOWN
 from ..properties.reports import last_report
 from ..properties.settings import SIDES
-from ..properties.stored import ROLES
+from ..properties.stored import COMPLETED_ROLES, DESIGN_ROLES, ROLES
 from .overlay_cache import kept
 from .overlay_layers import Layer, Look, arrow_length, cut_layer, rim_layers
 from .palette import colour_of, other_colour
-from .result_layers import gap_layers, measured, plane_layers, shell_of
+from .result_layers import gap_layers, measured, plane_layers
 from .rim import Drawn, Leaning, Rim, prescribed_rim
 from .rim_strip import GroupState
 
@@ -51,15 +51,17 @@ def frame(context: bpy.types.Context, view: bpy.types.SpaceView3D | None = None)
     if view is not None and not view.overlay.show_overlays:
         return []
     look, report = look_of(context, plan), last_report(context)
-    shell = None if report is None else shell_of(plan, report)
+    shell = None if report is None else shown_shell(context)
     planes = _planes(plan, report, shell if _is_visible(shell, context, view) else None, look)
     seen = _seen(context, plan) if _is_visible(plan, context, view) else None
     parts = []
     if seen is not None:
         parts += _plan_parts(plan, seen, look, frozenset(uid for uid, _, _ in planes))
-    for result in results_of(plan, [role for role in ROLES if role != "GAUSS"]).values():
+    for result in results_of(plan, [role for role in (*ROLES, *DESIGN_ROLES) if role != "GAUSS"]).values():
         if _is_visible(result, context, view):
             parts += _result_parts(result, look, planes if result == shell else [], seen)
+    if shell is not None and shell.cmc.role in COMPLETED_ROLES:  # copies meet at the gaps
+        return parts
     if report is not None and "show_gaps" in look.shown:
         parts += _gap_parts(plan, report, shell, context, view, look)
     if "show_cut" in look.shown and seen is not None and shell is not None:
@@ -196,5 +198,5 @@ def _gap_parts(plan, report: dict, shell, context, view, look: Look) -> list[Par
         return []
     origin = np.zeros(3) if shell is None else np.array(shell.cmc.placed_at, dtype=np.float64)
     matrix = Matrix() if shell is None else shell.matrix_world
-    key = (plan.cmc.report, look, tuple(origin))
+    key = (str(report.get("holes")), look, tuple(origin))
     return [Part(matrix, kept(("gaps", plan.session_uid), key, lambda: list(gap_layers(report, origin, look))))]

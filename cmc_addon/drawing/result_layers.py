@@ -8,12 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..properties.links import result_of
-from ..properties.stored import ROLES
 from . import overlay_geometry as shapes
 from .overlay_layers import PLANAR, Layer, Look, arrows, wall_layers
 from .rim_strip import GroupState
@@ -23,12 +20,6 @@ Array = NDArray[np.float64]
 # A group whose plane now differs by more, in radians, was changed after the solve.
 _SAME = 1e-3
 _UP = np.array([0.0, 0.0, 1.0])
-
-
-def shell_of(plan: bpy.types.Object, report: dict) -> bpy.types.Object | None:
-    """The result that a report is about, or None."""
-    role = next((role for role, sheet in ROLES.items() if sheet == report.get("sheet")), None)
-    return None if role is None else result_of(plan, role)
 
 
 def gaps(report: dict, origin: Array) -> tuple[Array, Array]:

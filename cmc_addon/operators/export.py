@@ -10,8 +10,7 @@ from ...solver.errors import CmcError
 from ...solver.io.mesh_files import FORMATS
 from ..background import worker
 from ..properties.export_settings import EXPORT_SETTINGS, draw_export, export_annotations
-from ..properties.links import plan_of
-from ..tasks.export import ExportTask, wanted_objects
+from ..tasks.export import ExportTask, export_owner, wanted_objects
 from .modal import ModalOperator
 from .poll import RUNNING, allow
 from .solve import as_settings
@@ -22,7 +21,7 @@ def why_not_export(context: bpy.types.Context) -> str:
     if context.window_manager.cmc.running:
         return RUNNING
     try:
-        plan = plan_of(context.view_layer.objects.active)
+        plan = export_owner(context.view_layer.objects.active)
         wanted_objects(context, plan, "AUTO")
     except CmcError as error:
         return str(error).removesuffix(".")
@@ -71,7 +70,7 @@ class CMC_OT_export(ModalOperator, bpy.types.Operator):
     def invoke(self, context, event):
         if self.filepath:
             return super().invoke(context, event)
-        plan = plan_of(context.view_layer.objects.active)
+        plan = export_owner(context.view_layer.objects.active)
         self._take_settings(plan)
         try:
             name = file_name(plan, wanted_objects(context, plan, self.export_what)[0])
@@ -102,7 +101,7 @@ class CMC_OT_export(ModalOperator, bpy.types.Operator):
     def steps(self, context, wait):
         if not self.filepath:
             raise CmcError("No file is named; give the path of the file to write.")
-        plan = plan_of(context.view_layer.objects.active)
+        plan = export_owner(context.view_layer.objects.active)
         self._take_settings(plan)
         path = _named_file(self.filepath)
         if path.suffix.lower() not in FORMATS:

@@ -25,10 +25,10 @@ import numpy as np
 
 from ...solver.errors import CmcError, MeshError
 from ...solver.meshing.mesher import PlanMesh, mesh_plan
+from ...solver.meshing.rounding import rounded_sentence
 from ...solver.meshing.wires import (
     Outline,
     check_count,
-    default_corner_radius,
     default_edge_length,
     explained,
     is_flat,
@@ -42,6 +42,7 @@ from ..properties.group_settings import kind_parameters
 from ..properties.libraries import keeps_changes, why_not_kept
 from ..properties.links import by_uid
 from ..properties.plan_settings import PLAN_SETTINGS, plan_annotations
+from ..properties.units import length_text
 from .activate import activate
 from .modal import ModalOperator
 from .poll import RUNNING
@@ -134,11 +135,14 @@ class CMC_OT_mesh_plan(ModalOperator, bpy.types.Operator):
                 setattr(self, name, getattr(stored, name))
 
     def _report_plan(self, plan: bpy.types.Object, outline: Outline, meshed: PlanMesh) -> None:
-        text = f"'{plan.name}': {len(meshed.triangles)} triangles, {len(meshed.edges)} boundary edges"
-        if is_flat(outline):
-            self.report({"INFO"}, text)
-        else:
-            self.report({"WARNING"}, f"{text}; the outline leaves its plane by {outline.off:.3g} and was flattened")
+        text = f"'{plan.name}': {len(meshed.triangles)} triangles, {len(meshed.edges)} boundary edges."
+        rounded = rounded_sentence(meshed.rounded)
+        if rounded is not None:
+            text = f"{text} {rounded.written(partial(length_text, digits=3))}"
+        self.report({"INFO"}, text)
+        if not is_flat(outline):
+            off = length_text(outline.off, digits=3)
+            self.report({"WARNING"}, f"The outline of '{plan.name}' leaves its plane by {off} and was flattened.")
 
 
 def _mesh(outline: Outline, edge_length: float, corner_radius: float | None) -> PlanMesh:
@@ -146,7 +150,7 @@ def _mesh(outline: Outline, edge_length: float, corner_radius: float | None) -> 
     first, *holes = outline.loops
     edge = edge_length or default_edge_length(outline.size)
     check_count(outline, edge)
-    radius = 0.0 if corner_radius is None else corner_radius or default_corner_radius(outline.size)
+    radius = 0.0 if corner_radius is None else corner_radius or None
     borders = [border.tolist() for border in outline.borders()]
     try:
         return mesh_plan(first, holes, max_edge=edge, corner_radius=radius, keep=borders)

@@ -1,47 +1,17 @@
 """Design: fit a shell to an outline, a curve, anchors or a surface; and the distances that remain."""
 
-import math
-
 import bpy
 
-from ...solver.fitting.targets import (
-    Anchors,
-    Area,
-    Closed,
-    Crown,
-    GaussMap,
-    MinimalChange,
-    NearSurface,
-    RimOnCurve,
-    SmoothRim,
-    TiltBounds,
-    Volume,
-)
 from ..live.follow import problem_of
 from ..operators.design import draw_approximate, draw_fit
+from ..properties.distances import NAMES, goal_text
 from ..properties.libraries import keeps_changes
 from ..properties.links import plan_to_solve, result_of
 from ..properties.registration import registration
-from ..properties.reports import last_design
+from ..properties.reports import last_design, shown_sheet
 from ..properties.units import length_text
-from .results_panel import numbers, paragraph, size_rows
+from .results_panel import numbers, paragraph
 from .tab import TALL, Tab, properties_column
-
-_LENGTHS = {target.label for target in (RimOnCurve, Crown, Anchors, NearSurface, Closed)}
-_NAMES = {
-    RimOnCurve.label: "Off Line",
-    Crown.label: "Off Height",
-    Volume.label: "Off Volume",
-    Area.label: "Off Area",
-    Anchors.label: "Off Anchors",
-    NearSurface.label: "Off Surface",
-    GaussMap.label: "Off Normals",
-    MinimalChange.label: "Turn of Normals",
-    SmoothRim.label: "Rim Roughness",
-    TiltBounds.label: "Off Lean",
-    Closed.label: "Gap",
-}
-"""The solver's name of a distance -> the panel's."""
 
 
 class CMC_PT_design(Tab, bpy.types.Panel):
@@ -71,7 +41,6 @@ class CMC_PT_design(Tab, bpy.types.Panel):
         self._button(layout, "cmc.approximate_surface")
         report = last_design(context)
         if report is not None:
-            paragraph(layout, context, report["message"], "CHECKMARK" if report["met"] else "ERROR")
             numbers(layout, design_rows(report))
 
     def _settings(self, layout, context, plan):
@@ -91,19 +60,13 @@ def _is_anchor(ob: bpy.types.Object | None) -> bool:
 
 
 def design_rows(report: dict) -> list[tuple[str, str]]:
-    """The size of the fitted shell, and its distances from its goals."""
-    rows = size_rows(report)
+    """The distances of a fitted shell from its goals; Results has its size."""
+    rows, size = [], shown_sheet(report)["span"]
     if report.get("deviation"):
         mean, most = (length_text(report["deviation"][name], digits=2) for name in ("mean", "max"))
         rows.append(("Deviation", f"{mean}, at most {most}"))
-    return rows + [_distance_row(label, off) for label, off in report["distances"].items()]
-
-
-def _distance_row(label: str, off: float) -> tuple[str, str]:
-    name = _NAMES.get(label, label.capitalize())
-    if label == TiltBounds.label:
-        return name, f"{math.degrees(off):.2g}°"
-    return name, length_text(off, digits=2) if label in _LENGTHS else f"{off:.2g}" if off >= 1e-6 else "0"
+    named = {NAMES.get(label, label.capitalize()): (label, off) for label, off in report["distances"].items()}
+    return rows + [(name, goal_text(label, off, size)) for name, (label, off) in named.items()]
 
 
 CLASSES = (CMC_PT_design,)

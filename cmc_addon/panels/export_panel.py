@@ -5,7 +5,7 @@ import bpy
 from ...solver.errors import CmcError
 from ..properties.export_settings import draw_export
 from ..properties.libraries import keeps_changes
-from ..properties.links import plan_to_solve
+from ..properties.links import is_orphan, plan_to_solve
 from ..properties.registration import registration
 from ..tasks.export import wanted_objects
 from .tab import TALL, Tab, hint, properties_column, running_row
@@ -19,6 +19,8 @@ class CMC_PT_export(Tab, bpy.types.Panel):
 
     def draw(self, context):
         layout, plan = self.layout, plan_to_solve(context)
+        if plan is None and is_orphan(context.object):
+            plan = context.object
         if plan is None:
             hint(layout, "Select a plan or its shell", "to export it")
             return

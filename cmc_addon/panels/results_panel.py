@@ -1,5 +1,6 @@
-"""Results: the last solve in numbers, drawn from the report that it stored."""
+"""Results: the shell that is shown in numbers, drawn from the report that it stored (see `links.shown_shell`)."""
 
+import re
 import textwrap
 
 import bpy
@@ -7,14 +8,16 @@ import bpy
 from ...solver.fitting.targets import RimOnCurve
 from ...solver.measure.summary import percent
 from ...solver.notes import NOT_AS_ASKED
-from ..properties.links import result_of
+from ..properties.links import shown_shell
 from ..properties.registration import registration
-from ..properties.reports import design_report, last_report, shown_sheet, warnings_in
+from ..properties.reports import complete_report, is_design, last_report, shown_sheet, warnings_in
+from ..properties.stored import COMPLETED_ROLES
 from ..properties.units import in_units, length_text, per_length
 from .periods_text import gap_sentence
 from .tab import BESIDE_SOLVE, Tab
 
 _LETTER = 7.0  # pixels, of the interface font at scale 1
+_UNIT = r"(?<=\d) (?=%|[a-zµ]{1,2}[²³]?\b)"
 
 
 def paragraph(layout: bpy.types.UILayout, context: bpy.types.Context, text: str, icon: str) -> None:
@@ -23,7 +26,7 @@ def paragraph(layout: bpy.types.UILayout, context: bpy.types.Context, text: str,
     letters = max(16, int((context.region.width / scale - 60) / _LETTER))
     column = layout.column(align=True)
     column.scale_y = 0.8
-    text = text.replace(" %", "\u00a0%")  # stays with its number
+    text = re.sub(_UNIT, "\u00a0", text)  # a unit stays with its number
     for k, line in enumerate(textwrap.wrap(text, letters)):
         column.label(text=line, icon=icon if k == 0 else "BLANK1")
 
@@ -46,7 +49,7 @@ _SOME = 1e-4
 
 
 class ResultPanel(Tab):
-    """Shown once the plan was solved; draws from the report."""
+    """Shown once the plan has a shell; draws from the report of the one that is shown."""
 
     @classmethod
     def poll(cls, context):
@@ -63,15 +66,27 @@ class CMC_PT_results(ResultPanel, bpy.types.Panel):
     bl_label = "Results"
     bl_order = 3
 
+    def draw_header_preset(self, context):
+        shell = shown_shell(context)
+        if shell is not None:
+            self.layout.label(text=shell.name)
+
     def draw_report(self, context, report):
         warnings = warnings_in(report)
-        done = report["converged"] and not any(code in NOT_AS_ASKED for code, _ in warnings)
-        sentence = gap_sentence(report) or report["message"]
+        done = report["converged"] and report.get("met", True) and not any(code in NOT_AS_ASKED for code, _ in warnings)
+        sentence = report["message"] if is_design(report) else gap_sentence(report) or report["message"]
         paragraph(self.layout, context, sentence, "CHECKMARK" if done else "ERROR")
-        numbers(self.layout, [*size_rows(report), *rim_rows(report)])
+        numbers(self.layout, [*copies_rows(shown_shell(context)), *size_rows(report), *rim_rows(report)])
         for _, warning in warnings:
             if warning != report["message"]:
                 paragraph(self.layout, context, warning, "ERROR")
+
+
+def copies_rows(shell: bpy.types.Object | None) -> list[tuple[str, str]]:
+    """Of a repeated shell: the numbers below are those of one copy."""
+    plan = shell.cmc.source if shell is not None and shell.cmc.role in COMPLETED_ROLES else None
+    report = None if plan is None else complete_report(plan)
+    return [] if report is None else [("One Of", f"{report['copies']:,} copies")]
 
 
 def size_rows(report: dict) -> list[tuple[str, str]]:
@@ -107,7 +122,7 @@ def check_rows(report: dict) -> list[tuple[str, str]]:
         rows.append(("H Off By", percent(shown["mean_curvature"]["relative_l2"])))
     if shown["distortion"]:
         rows.append(("Distortion", f"{shown['distortion']['mean']:.3f}, at most {shown['distortion']['max']:.3f}"))
-    if shown["outline"]:
+    if shown["outline"] and not is_design(report):  # Design has the distances of a fit
         mean, most = (length_text(shown["outline"][name], digits=2) for name in ("mean", "max"))
         rows.append(("Off Outline", f"{mean}, at most {most}"))
     if shown["overhang"]:
@@ -138,7 +153,7 @@ class CMC_PT_solver(ResultPanel, bpy.types.Panel):
             ("Closing Error", f"{report['closure_error']:.1e}"),
         ]
         numbers(self.layout, rows)
-        if report["converged"] and report.get("index") is None:
+        if report["converged"] and report.get("index") is None and not is_design(report):
             self.layout.operator("cmc.count_modes")
 
 
@@ -152,10 +167,11 @@ def map_rows(report: dict) -> list[tuple[str, str]]:
 
 
 def draw_nearness(layout: bpy.types.UILayout, context: bpy.types.Context, plan: bpy.types.Object) -> None:
-    """After a solve: the distance of its rim from the outline, and the button to fit it."""
-    rows = outline_rows(last_report(context))
+    """The distance of the rim of the shell that is shown from the outline, and the button to fit it."""
+    report = last_report(context)
+    rows = fitted_rows(report) if report is not None and is_design(report) else outline_rows(report)
     if rows:
-        numbers(layout, rows + fitted_rows(plan))
+        numbers(layout, rows)
         layout.operator("cmc.fit_outline", icon="SNAP_ON")
 
 
@@ -170,16 +186,10 @@ def outline_rows(report: dict | None) -> list[tuple[str, str]]:
     ]
 
 
-def fitted_rows(plan: bpy.types.Object) -> list[tuple[str, str]]:
-    """The largest distance of the fitted shell, if the plan has one."""
-    if result_of(plan, "FIT") is None:
-        return []
-    try:
-        report = design_report(plan) or {}
-        off, span = report["distances"][RimOnCurve.label], report["sheets"][report["sheet"]]["span"]
-    except (KeyError, TypeError):  # no fit, or one of another design
-        return []
-    return [("Fitted", distance_text(off, span))]
+def fitted_rows(report: dict) -> list[tuple[str, str]]:
+    """The largest distance of a fitted shell from its line; none where it has no line."""
+    off = report["distances"].get(RimOnCurve.label)
+    return [] if off is None else [("Fitted", distance_text(off, shown_sheet(report)["span"]))]
 
 
 def distance_text(length: float, span: float) -> str:

@@ -108,7 +108,7 @@ class CMC_PT_plan(Tab, bpy.types.Panel):
         if settings.round_corners:
             column.prop(settings, "corner_radius", text="Radius")
             if not settings.corner_radius:
-                automatic(column, default_corner_radius(size))
+                automatic(column, default_corner_radius(size), "up to ")
 
 
 def running_row(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
@@ -119,13 +119,13 @@ def running_row(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     row.operator("cmc.cancel", text="", icon="X")
 
 
-def automatic(column: bpy.types.UILayout, length: float) -> None:
-    """The value that a setting of 0 stands for, below that setting."""
+def automatic(column: bpy.types.UILayout, length: float, bound: str = "") -> None:
+    """The value that a setting of 0 stands for, below that setting; bound: "up to " where it is the largest one."""
     row = column.row()
     row.active = False
     split = row.split(factor=0.4)
     split.label()
-    split.label(text=f"Automatic: {length_text(length)}")
+    split.label(text=f"Automatic: {bound}{length_text(length)}")
 
 
 # --- the shell -----------------------------------------------------------------------------

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import bpy
@@ -64,6 +64,55 @@ def plan_to_solve(context: bpy.types.Context) -> bpy.types.Object | None:
     except CmcError:
         return None
     return plan if plan.type == "MESH" else None
+
+
+def seen_results(context: bpy.types.Context, plan: bpy.types.Object) -> Iterator[bpy.types.Object]:
+    """The results of a plan that are seen: first the active one, then the one written last, then the others."""
+    active = context.object
+    if active is not None and active.cmc.role != "NONE" and active.cmc.source == plan and _is_seen(context, active):
+        yield active
+    roles = (plan.cmc.latest, *COMPLETED_ROLES, "FIT", plan.cmc.sheet, *DESIGN_ROLES, *ROLES)
+    for role in dict.fromkeys(role for role in roles if role):
+        ob = _of_role(plan, role)
+        if ob is not None and ob != active and _is_seen(context, ob):
+            yield ob
+
+
+def shown_shell(context: bpy.types.Context) -> bpy.types.Object | None:
+    """The shell that is shown: of the active plan or result the one that is seen (see `seen_results`).
+
+    Panels, overlay, legend and export are about this one. If all are hidden it is the last one written. A result whose
+    plan has been deleted is its own.
+    """
+    plan = plan_to_solve(context)
+    if plan is None:
+        return context.object if is_orphan(context.object) else None
+    seen = (ob for ob in seen_results(context, plan) if ob.cmc.role not in _IMAGES)
+    hidden = (_of_role(plan, role) for role in (plan.cmc.latest, plan.cmc.sheet, *DESIGN_ROLES) if role)
+    return next(seen, None) or next((ob for ob in hidden if ob is not None), None)
+
+
+def is_orphan(ob: bpy.types.Object | None) -> bool:
+    """Whether this is a result whose plan has been deleted."""
+    if ob is None or ob.type != "MESH" or ob.cmc.role == "NONE":
+        return False
+    return ob.cmc.source is None or not ob.cmc.source.users_scene
+
+
+_IMAGES = ("G", "GAUSS")
+"""Roles of results that are no shells."""
+
+
+def _of_role(plan: bpy.types.Object, role: str) -> bpy.types.Object | None:
+    """The result in this role; of instances the first."""
+    copies = copies_of(plan) if role in COMPLETED_ROLES else None
+    if copies is not None and copies.objects:
+        return copies.objects[0]
+    return result_of(plan, role)
+
+
+def _is_seen(context: bpy.types.Context, ob: bpy.types.Object) -> bool:
+    return ob.visible_get(view_layer=context.view_layer)
 
 
 def by_uid(uid: int) -> bpy.types.Object | None:

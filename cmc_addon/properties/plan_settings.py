@@ -14,7 +14,8 @@ _PLAN_SETTINGS = {
         description="Round sharp corners of the outline, where the rim normals would jump and the curvature diverge"),
     "corner_radius": partial(
         FloatProperty, name="Corner Radius",
-        description="Radius of rounded corners, less where space is short; 0: a tenth of the plan's size",
+        description="Radius of rounded corners, less where space is short; 0: for each outline a tenth of its size, "
+        "less at short edges",
         default=0.0, min=0.0, subtype="DISTANCE"),
 }
 PLAN_SETTINGS = tuple(_PLAN_SETTINGS)

@@ -3,7 +3,7 @@
     register, unregister = registration(CLASSES)
 
 `bpy.utils.register_classes_factory` does the same for classes; its `unregister` raises where registering stopped
-half-way. This one leaves out what is not registered, see `cmc_addon.register`.
+half-way. This one leaves out what is not registered, see `cmc_addon.register`, and registers nothing twice.
 """
 
 from __future__ import annotations
@@ -24,9 +24,11 @@ def registration(
 
     def register() -> None:
         for cls in known:
-            bpy.utils.register_class(cls)
+            if not cls.is_registered:
+                bpy.utils.register_class(cls)
         for name, handler in lists.items():
-            getattr(bpy.app.handlers, name).append(handler)
+            if handler not in getattr(bpy.app.handlers, name):
+                getattr(bpy.app.handlers, name).append(handler)
 
     def unregister() -> None:
         for name, handler in lists.items():

@@ -7,13 +7,26 @@ from functools import lru_cache
 
 import bpy
 
-from .links import plan_to_solve
+from .links import is_orphan, plan_to_solve, shown_shell
+from .stored import DESIGN_ROLES
 
 
 def last_report(context: bpy.types.Context) -> dict | None:
-    """The report of the last solve of the active plan or result; None without one."""
-    plan = plan_to_solve(context)
+    """The report of the shell that is shown (see `shown_shell`); without any that of the last solve of the plan."""
+    plan, shell = plan_to_solve(context), shown_shell(context)
+    if shell is not None and (shell.cmc.role in DESIGN_ROLES or is_orphan(shell)):
+        return shell_report(shell)
     return None if plan is None else solve_report(plan)
+
+
+def shell_report(shell: bpy.types.Object) -> dict | None:
+    """The report that a result carries itself; None without one."""
+    return _of_shell(str(shell.get("cmc_report", "")), ("converged",))
+
+
+def is_design(report: dict) -> bool:
+    """Whether a report is of Fit to Outline or Approximate Surface."""
+    return "met" in report and "distances" in report
 
 
 def last_design(context: bpy.types.Context) -> dict | None:

@@ -137,6 +137,7 @@ class CmcObject(bpy.types.PropertyGroup):
         "design_report": StringProperty(name="Design Report", description="Report of the last fit, as JSON"),
         "report": StringProperty(name="Report", description="Report of the last solve, as JSON"),
         "message": StringProperty(name="Message", description="Message of the last solve"),
+        "latest": StringProperty(name="Latest", description="Role of the shell that was written last"),
         # Mesh Plan: on an outline its plan, on a plan its outline (valid as the links above are).
         "plan": PointerProperty(
             name="Plan", description="Plan that Mesh Plan made of this outline", type=bpy.types.Object,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 
 _FOOT = 0.3048
+_IMPERIAL = {2: "sq ft", 3: "cu ft"}
 
 
 def metres(value: float) -> float:
@@ -14,14 +15,14 @@ def metres(value: float) -> float:
 
 
 def length_text(value: float, power: int = 1, digits: int = 4) -> str:
-    """A length or area in the units of the scene."""
+    """A length, area or volume in the units of the scene."""
     units = bpy.context.scene.unit_settings
     if units.system == "NONE":
         return f"{value:.{digits}g}" if abs(value) >= 1e-6 else "0"
     value *= units.scale_length**power
-    if power == 2 and units.system == "IMPERIAL":  # Blender would give square yards beside feet
-        return f"{value / _FOOT**2:.{digits}g} sq ft"
-    kind = {1: "LENGTH", 2: "AREA"}[power]
+    if power > 1 and units.system == "IMPERIAL":  # Blender would give square yards beside feet
+        return f"{value / _FOOT**power:.{digits}g} {_IMPERIAL[power]}"
+    kind = {1: "LENGTH", 2: "AREA", 3: "VOLUME"}[power]
     return bpy.utils.units.to_string(units.system, kind, value, precision=digits, split_unit=False)
 
 

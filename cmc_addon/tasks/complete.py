@@ -133,6 +133,7 @@ class CompleteTask(ShellTask[CompleteResult]):
         hide_completed(plan, False)
         park(result_of(plan, self.solve.settings.sheet))  # it is one of the copies
         plan.cmc.complete_report = json.dumps(result.report, ensure_ascii=False)
+        plan.cmc.latest = "COMPLETED"
         self.store(plan)
         colours.repaint(plan)
         return [*warnings, *result.warnings]

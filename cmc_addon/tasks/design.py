@@ -21,13 +21,16 @@ from ...solver.fitting.fit import Fit
 from ...solver.fitting.targets import SmoothRim
 from ...solver.measure import report
 from ...solver.measure.curvature_fault import curvature_note
-from ...solver.notes import Note, notes_data
+from ...solver.notes import Note, Sentence, notes_data
 from ...solver.shells.form import placed_normals
+from ...solver.shells.gaps import HoleGap, surface_gaps
 from ..background import plan_cache
 from ..bridges.mesh_bridge import PlanMesh, read_plan
 from ..bridges.result_bridge import Cut, find_cut
 from ..properties.attributes import USUAL
+from ..properties.distances import goal_text
 from ..properties.links import result_of
+from ..properties.units import length_text
 from ..results import colours
 from ..results.deviation import show_deviation
 from ..results.measures import Measured, sheet_measures
@@ -44,9 +47,9 @@ LIMIT = 300
 
 @dataclass(frozen=True, eq=False)
 class DesignResult(Result):
-    """A fitted shell in the world; deviation (n,): distances of the points from the surface that it approximates.
+    """A fitted shell in the world, with the gap around each hole of its plan.
 
-    notes: warnings about the shell.
+    deviation (n,): distances of the points from the surface that it approximates. notes: warnings about the shell.
     """
 
     fit: Fit
@@ -55,6 +58,7 @@ class DesignResult(Result):
     measures: Measured
     cut: Cut | None
     report: dict
+    gaps: list[HoleGap]
     deviation: Array | None
     notes: list[Note]
 
@@ -67,12 +71,15 @@ class DesignResult(Result):
     def message(self) -> str:
         """How near the shell is to its target, and what to change where that is not near enough."""
         if not self.converged:
-            return self.fit.message
+            unmet = [text.written(length_text) if isinstance(text, Sentence) else text for text in self.fit.unmet]
+            return " ".join([self.fit.status.sentence, *unmet])
         if self.deviation is not None:
-            mean, most = self.deviation.mean(), self.deviation.max()
-            return f"The nearest surface is {most:.2g} off at most, {mean:.2g} on average."
-        near = [f"{label} to {number:.2g}" for label, number in self.fit.distances.items() if label != SmoothRim.label]
-        return f"Fitted: {', '.join(near)}."
+            mean, most = (length_text(float(off), digits=2) for off in (self.deviation.mean(), self.deviation.max()))
+            return f"The nearest surface is {most} off at most, {mean} on average."
+        size, known = float(np.ptp(self.points, axis=0).max()), self.fit.distances.items()
+        texts = {label: goal_text(label, off, size) for label, off in known if label != SmoothRim.label}
+        near = [f"{label} to {text}" for label, text in texts.items() if text != "None"]
+        return f"Fitted: {', '.join(near)}." if near else "Fitted: all goals are met."
 
 
 @dataclass(eq=False)
@@ -133,6 +140,7 @@ class DesignTask(Task[DesignResult]):
             sheet_measures(surface, placing, points, sheet, self.measured, outline if deviation is None else None),
             find_cut(self.mesh, prepared.triangles, prepared.owners, surface.faces, surface.source),
             measured.to_dict(),
+            surface_gaps(surface, placing, points),
             deviation,
             [] if off is None else [off],
         )
@@ -171,7 +179,7 @@ class DesignTask(Task[DesignResult]):
         if result.deviation is not None:
             show_deviation(plan, ob, result.deviation)
         write_report(ob, table)
-        plan.cmc.design_report = json.dumps(table, ensure_ascii=False)
+        plan.cmc.design_report, plan.cmc.latest = json.dumps(table, ensure_ascii=False), self.role
         for name in self.stored:
             setattr(plan.cmc, name, getattr(self.settings, name))
         for name, block in self.targets.items():
@@ -190,6 +198,7 @@ class DesignTask(Task[DesignResult]):
             "met": result.converged,
             "distances": {label: float(number) for label, number in fit.distances.items()},
             "evaluations": len(fit.history),
+            "holes": [gap.to_dict() for gap in result.gaps],
         }
         if result.deviation is not None:
             table["deviation"] = {"mean": float(result.deviation.mean()), "max": float(result.deviation.max())}

@@ -16,8 +16,9 @@ from ...solver.errors import CmcError, JobError, Progress
 from ...solver.io.mesh_files import FORMATS, write_bytes, write_mesh
 from ...solver.notes import Note
 from ..bridges.export_bridge import Placed, joined, read_objects
-from ..properties.links import copies_of, result_of
-from ..properties.reports import complete_report, design_report, solve_report
+from ..properties.links import copies_of, is_orphan, plan_of, result_of, shown_shell
+from ..properties.reports import complete_report, shell_report, solve_report
+from ..properties.stored import COMPLETED_ROLES, DESIGN_ROLES
 from .task import Task
 
 _MADE_BY = {"SHELL": "Solve", "FIT": "Fit to Outline", "COMPLETED": "Repeat by Symmetry"}
@@ -157,14 +158,24 @@ def wanted_objects(context: bpy.types.Context, plan: bpy.types.Object, what: str
     active = context.view_layer.objects.active
     if active is not None and active.type == "MESH" and active.cmc.role != "NONE":
         return _in_role(plan, "COMPLETED") if active.cmc.role == "COMPLETED" else [active]
-    completed = [ob for ob in _in_role(plan, "COMPLETED") if not ob.hide_viewport]
-    results = completed or _in_role(plan, "FIT") or _in_role(plan, "SHELL") or _in_role(plan, "NEAREST")
-    if not results:
+    shell = shown_shell(context)
+    if shell is None:
         raise CmcError(f"'{plan.name}' has no shell yet; Solve makes one.")
-    return results
+    return _in_role(plan, "COMPLETED") if shell.cmc.role == "COMPLETED" else [shell]
+
+
+def export_owner(ob: bpy.types.Object | None) -> bpy.types.Object:
+    """The object that keeps the settings of an export: the plan, or a result whose plan has been deleted.
+
+    Raises `CmcError` where no object is active.
+    """
+    return ob if ob is not None and is_orphan(ob) else plan_of(ob)
 
 
 def _in_role(plan: bpy.types.Object, what: str) -> list[bpy.types.Object]:
+    if is_orphan(plan):
+        beside = plan.users_collection[0].objects if what == "COMPLETED" else [plan]
+        return [ob for ob in beside if ob.cmc.role == plan.cmc.role and is_orphan(ob)]
     if what == "COMPLETED" and (copies := copies_of(plan)) is not None:
         return list(copies.objects)
     result = result_of(plan, plan.cmc.sheet if what == "SHELL" else what)
@@ -173,8 +184,11 @@ def _in_role(plan: bpy.types.Object, what: str) -> list[bpy.types.Object]:
 
 def _stored_report(plan: bpy.types.Object, objects: Sequence[bpy.types.Object]) -> dict | None:
     """The report of the exported shell; None if its plan has none, or one of another program."""
-    reports = {"FIT": design_report, "NEAREST": design_report, "COMPLETED": complete_report}
-    return reports.get(objects[0].cmc.role, solve_report)(plan)
+    first = objects[0]
+    own = first.cmc.role in DESIGN_ROLES or is_orphan(first)
+    if own:
+        return shell_report(first)
+    return complete_report(plan) if first.cmc.role in COMPLETED_ROLES else solve_report(plan)
 
 
 def _report(plan: bpy.types.Object, objects: Sequence[bpy.types.Object], report: dict) -> str:

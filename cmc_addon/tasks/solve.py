@@ -188,7 +188,7 @@ class SolveTask(Task[SolveResult]):
         write_reports(context, plan, result, warnings)
         show_wanted(plan, wanted)
         hide_completed(plan, True)
-        plan.cmc.message = result.message
+        plan.cmc.message, plan.cmc.latest = result.message, self.settings.sheet
         colours.repaint(plan, self.settings.sheet)
         return warnings
 

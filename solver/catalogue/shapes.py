@@ -15,7 +15,9 @@ from ..domain.shape import Shape
 from ..errors import MeshError
 from ..meshing.mesher import mesh_plan
 from ..meshing.outline import check_loops, signed_area
+from ..meshing.rounding import rounded_sentence
 from ..meshing.triangulate import triangulate
+from ..notes import Note
 
 __all__ = [
     "annulus",
@@ -75,10 +77,12 @@ def polygon(
     outline: np.ndarray,
     holes: Sequence[np.ndarray] = (),
     max_edge: float | None = None,
-    corner_radius: float = 0.0,
+    corner_radius: float | None = 0.0,
 ) -> Shape:
     """A plan with holes, meshed as `mesher.mesh_plan` does; by default with about a thousand vertices.
 
+    `corner_radius` None chooses the radius of each corner. Then, and where there is no room for the radius given,
+    `notes` say how much was rounded.
     Sides "outer", "hole0", "hole1"…; "side0"… for each segment of the outline as given, "hole0.side0"… for those of
     the holes, as far as edges lie on them. Boundary vertices come first, loop after loop, with the plan on their
     left, from the first point on (from an arc's middle where that point is a rounded corner).
@@ -96,7 +100,14 @@ def polygon(
         prefix = "" if loop == 0 else f"hole{loop - 1}."
         for k in np.unique(mesh.segment[mesh.loop == loop]):
             sides[f"{prefix}side{k}"] = edges[(mesh.loop == loop) & (mesh.segment == k)]
-    return Shape(domain, mesh.positions, sides)
+    return Shape(domain, mesh.positions, sides, _rounding_notes(mesh.rounded, corner_radius))
+
+
+def _rounding_notes(radii: np.ndarray, wanted: float | None) -> tuple[Note, ...]:
+    """What was rounded otherwise than by the radius that is wanted."""
+    text = rounded_sentence(radii)
+    as_wanted = wanted is not None and bool((radii > 0.99 * wanted).all())
+    return () if text is None or as_wanted else (Note("rounded", text),)
 
 
 def strip(width: float, height: float, columns: int) -> Shape:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ConditionError, MeshError
+from ..notes import Note
 from .domain import Domain
 
 
@@ -18,12 +19,14 @@ from .domain import Domain
 class Shape:
     """A domain with `positions` (V, 2|3) of its vertices and `sides`: name → indices into `domain.edges`.
 
-    Every boundary edge is on at least one side; a side lists its edges in the order of the boundary loop.
+    Every boundary edge is on at least one side; a side lists its edges in the order of the boundary loop. notes: what
+    differs from the drawing.
     """
 
     domain: Domain
     positions: NDArray
     sides: dict[str, NDArray]
+    notes: tuple[Note, ...] = ()
 
     def __repr__(self) -> str:
         domain = repr(self.domain).removeprefix("Domain(").removesuffix(")")

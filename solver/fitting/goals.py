@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..domain.domain import Domain
 from ..errors import ConditionError, Progress, check_choice
 from ..linalg import as_numbers, check_number
+from ..notes import Sentence
 from ..surface.cmc_surface import SHEETS
 from ..surface.solve import CmcSolver
 from .curves import Curve
@@ -191,21 +192,24 @@ class Goals:
         if self.is_off(fit):
             off = far[RimOnCurve.label]
             sentences.append(
-                f"The rim stays up to {off:.3g} off the curve ({100 * off / self.size:.1f} % of its size); round its "
-                f"corners, or choose a {_LESS.get(self.height_parameter, 'flatter shell')}."
+                Sentence("The rim stays up to {} off the curve; round its corners, or choose a "
+                         f"{_LESS.get(self.height_parameter, 'flatter shell')}.", off)
             )
-        for label in (Crown.label, Volume.label):
+        for label, power in ((Crown.label, 1), (Volume.label, 3)):
             if (miss := far.get(label, 0.0)) > _HEIGHT_MET * self.number:
-                sentences.append(f"The {label} is missed by {miss:.3g}; no surface with this rim reaches it.")
+                text = f"The {label} is missed by {{}}; no surface with this rim reaches it."
+                sentences.append(Sentence(text, miss, power=power))
         if (off := far.get(Closed.label, 0.0)) > _CLOSED * self.size:
-            sentences.append(f"A gap of {off:.3g} is left around the holes; make the shell flatter, or its rims freer.")
+            text = "A gap of {} is left around the holes; make the shell flatter, or its rims freer."
+            sentences.append(Sentence(text, off))
         if (off := far.get(TiltBounds.label, 0.0)) > _TILT_MET:
             sentences.append(
                 f"Tangent planes along the rim lie up to {np.degrees(off):.2g}° outside the bounds on their tilt; "
                 "widen the bounds, or free the heights of the rim."
             )
         if (off := far.get(Anchors.label, 0.0)) > _MET * self.size:
-            sentences.append(f"An anchor is missed by {off:.3g}; move it, give it more weight, or remove another one.")
+            text = "An anchor is missed by {}; move it, give it more weight, or remove another one."
+            sentences.append(Sentence(text, off))
         return sentences
 
 

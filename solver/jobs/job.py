@@ -214,7 +214,9 @@ def _read_plan(root: Table, folder: Path) -> tuple[MeshData, dict[str, Pairs], s
     positions = np.column_stack([flat, np.zeros(len(flat))])
     faces = list(made.domain.faces)
     sides: dict[str, Pairs] = {side: made.domain.edges[edges] for side, edges in made.sides.items()}
-    return MeshData(positions, faces, uvs=flat, uv_corners=faces), sides, up
+    before = "" if scale == 1.0 else " The lengths are those before the scale."
+    notes = [Note(note.code, f"{note}{before}") for note in made.notes]
+    return MeshData(positions, faces, uvs=flat, uv_corners=faces, notes=notes), sides, up
 
 
 def _make_shape(table: Table) -> tuple[shapes.Shape, float]:
@@ -247,11 +249,16 @@ def _holes(table: Table, key: str) -> list[np.ndarray]:
     return [Table({key: hole}, table.where).rows(key, 2, "points, [[0, 0], [1, 0]]") for hole in holes]
 
 
+def _corner_radius(table: Table, key: str) -> float | None:
+    return None if table.data[key] == "auto" else table.number(key)
+
+
 _SHAPE_VALUES: dict[str, Callable[[Table, str], object]] = {
     "n": Table.integer,
     "columns": Table.integer,
     "outline": lambda table, key: table.rows(key, 2, "points, [[0, 0], [1, 0]]"),
     "holes": _holes,
+    "corner_radius": _corner_radius,
 }
 
 

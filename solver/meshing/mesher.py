@@ -33,7 +33,7 @@ class PlanMesh:
 
     `triangles (F, 3)` are counter-clockwise. `edges (B, 2)` are the boundary edges with the plan on their left;
     `loop (B,)` is 0 for the outline and 1 + k for hole k, `segment (B,)` the segment of that input loop from which the
-    edge comes. The arc at a rounded corner is divided at its middle.
+    edge comes. The arc at a rounded corner is divided at its middle. `rounded (R,)`: the radii of the rounded corners.
     """
 
     positions: np.ndarray
@@ -41,6 +41,7 @@ class PlanMesh:
     edges: np.ndarray
     loop: np.ndarray
     segment: np.ndarray
+    rounded: np.ndarray
 
 
 def mesh_plan(
@@ -48,16 +49,17 @@ def mesh_plan(
     holes: Sequence[np.ndarray] = (),
     *,
     max_edge: float,
-    corner_radius: float = 0.0,
+    corner_radius: float | None = 0.0,
     keep: Sequence[Sequence[int]] = (),
 ) -> PlanMesh:
     """Mesh the plan bounded by `outline (K, 2)` and `holes`, with edges of about `max_edge`, few of them longer.
 
     Corners (turns of more than 23.5°) are rounded by `corner_radius`, less where room is short; with radius 0 they stay
-    vertices. Other points count as samples of smooth curves, which are sampled anew, except points between segments
-    longer than two edges and points listed in `keep[i]` (indices into loop i, the outline first). Loops may run either
-    way and may repeat their first point. Lengths are in the units of the input; only narrow places, bends and short
-    sides are meshed finer. Raises `MeshError` for loops that bound no plan and lengths that do not fit.
+    vertices, and with None each gets a radius in proportion to its loop and its edges (see `rounding`). Other points
+    count as samples of smooth curves, which are sampled anew, except points between segments longer than two edges and
+    points listed in `keep[i]` (indices into loop i, the outline first). Loops may run either way and may repeat their
+    first point. Lengths are in the units of the input; only narrow places, bends and short sides are meshed finer.
+    Raises `MeshError` for loops that bound no plan and lengths that do not fit.
     """
     loops = check_loops(outline, holes, keep)
     everything = loops[0].points
@@ -66,7 +68,9 @@ def mesh_plan(
     _check_count(loops, max_edge)
     origin = low + np.ptp(everything, axis=0) / 2
     in_units = [loop.in_units(origin, max_edge) for loop in loops]
-    boundary, field = sample(round_corners(in_units, corner_radius / max_edge))
+    curves = round_corners(in_units, None if corner_radius is None else corner_radius / max_edge)
+    boundary, field = sample(curves)
+    radii = np.concatenate([curve.radii for curve in curves]) * max_edge
     points, triangles = _Mesher(boundary, field).run()
     edges = np.column_stack([np.arange(len(boundary.points)), boundary.following])
     return PlanMesh(
@@ -75,13 +79,14 @@ def mesh_plan(
         edges.astype(np.int32),
         boundary.loop.astype(np.int32),
         boundary.segment.astype(np.int32),
+        radii[radii > 0.0],
     )
 
 
-def _check_lengths(max_edge: float, corner_radius: float, size: float) -> None:
+def _check_lengths(max_edge: float, corner_radius: float | None, size: float) -> None:
     if not np.isfinite(max_edge) or max_edge <= 0:
         raise MeshError(f"The edge length is {max_edge}; give a positive length.")
-    if not np.isfinite(corner_radius) or corner_radius < 0:
+    if corner_radius is not None and not (np.isfinite(corner_radius) and corner_radius >= 0):
         raise MeshError(f"The corner radius is {corner_radius}; give 0 (corners stay) or a positive length.")
     if max_edge >= size:
         raise MeshError(

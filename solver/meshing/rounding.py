@@ -2,6 +2,11 @@
 
 At an unrounded corner the boundary normals jump and the mean curvature diverges. A corner is a point where the loop
 turns by more than `CORNER`; other points belong to a curve drawn as a polyline, and stay.
+
+The automatic radius of a corner is a tenth of the size of its loop, whatever the edge length, so that a finer mesh
+gives the same shell more exactly; and less where its arc would take more than a quarter of an edge of the loop there,
+so that a court stays a court. At sharper corners the shell has higher and narrower feet, until it passes through
+itself.
 """
 
 from __future__ import annotations
@@ -10,9 +15,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..notes import Sentence
 from .outline import Loop, crossing_pairs, following_of, inside
 
 CORNER = np.radians(23.5)  # between the turns of regular polygons of 15 and of 16 sides
+AUTOMATIC = 0.1  # the automatic radius, as a part of the size of the loop
+_OF_EDGE = 0.25  # the part of an edge that an arc of automatic radius takes at most
 _STEP = np.radians(2.0)  # the step of an arc before resampling: off by 1.5e-4 of its radius
 
 
@@ -21,7 +29,8 @@ class Curve:
     """A loop with rounded corners as a closed polyline, fine enough to be sampled by chords.
 
     `points (M, 2)`; `segments (M,)`: the segment of the drawn loop for the piece that leaves each point (an arc is
-    split at its middle); `fixed (M,)`: points that stay vertices; `sharp (M,)`: corners that are not rounded.
+    split at its middle); `fixed (M,)`: points that stay vertices; `sharp (M,)`: corners that are not rounded;
+    `radii (K,)`: the radius at each point of the drawn loop, 0 where it is not rounded.
     """
 
     name: str
@@ -29,6 +38,7 @@ class Curve:
     segments: np.ndarray
     fixed: np.ndarray
     sharp: np.ndarray
+    radii: np.ndarray
 
 
 def turning(points: np.ndarray) -> np.ndarray:
@@ -38,21 +48,51 @@ def turning(points: np.ndarray) -> np.ndarray:
     return np.arctan2(back[:, 0] * ahead[:, 1] - back[:, 1] * ahead[:, 0], np.sum(back * ahead, axis=1))
 
 
-def round_corners(loops: list[Loop], radius: float) -> list[Curve]:
-    """Replace every corner by an arc of `radius`, or of the largest radius that its neighbours leave room for.
+def automatic_radii(points: np.ndarray) -> np.ndarray:
+    """The automatic radius (K,) at each point of a loop (K, 2), 0 where it has no corner; see above."""
+    turn = np.abs(turning(points))
+    corners = np.flatnonzero(turn > CORNER)
+    radii = np.zeros(len(points))
+    if not len(corners):
+        return radii
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1))])
+    ahead = np.diff(along[corners], append=along[corners[0]] + along[-1])
+    shorter = np.minimum(ahead, np.roll(ahead, 1))
+    size = float(np.ptp(points, axis=0).max())
+    radii[corners] = np.minimum(AUTOMATIC * size, _OF_EDGE * shorter / np.tan(0.5 * turn[corners]))
+    return radii
+
+
+def rounded_sentence(radii: np.ndarray) -> Sentence | None:
+    """The number of rounded corners and their radii (R,) as a sentence; None without any."""
+    if not len(radii):
+        return None
+    corners = f"Rounded {len(radii)} corner{'s' * (len(radii) > 1)} by"
+    least, most = float(radii.min()), float(radii.max())
+    if most - least <= 0.01 * most:
+        return Sentence(f"{corners} {{}}.", most)
+    return Sentence(f"{corners} {{}} to {{}}.", least, most)
+
+
+def round_corners(loops: list[Loop], radius: float | None) -> list[Curve]:
+    """Replace every corner by an arc of `radius`, or of the largest radius that its neighbours leave room for; None
+    chooses the radius of each corner (`automatic_radii`).
 
     Where an arc would run into or around another part of the plan (a column in a corner), its radius is halved until
     it does not. Radius 0 keeps the corners.
     """
-    radii = [np.where(np.abs(turning(loop.points)) > CORNER, radius, 0.0) for loop in loops]
+    if radius is None:
+        radii = [automatic_radii(loop.points) for loop in loops]
+    else:
+        radii = [np.where(np.abs(turning(loop.points)) > CORNER, radius, 0.0) for loop in loops]
     for _ in range(16):
         rounded = [_round_loop(loop, r) for loop, r in zip(loops, radii, strict=True)]
-        curves = [curve for curve, _, _ in rounded]
-        in_the_way = _crossing(curves, [corner for _, corner, _ in rounded]) or _misplaced(loops, curves, radii)
+        curves = [curve for curve, _ in rounded]
+        in_the_way = _crossing(curves, [corner for _, corner in rounded]) or _misplaced(loops, curves, radii)
         if not in_the_way:
             return curves
         for loop, corner in in_the_way:
-            radii[loop][corner] = 0.5 * rounded[loop][2][corner]
+            radii[loop][corner] = 0.5 * curves[loop].radii[corner]
     return [_round_loop(loop, np.zeros(len(loop.points)))[0] for loop in loops]
 
 
@@ -79,14 +119,14 @@ def _misplaced(loops: list[Loop], curves: list[Curve], radii: list[np.ndarray]) 
     return corners_nearest
 
 
-def _round_loop(loop: Loop, radii: np.ndarray) -> tuple[Curve, np.ndarray, np.ndarray]:
-    """The rounded loop, the corner whose arc each of its points lies on (or -1), and the radii reached."""
+def _round_loop(loop: Loop, radii: np.ndarray) -> tuple[Curve, np.ndarray]:
+    """The rounded loop, and the corner whose arc each of its points lies on (or -1)."""
     points, turn = loop.points, turning(loop.points)
     corners = np.nonzero(radii > 0)[0].tolist()
     sharp = (np.abs(turn) > CORNER) & (radii == 0)
     if not len(corners):
-        curve = Curve(loop.name, points, loop.segments, sharp | loop.keep, sharp)
-        return curve, np.full(len(points), -1), radii
+        curve = Curve(loop.name, points, loop.segments, sharp | loop.keep, sharp, radii)
+        return curve, np.full(len(points), -1)
     length = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
     along = np.concatenate([[0.0], np.cumsum(length)])
     trim = _trims(corners, radii[corners] * np.tan(np.abs(turn[corners]) / 2), along, np.nonzero(sharp)[0])
@@ -97,10 +137,9 @@ def _round_loop(loop: Loop, radii: np.ndarray) -> tuple[Curve, np.ndarray, np.nd
         pieces.append(_between(loop, along, sharp, (corner, trim[k]), (after, trim[(k + 1) % len(corners)])) + (-1,))
     parts = list(zip(*pieces, strict=True))
     corner_of = np.repeat(parts[4], [len(p) for p in parts[0]])
-    curve = Curve(loop.name, *(np.concatenate(parts[i]) for i in range(4)))
     reached = radii.copy()
     reached[corners] = trim / np.tan(np.abs(turn[corners]) / 2)
-    return curve, corner_of, reached
+    return Curve(loop.name, *(np.concatenate(parts[i]) for i in range(4)), radii=reached), corner_of
 
 
 def _trims(corners: list[int], wanted: np.ndarray, along: np.ndarray, sharp: np.ndarray) -> np.ndarray:

@@ -13,6 +13,7 @@ from scipy.spatial import KDTree
 
 from ..errors import MeshError, plural
 from .outline import inside, signed_area
+from .rounding import AUTOMATIC
 
 _FLAT = 1e-5  # of the size: an outline this close to a plane counts as flat
 _TOUCHING = 1e-5  # of the size: loose ends this close are one
@@ -203,11 +204,8 @@ def default_edge_length(size: float) -> float:
 
 
 def default_corner_radius(size: float) -> float:
-    """A tenth of the plan's size, whatever the edge length, so that a finer mesh gives the same shell more exactly.
-
-    At sharper corners the shell has higher and narrower feet, until it passes through itself.
-    """
-    return size / 10.0
+    """The largest automatic radius on a plan of this size, see `rounding`."""
+    return AUTOMATIC * size
 
 
 def check_count(outline: Outline, edge_length: float) -> None:

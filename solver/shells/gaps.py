@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ..domain.domain import Domain
 from ..domain.topology import Homology
 from ..surface.cmc_surface import CmcSurface
+from ..surface.placement import Similarity
 from .shell import Shell
 
 Array = NDArray[np.float64]
@@ -48,19 +49,23 @@ class HoleGap:
 
 def hole_gaps(shell: Shell) -> list[HoleGap]:
     """One per hole; on a plan with handles one per period, since not every period belongs to a hole."""
-    surface, similarity, domain = shell.surface, shell.similarity, shell.surface.domain
+    return surface_gaps(shell.surface, shell.similarity, shell.placed[shell.report.sheet])
+
+
+def surface_gaps(surface: CmcSurface, similarity: Similarity, points: Array) -> list[HoleGap]:
+    """The same for a surface whose shown sheet has these points (n, 3) in its place."""
+    domain = surface.domain
     if not len(surface.periods):
         return []
     size = similarity.scale * float(np.linalg.norm(np.ptp(surface.f_plus, axis=0)))
     periods = similarity.scale * similarity.directions(period_vectors(surface))
-    points = shell.placed[shell.report.sheet]
     relative = (np.linalg.norm(periods, axis=1) / size).tolist()
     if _has_handles(domain):
         middle = points.mean(axis=0)
         return [HoleGap(f"period {k + 1}", period, relative[k], middle) for k, period in enumerate(periods)]
     gaps = []
     for k, loop in enumerate(hole_loops(domain)):
-        at, period = _ends(shell, points, domain.boundary_loops[loop], periods[k])
+        at, period = _ends(surface.source, points, domain.boundary_loops[loop], periods[k])
         gaps.append(HoleGap(f"hole {k + 1}", period, relative[k], at))
     return gaps
 
@@ -101,14 +106,14 @@ def turns_of_loops(homology: Homology) -> NDArray[np.int64]:
     return turns
 
 
-def _ends(shell: Shell, points: Array, loop: NDArray[np.integer], period: Array) -> tuple[Array, Array]:
+def _ends(source: NDArray[np.integer], points: Array, loop: NDArray[np.integer], period: Array) -> tuple[Array, Array]:
     """The beginning of the gap, and the period from there to its other end."""
     length = np.linalg.norm(period)
     for vertex in loop.tolist():
-        first, *copies = np.flatnonzero(shell.source == vertex).tolist()
+        first, *copies = np.flatnonzero(source == vertex).tolist()
         for copy in copies:
             jump = points[copy] - points[first]
             for sign in (1.0, -1.0):
                 if np.linalg.norm(jump - sign * period) <= _SAME * length:
                     return points[first], jump
-    return points[np.isin(shell.source, loop)].mean(axis=0), period
+    return points[np.isin(source, loop)].mean(axis=0), period

@@ -224,9 +224,10 @@ def test_how_near_the_rim_comes_stands_beside_solve(solved):
     assert "Fitted" not in record.texts
     bpy.ops.cmc.fit_outline()
     assert "Fitted" in draw("CMC_PT_shell").texts
+    assert "Off Outline" not in draw("CMC_PT_shell").texts, "that of a hidden shell"
     activate(solved.cmc.fit)
     assert "Fitted" in draw("CMC_PT_shell").texts
-    solved.cmc.design_report = "not a report {"
+    solved.cmc.fit["cmc_report"] = "not a report {"
     assert "Fitted" not in draw("CMC_PT_shell").texts
 
 

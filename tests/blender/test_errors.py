@@ -242,6 +242,29 @@ def test_a_class_that_fails_leaves_the_others_to_be_taken_back(addon):
     assert not hasattr(bpy.types, "CMC_OT_good")
 
 
+def test_registering_twice_calls_nothing_twice(addon):
+    registration = import_module(f"{addon.cmc_addon.__name__}.properties.registration").registration
+
+    class CMC_OT_good(bpy.types.Operator):
+        bl_idname, bl_label = "cmc.good", "Good"
+
+    register, unregister = registration((CMC_OT_good,), {"load_post": print})
+    register()
+    register()
+    assert bpy.app.handlers.load_post.count(print) == 1
+    unregister()
+    assert print not in bpy.app.handlers.load_post and not CMC_OT_good.is_registered
+
+
+def test_the_add_on_registered_twice_is_there_once(addon):
+    cmc_addon = addon.cmc_addon
+    lists = {name: len(getattr(bpy.app.handlers, name)) for name in ("load_post", "undo_post", "depsgraph_update_post")}
+    beside = len(cmc_addon.panels.tab.BESIDE_SOLVE)
+    cmc_addon.register()
+    assert {name: len(getattr(bpy.app.handlers, name)) for name in lists} == lists
+    assert len(cmc_addon.panels.tab.BESIDE_SOLVE) == beside
+
+
 @pytest.mark.parametrize("name", ["Closed", "Loose"])
 def test_errors_in_edit_mode(name):
     """The same in edit mode, with a change that is not yet in the mesh."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from threading import Event
 
 import bpy
 
@@ -183,10 +184,13 @@ def test_large_plans_get_a_coarse_update_first(addon, live, plan, monkeypatch):
     assert off_by(addon, plan) < EXACT
 
 
-def test_what_is_at_rest_gives_way(addon, live, plan):
-    """A change cancels the last update at once."""
+def test_what_is_at_rest_gives_way(addon, live, plan, monkeypatch):
+    """A change cancels the last update at once, here one that waits, since it could end before the tick looks."""
     group(plan).tilt = 0.4
     catch_up(live)
+    released, task = Event(), addon.cmc_addon.live.update.FullTask
+    work = task.work
+    monkeypatch.setattr(task, "work", lambda self, progress: released.wait(30.0) and work(self, progress))
     state = state_of(live, plan)
     state.since = state.served = 0.0
     live.tick()
@@ -194,6 +198,7 @@ def test_what_is_at_rest_gives_way(addon, live, plan):
     group(plan).tilt = 0.5
     live.tick()
     assert live.Live.running is None or not live.Live.can_wait
+    released.set()
     settle(live)
     assert off_by(addon, plan) < EXACT
 

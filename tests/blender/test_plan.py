@@ -140,7 +140,7 @@ def test_an_outline_that_is_not_flat_is_flattened_and_said_so(capfd) -> None:
     added("Hall", [(0, 0, 0.2), (8, 0, -0.2), (8, 8, 0.2), (0, 8, -0.2)], [(0, 1), (1, 2), (2, 3), (3, 0)], [])
     plan = mesh_plan(edge_length=0.5)
     assert np.ptp(points(plan)[:, 2]) < 1e-5
-    assert "leaves its plane by 0.2" in capfd.readouterr().out
+    assert "leaves its plane by 20 cm" in capfd.readouterr().out
 
 
 def test_uv_layer_holds_plan_coordinates() -> None:
@@ -163,6 +163,19 @@ def test_corners_are_rounded_by_default() -> None:
     bpy.context.view_layer.objects.active = plan
     mesh_plan(corner_radius=2.0)
     assert area(plan) == pytest.approx(48 - (4 - math.pi) * 2.0**2, rel=1e-3)
+
+
+def test_a_court_stays_a_court_and_what_was_rounded_is_said(capfd) -> None:
+    corners = [(0, 0, 0), (60, 0, 0), (60, 40, 0), (0, 40, 0), (27, 17, 0), (32, 17, 0), (32, 22, 0), (27, 22, 0)]
+    added("Hall", corners, [(k, k - k % 4 + (k + 1) % 4) for k in range(8)], [])
+    plan = mesh_plan(edge_length=1.5)
+    assert area(plan) == pytest.approx(60 * 40 - (4 - math.pi) * 36 - 25 + (4 - math.pi) * 0.25, rel=1e-3)
+    assert "Rounded 8 corners by 50 cm to 6 m." in capfd.readouterr().out
+    bpy.context.scene.unit_settings.scale_length = 0.001
+    mesh_plan(corner_radius=4.0)
+    assert "Rounded 8 corners by 2.5 mm to 4 mm." in capfd.readouterr().out
+    mesh_plan(round_corners=False)
+    assert "Rounded" not in capfd.readouterr().out
 
 
 def test_settings_are_remembered_by_the_scene() -> None:

@@ -123,6 +123,15 @@ def test_shapes(folder, kind):
         assert len(plan.positions) > 40
 
 
+@pytest.mark.parametrize(("scale", "more"), [("", ""), ("scale = 2.0\n", " The lengths are those before the scale.")])
+def test_corners_rounded_by_themselves_are_said(folder, scale, more):
+    polygon = SHAPE_JOBS["polygon"].replace("corner_radius = 0.5", 'corner_radius = "auto"')
+    loaded = load_job(job(folder, f"[shape]\n{scale}{polygon}"))
+    assert loaded.warnings == [f"Rounded 8 corners by 0.2 to 0.8.{more}"]
+    assert loaded.warnings[0].code == "rounded"
+    assert load_job(job(folder, f"[shape]\n{SHAPE_JOBS['polygon']}")).warnings == []
+
+
 def test_sides_of_a_rectangle(folder):
     text = f"[shape]\n{SHAPE_JOBS['rectangle']}\n[[conditions]]\nside = 'top'\nkind = 'free'"
     plan = load_job(job(folder, text)).plan
