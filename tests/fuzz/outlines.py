@@ -66,8 +66,8 @@ def spiral(rng: Rng) -> Array:
 
 
 def thin(rng: Rng) -> Array:
-    """A strip a hundredth to a ten-thousandth as wide as long."""
-    width = 10.0 ** rng.uniform(-4, -1)
+    """A strip a tenth to a three-thousandth as wide as long."""
+    width = 10.0 ** rng.uniform(-3.5, -1)
     return np.array([(0, 0), (1, 0), (1, width), (0.5, width * rng.uniform(0.3, 3)), (0, width)])
 
 
