@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.spatial import KDTree
 
 from ..errors import MeshError
 from .arrays import Array
@@ -14,6 +15,9 @@ from .arrays import Array
 if TYPE_CHECKING:
     from ..domain.domain import Domain
 
+# Segments with which a point is compared at first, those whose middles are nearest; four times as many where one
+# further away could be nearer.
+_LOOKED = 8
 # Distances from points to segments in memory at once.
 _BLOCK = 1 << 19
 
@@ -57,14 +61,35 @@ def distance_to_segments(points: ArrayLike, starts: Array, ends: Array) -> Array
     Where the segments have two coordinates, the distance is measured in plan.
     """
     positions = np.asarray(points, dtype=np.float64)[:, : starts.shape[1]]
-    along = ends - starts
-    squared = np.einsum("kc,kc->k", along, along)
-    squared = np.where(squared > 0, squared, 1.0)
-    step = max(1, _BLOCK // max(1, len(starts)))
-    nearest = [np.zeros(0)]
-    for block in range(0, len(positions), step):
-        offset = positions[block : block + step, None] - starts
-        t = np.clip(np.einsum("nkc,kc->nk", offset, along) / squared, 0.0, 1.0)
-        offset -= t[..., None] * along
-        nearest.append(np.sqrt(np.einsum("nkc,nkc->nk", offset, offset).min(axis=1)))
-    return np.concatenate(nearest)
+    starts, ends = _in_pieces(starts, ends)
+    tree, reach = KDTree(0.5 * (starts + ends)), 0.5 * float(np.linalg.norm(ends - starts, axis=1).max())
+    distances, unsure, looked = np.full(len(positions), np.inf), np.arange(len(positions)), min(_LOOKED, len(starts))
+    while unsure.size:
+        parts = np.array_split(unsure, unsure.size * looked // _BLOCK + 1)
+        sure = []
+        for part in parts:
+            from_middle, near = tree.query(positions[part], k=range(1, looked + 1))
+            distances[part] = _distances(positions[part, None], starts[near], ends[near]).min(axis=1)
+            # A segment further down the list is at least so far away.
+            sure.append((looked == len(starts)) | (from_middle[:, -1] - reach >= distances[part]))
+        unsure = unsure[~np.concatenate(sure)]
+        looked = min(4 * looked, len(starts))
+    return distances
+
+
+def _in_pieces(starts: Array, ends: Array) -> tuple[Array, Array]:
+    """The same segments, those longer than the mean cut into pieces of at most that: twice as many at most."""
+    lengths = np.linalg.norm(ends - starts, axis=1)
+    count = np.maximum(1, np.ceil(lengths / max(lengths.mean(), 1e-300))).astype(np.int64)
+    of = np.repeat(np.arange(len(count)), count)
+    part = (np.arange(len(of)) - np.repeat(np.cumsum(count) - count, count))[:, None] / count[of, None]
+    along = (ends - starts)[of]
+    return starts[of] + part * along, starts[of] + (part + 1.0 / count[of, None]) * along
+
+
+def _distances(points: Array, starts: Array, ends: Array) -> Array:
+    """Distance of points (…, 2|3) from one segment each."""
+    along, offset = ends - starts, points - starts
+    squared = np.einsum("...c,...c->...", along, along)
+    t = np.clip(np.einsum("...c,...c->...", offset, along) / np.where(squared > 0, squared, 1.0), 0.0, 1.0)
+    return np.linalg.norm(offset - t[..., None] * along, axis=-1)

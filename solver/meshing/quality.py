@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 _WANTED = np.radians(38.0)  # smaller angles are improved
@@ -24,11 +26,19 @@ def open_angles(points: np.ndarray, triangles: np.ndarray, first: int, last: int
     for _ in range(sweeps):
         bad = np.unique(triangles[smallest_angles(points, triangles) < _WANTED])
         bad = bad[(bad >= first) & (bad < last)]
-        near = triangles[np.isin(triangles, bad).any(axis=1)]
-        moved = [_move(points, near[(near == vertex).any(axis=1)], vertex, ways) for vertex in bad]
+        moved = [_move(points, star, vertex, ways) for vertex, star in zip(bad, _stars(triangles, bad), strict=True)]
         if not any(moved):
             break
     return points
+
+
+def _stars(triangles: np.ndarray, vertices: np.ndarray) -> Iterator[np.ndarray]:
+    """The triangles (k, 3) around each of the vertices, in their order."""
+    corners = triangles.ravel()
+    order = np.argsort(corners, kind="stable")
+    first, last = (np.searchsorted(corners, vertices, side=side, sorter=order) for side in ("left", "right"))
+    for low, high in zip(first, last, strict=True):
+        yield triangles[order[low:high] // 3]
 
 
 def _move(points: np.ndarray, star: np.ndarray, vertex: int, ways: np.ndarray) -> bool:
