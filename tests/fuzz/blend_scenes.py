@@ -65,6 +65,19 @@ def polygon(random: Random) -> bpy.types.Object:
     return _mesh("Polyline", points, [], [(k, (k + 1) % count) for k in range(count)])
 
 
+def ready(random: Random) -> bpy.types.Object | None:
+    """What Add > Mesh > CMC makes; sometimes solved already."""
+    name, choice = random.choice((("add_plan", "shape"), ("add_plan", "shape"), ("add_module", "module")))
+    operator = getattr(bpy.ops.cmc, name)
+    kinds = [item.identifier for item in operator.get_rna_type().properties[choice].enum_items]
+    operator(**{choice: random.choice(kinds), "columns" if name == "add_plan" else "edges": 14})
+    plan = bpy.context.object
+    if random.random() < 0.4:
+        with suppress(RuntimeError):
+            bpy.ops.cmc.solve(want_twin=random.random() < 0.3, want_g=random.random() < 0.3)
+    return plan
+
+
 def faulty(random: Random) -> bpy.types.Object:
     """Meshes that are no plans."""
     square = [(0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0)]
@@ -145,7 +158,7 @@ def new_scene(random: Random, folder: Path) -> None:
     units.system = random.choice(("METRIC", "METRIC", "IMPERIAL", "NONE"))
     units.scale_length = random.choice((1.0, 1.0, 0.001, 0.0254))
     for _ in range(random.choice((0, 1, 1, 2, 3))):
-        random.choice((disc, disc, grid, grid, polygon, faulty, curve, other, anchors))(random)
+        random.choice((ready, ready, disc, grid, grid, polygon, faulty, curve, other, anchors))(random)
     if random.random() < 0.08:
         from_library(random, folder)
     for ob in bpy.context.view_layer.objects:
@@ -178,7 +191,7 @@ def _mode(random: Random, things: Things) -> str:
 def _active(random: Random, things: Things) -> str:
     if bpy.context.mode != "OBJECT" and random.random() < 0.8:
         bpy.ops.object.mode_set("EXEC_DEFAULT", True, mode="OBJECT")
-    ob = random.choice([*things, *things, None])
+    ob = random.choice([*things, *[ob for ob in things if ob.type == "MESH"] * 3, None])
     bpy.context.view_layer.objects.active = ob
     if ob is not None:
         ob.select_set(random.random() < 0.8)
@@ -322,7 +335,7 @@ def _scene(random: Random, things: Things) -> str:
 def _draw(random: Random, things: Things) -> str:
     if bpy.context.mode != "OBJECT":
         return "not in this mode"
-    return random.choice((disc, grid, polygon, faulty, curve, other, anchors))(random).name
+    return random.choice((ready, ready, disc, grid, polygon, faulty, curve, other, anchors))(random).name
 
 
 _ACTIONS: dict[str, Callable[[Random, Things], str]] = {
@@ -344,7 +357,7 @@ def wrong_bounds() -> list[str]:
         seen = ob.evaluated_get(depsgraph)
         for kind, shown in (("", ob), ("evaluated ", seen)):
             # an object with modifiers has the box of what they make; Blender evaluates what is seen only
-            if (not kind and (ob.modifiers or ob.data.shape_keys)) or (kind and not ob.visible_get()):
+            if not ob.visible_get() or (not kind and (ob.modifiers or ob.data.shape_keys)):
                 continue
             points = np.empty(3 * len(shown.data.vertices), dtype=np.float32)
             shown.data.vertices.foreach_get("co", points)
