@@ -5,7 +5,7 @@ import numpy as np
 from bpy.props import EnumProperty
 
 from ..bridges import edge_bridge
-from ..bridges.mesh_bridge import read_plan
+from ..bridges.mesh_bridge import plan_arrays, readable_mesh
 from ..properties import group_list
 from ..properties.group_presets import PRESETS, GroupPreset, preset_items
 from .boundary import GroupOperator, OnOneGroup, selected_boundary
@@ -28,7 +28,9 @@ class CMC_OT_group_preset(Preset, OnOneGroup, bpy.types.Operator):
     preset: EnumProperty(name="Preset", description="What the shell does along the group", items=preset_items())
 
     def act(self, context, mesh):
-        apply(PRESETS[self.preset], context.object, self.chosen(mesh))
+        group, preset = self.chosen(mesh), PRESETS[self.preset]
+        edges = np.flatnonzero(edge_bridge.read_edges(mesh).group == group.uid)
+        apply(preset, group, plane_normal(preset, context.object, edges))
 
 
 class CMC_OT_group_new(Preset, GroupOperator, bpy.types.Operator):
@@ -41,31 +43,33 @@ class CMC_OT_group_new(Preset, GroupOperator, bpy.types.Operator):
     preset: EnumProperty(name="Preset", description="What the shell does along the group", items=preset_items())
 
     def act(self, context, mesh):
-        edges = selected_boundary(self, mesh)
-        group = group_list.add(mesh, PRESETS[self.preset].label)
+        edges, preset = selected_boundary(self, mesh), PRESETS[self.preset]
+        normal = plane_normal(preset, context.object, edges)
+        group = group_list.add(mesh, preset.label)
         edge_bridge.write_groups(mesh, edges, group.uid)
-        apply(PRESETS[self.preset], context.object, group)
+        apply(preset, group, normal)
 
 
 CLASSES = (CMC_OT_group_preset, CMC_OT_group_new)
 
 
-def apply(preset: GroupPreset, plan: bpy.types.Object, group) -> None:
-    """Give a group of a plan the kind and the parameters of a preset. Raises `CmcError` if the plan is not readable."""
+def apply(preset: GroupPreset, group, normal: tuple[float, ...] | None) -> None:
+    """Give a group the kind and the parameters of a preset, and the normal of its plane where it has one."""
     group.kind = preset.kind
     for name, value in preset.values.items():
         setattr(group, name, value)
-    if preset.axis is not None:
-        group.normal = outwards(plan, group.uid, preset.axis)
+    if normal is not None:
+        group.normal = normal
 
 
-def outwards(plan: bpy.types.Object, uid: int, axis: tuple[float, float, float]) -> tuple[float, ...]:
-    """The axis, or its opposite, whichever points out of the plan at the edges of a group; in the world."""
-    mesh = read_plan(plan)
-    edges = mesh.edges[(mesh.groups == uid) & mesh.boundary]
-    if not len(edges):
+def plane_normal(preset: GroupPreset, plan: bpy.types.Object, edges: np.ndarray) -> tuple[float, ...] | None:
+    """The axis of a preset or its opposite, whichever points out of the plan at these edges (indices); in the world."""
+    axis = preset.axis
+    if axis is None or not len(edges):
         return axis
-    rim = mesh.positions[edges].mean(axis=(0, 1))
-    centre = 0.5 * (mesh.positions.min(axis=0) + mesh.positions.max(axis=0))
+    with readable_mesh(plan) as mesh:  # also an outline without faces
+        drawn = plan_arrays(mesh, np.array(plan.matrix_world))
+    rim = drawn.positions[drawn.edges[edges]].mean(axis=(0, 1))
+    centre = 0.5 * (drawn.positions.min(axis=0) + drawn.positions.max(axis=0))
     sign = -1.0 if float(np.dot(rim - centre, axis)) < 0.0 else 1.0
     return tuple(sign * part + 0.0 for part in axis)

@@ -96,7 +96,7 @@ class Outline:
 def make_outline(wire: Wire) -> Outline:
     """Loops of the wire in its best plane, the one with the largest area first.
 
-    Raises `MeshError`, naming the vertices, on coordinates that are not finite, open ends, points where more than two
+    Raises `MeshError`, naming the vertices, on coordinates that are not finite or all the same, open ends, points where more than two
     edges meet, and loops outside the largest one.
     """
     bad = np.flatnonzero(~np.isfinite(wire.points).all(axis=1))
@@ -114,6 +114,8 @@ def make_outline(wire: Wire) -> Outline:
     areas = [abs(signed_area(plane.flatten(wire.points[vertices]))) for vertices, _ in chains]
     order = sorted(range(len(chains)), key=lambda k: -areas[k])
     outline = Outline(wire, plane, [chains[k][0] for k in order], [chains[k][1] for k in order], off)
+    if not outline.size:
+        raise MeshError(f"All points of {wire.name} are at one place; check its scale.")
     _check_parts(outline)
     return outline
 

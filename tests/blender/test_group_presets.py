@@ -55,6 +55,14 @@ def test_mirrors_point_out_of_the_plan(plan, preset, axis, sign):
     assert group.kind == "MIRROR" and np.array_equal(group.normal, wanted)
 
 
+def test_a_mirror_of_an_outline_that_has_no_faces(plan):
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.delete(type="ONLY_FACE")
+    select_side(plan, 0, -1)
+    assert bpy.ops.cmc.group_new(preset="MIRROR_X") == FINISHED
+    assert plan.data.cmc.groups[0].kind == "MIRROR" and tuple(plan.data.cmc.groups[0].normal) == (-1.0, 0.0, 0.0)
+
+
 def test_a_preset_changes_the_active_group_and_is_undone(plan):
     bpy.ops.cmc.group_add(name="rim", tilt=0.3)
     bpy.ops.cmc.group_add(name="other", tilt=0.3)
