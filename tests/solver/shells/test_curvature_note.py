@@ -21,6 +21,7 @@ BOX = """\
 mesh = "box.obj"
 [default]
 tilt = 30
+against = "surface"
 [output]
 report = "report.json"
 """
