@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..domain.domain import Domain
 from ..errors import ConditionError, Progress, check_choice
 from ..linalg import as_numbers, check_number
+from ..meshing.rounding import CORNER
 from ..notes import Sentence
 from ..surface.cmc_surface import SHEETS
 from ..surface.solve import CmcSolver
@@ -185,15 +186,15 @@ class Goals:
         """Whether the rim is off its curve."""
         return fit.distances.get(RimOnCurve.label, 0.0) > _MET * self.size
 
-    def unmet(self, fit: Fit) -> list[str]:
-        """A sentence for each goal that is not met: by how much, and the way out."""
+    def unmet(self, fit: Fit, hole: str | None = None) -> list[str]:
+        """A sentence for each goal that is not met: by how much, and the way out. hole: the one for the rim, if it is
+        the size of the hole."""
         sentences = []
         far = fit.distances
         if self.is_off(fit):
             off = far[RimOnCurve.label]
             sentences.append(
-                Sentence("The rim stays up to {} off the curve; round its corners, or choose a "
-                         f"{_LESS.get(self.height_parameter, 'flatter shell')}.", off)
+                Sentence(f"The rim stays up to {{}} off the curve; {hole or self._way_to_the_curve()}.", off)
             )
         for label, power in ((Crown.label, 1), (Volume.label, 3)):
             if (miss := far.get(label, 0.0)) > _HEIGHT_MET * self.number:
@@ -211,6 +212,14 @@ class Goals:
             text = "An anchor is missed by {}; move it, give it more weight, or remove another one."
             sentences.append(Sentence(text, off))
         return sentences
+
+
+    def _way_to_the_curve(self) -> str:
+        less = _LESS.get(self.height_parameter, "flatter shell")
+        if any(curve.turns.max() > CORNER for _, curve in self.loops):
+            return f"round its corners, or choose a {less}"
+        sizes = ", or other sizes of the holes" if len(self.loops) > 1 else ""
+        return f"choose a {less}{sizes}"
 
 
 def _check_bounds(tilt: tuple[float, float]) -> None:

@@ -20,6 +20,7 @@ from ..gauss.options import with_options
 from ..surface.solve import CmcSolver
 from .fit import Fit, FitStatus, Start, fit
 from .goals import Goals, OutlineOptions
+from .hole_size import fitting_hole
 
 Array = NDArray[np.float64]
 
@@ -27,6 +28,8 @@ Array = NDArray[np.float64]
 # around.
 _STRAIGHT = 120
 _FLATTER = 0.6
+# Evaluations of each fit over a coarse mesh that finds the way out for a message.
+_ADVICE = 40
 # Part of the radius of a circle with the plan's area beyond which the film that a fit starts from is not stretched.
 _STEEPEST = 0.95
 
@@ -76,8 +79,26 @@ def fit_outline(domain: DomainLike, positions: ArrayLike, options: OutlineOption
     left = options.max_evaluations - len(result.history)
     if goals.is_off(result) and result.status is not FitStatus.CANCELLED and left >= _STRAIGHT:
         result = search.around(goals, result, left)
+    is_off = goals.is_off(result) and result.status is not FitStatus.CANCELLED
+    advice = _hole_advice(goals, points, options) if is_off else None
     result = replace(result, shift=result.shift + [0.0, 0.0, goals.base])
-    return replace(result, unmet=goals.unmet(result))
+    return replace(result, unmet=goals.unmet(result, advice))
+
+
+def _hole_advice(goals: Goals, points: Array, options: OutlineOptions) -> str | None:
+    """The size of the hole that would do, where the plan is a ring."""
+    if len(goals.loops) != 2 or goals.supports is not None:
+        return None
+    order = sorted(goals.loops, key=lambda pair: pair[1] is not goals.outer)
+
+    def fit_over(domain: Domain, positions: Array, curves: list[Array]) -> Fit:
+        solver = CmcSolver(domain)
+        coarse = replace(options, curve=curves, initial=None, solver=solver)
+        flat = in_space(domain, positions)
+        return _Search(solver, flat, coarse).straight(Goals.of(domain, flat, coarse), _ADVICE)
+
+    found = fitting_hole([points[loop] for loop, _ in order], [c.points for _, c in order], goals.size, fit_over)
+    return None if found is None else found.sentence
 
 
 @dataclass(frozen=True, eq=False)

@@ -117,6 +117,12 @@ def test_the_ring_is_solved_where_it_was_drawn_and_tiled(addon):
     assert euler(plan.cmc.completed.data) == -54
 
 
+@pytest.mark.parametrize("bubble", ["TORUS", "RING"])
+def test_the_default_mesh_has_the_mean_curvature_within_a_few_percent(bubble):
+    H = solved(add(bubble))["sheets"]["f+"]["mean_curvature"]
+    assert 0.0 < H["relative_l2"] < 0.05
+
+
 def test_newton_runs_away_from_a_saddle(addon):
     """A minimiser fails with a message, and the scene stays."""
     plan = add("TORUS", columns=8)

@@ -32,7 +32,7 @@ def tell(hands):
 
 
 def torus(hands):
-    yield from added(hands, bubble="TORUS")
+    yield from added(hands, bubble="TORUS", columns=16)
     yield from framed(hands, 22.0)
     yield from hands.picture("torus-drawn")
     yield from hands.click_button("cmc.solve")
