@@ -22,11 +22,12 @@ from . import (
     plan,
     solve,
     symmetry,
+    weld,
 )
 
 MODULES = (
     boundary, plan, go_to, solve, design, symmetry, add, add_plan, add_bubble, modes, periods, look, export,
-    group_presets,
+    group_presets, weld,
 )
 """Files with a tuple CLASSES of operator classes."""
 

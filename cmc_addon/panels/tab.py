@@ -14,6 +14,7 @@ import bpy
 
 from ...solver.meshing.wires import default_corner_radius, default_edge_length
 from ..bridges.edge_bridge import has_faces
+from ..bridges.mesh_cache import contacts
 from ..bridges.outline_bridge import local_size
 from ..bridges.start_bridge import has_lengths, has_start
 from ..operators.go_to import target
@@ -97,6 +98,10 @@ class CMC_PT_plan(Tab, bpy.types.Panel):
         row = layout.row()
         row.scale_y = TALL
         row.operator("cmc.mesh_plan", text="Mesh Plan" if plan_of(ob) is None else "Update Plan")
+        if ob.type == "MESH" and (count := contacts(ob.data)):
+            row = layout.row()
+            row.label(text=f"{count} vertices touch, unjoined", icon="ERROR")
+            row.operator("cmc.weld")
 
     def _settings(self, layout, settings, ob):
         column = properties_column(layout)
