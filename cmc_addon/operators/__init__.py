@@ -16,6 +16,7 @@ from . import (
     export,
     go_to,
     group_presets,
+    live,
     look,
     modes,
     periods,
@@ -27,7 +28,7 @@ from . import (
 
 MODULES = (
     boundary, plan, go_to, solve, design, symmetry, add, add_plan, add_bubble, modes, periods, look, export,
-    group_presets, weld,
+    group_presets, weld, live,
 )
 """Files with a tuple CLASSES of operator classes."""
 
