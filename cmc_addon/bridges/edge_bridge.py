@@ -39,7 +39,7 @@ def read_edges(mesh: bpy.types.Mesh) -> EdgeState:
     """The state of every edge, in any mode. Raises `MeshError` if another attribute has the name of the groups."""
     if mesh.is_editmode:
         return _read_bmesh(bmesh.from_edit_mesh(mesh))
-    return EdgeState(_boundary(mesh), group_values(mesh), _stored_selection(mesh))
+    return EdgeState(is_boundary(mesh), group_values(mesh), _stored_selection(mesh))
 
 
 def write_groups(mesh: bpy.types.Mesh, edges: np.ndarray, uid: int) -> None:
@@ -121,7 +121,7 @@ def count_boundary(mesh: bpy.types.Mesh, uids: frozenset[int]) -> tuple[int, int
     """
     if not mesh.is_editmode:
         attribute = mesh.attributes.get(GROUP_ATTRIBUTE)
-        boundary = _boundary(mesh)
+        boundary = is_boundary(mesh)
         if attribute is None or (attribute.domain, attribute.data_type) != ("EDGE", "INT"):
             return int(boundary.sum()), int(boundary.sum())
         groups = group_values(mesh)[boundary]
@@ -143,7 +143,8 @@ def mend_selection(mesh: bpy.types.Mesh) -> None:
 
 # --- by mode ------------------------------------------------------------------------
 
-def _boundary(mesh: bpy.types.Mesh) -> np.ndarray:
+def is_boundary(mesh: bpy.types.Mesh) -> np.ndarray:
+    """(E,) whether each edge is on the boundary; object mode only."""
     if not mesh.polygons:
         return np.ones(len(mesh.edges), dtype=bool)
     corners = np.empty(len(mesh.loops), dtype=np.int32)

@@ -8,7 +8,7 @@ from typing import TypeVar
 import bpy
 
 from ..properties import group_list
-from . import corner_bridge, edge_bridge
+from . import corner_bridge, edge_bridge, weld_bridge
 from .geometry_changes import watched
 
 T = TypeVar("T")
@@ -25,6 +25,11 @@ def mirror_corners(mesh: bpy.types.Mesh) -> list[corner_bridge.Corner]:
     """The corners between two mirrors."""
     kinds = ",".join(f"{group.uid}:{group.kind}" for group in mesh.cmc.groups)
     return _cached(mesh, f"corners {kinds}", lambda: corner_bridge.corners(mesh))
+
+
+def contacts(mesh: bpy.types.Mesh) -> int:
+    """Number of vertices where parts of the mesh touch without being joined."""
+    return _cached(mesh, "contacts", lambda: weld_bridge.contact_count(mesh))
 
 
 def _cached(mesh: bpy.types.Mesh, what: str, make: Callable[[], T]) -> T:

@@ -15,7 +15,7 @@ from scipy.sparse.csgraph import connected_components
 from ...solver.errors import MeshError, plural
 from ...solver.meshing.mesher import PlanMesh
 from ...solver.meshing.wires import Outline, Wire, joined_ends, nearest
-from .edge_bridge import group_values, write_group_values
+from .edge_bridge import group_values, has_faces, write_group_values
 from .mesh_bridge import build_polygons, read, readable_mesh, remove_attribute, set_attribute, set_positions
 
 UV_LAYER = "Plan"
@@ -37,6 +37,11 @@ def read_wire(ob: bpy.types.Object) -> Wire:
     if ob.type == "CURVE":
         return _curve_wire(ob)
     raise MeshError(f"'{ob.name}' is neither a mesh nor a curve; draw the outline of the plan as one of these.")
+
+
+def has_plan_layer(mesh: bpy.types.Mesh) -> bool:
+    """Whether a mesh has the faces and the UV layer of a meshed plan."""
+    return has_faces(mesh) and UV_LAYER in mesh.uv_layers
 
 
 def write_plan(ob: bpy.types.Object, meshed: PlanMesh, outline: Outline, rotation: Quaternion) -> None:

@@ -1,4 +1,4 @@
-"""Draws the curvature lines of the results of the active plan in the viewport.
+"""Draws the curvature lines of the results of the plan whose look is shown (see `look_plan`) in the viewport.
 
 They are computed once per change of a mesh. While a shell only changes its shape, the lines keep their vertices: they
 turn, and do not jump.
@@ -15,12 +15,13 @@ from mathutils import Matrix
 from ..bridges.colour_bridge import points_and_directions
 from ..bridges.geometry_changes import watched
 from ..properties.colour_settings import watchers
-from ..properties.links import families, plan_to_solve
+from ..properties.links import families
 from .curvature_lines import curvature_lines, default_spacing, spread
+from .shading import look_plan
 from .viewport import redraw
 
-# Along the larger and the smaller principal curvature; the dark edge makes both readable on any colour.
-_COLOURS = ((1.0, 0.62, 0.12, 1.0), (0.45, 0.85, 1.0, 1.0))
+# Along the larger and the smaller principal curvature: far from every colour of the ramps and of the selection.
+_COLOURS = ((1.0, 0.1, 0.75, 1.0), (0.3, 0.95, 0.0, 1.0))
 _EDGE = (0.05, 0.05, 0.05, 0.6)
 _WIDTH, _EDGE_WIDTH = 1.6, 3.6
 # The lines are drawn nearer by this part of their distance, so that their own surface does not hide them.
@@ -62,7 +63,7 @@ def _draw() -> None:
     context = bpy.context
     if not context.space_data.overlay.show_overlays:
         return
-    plan = plan_to_solve(context)
+    plan = look_plan(context)
     if plan is None or plan.cmc.curvature_lines == "NONE":
         return
     shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")

@@ -1,6 +1,6 @@
 """The colour legend: a bar with numbers at the left of the viewport.
 
-It is drawn while Solid shading shows the colours and the coloured result of the active plan is visible.
+It is drawn while Solid shading shows the colours and the coloured result of a plan is visible.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ class Legend:
 # --- its texts --------------------------------------------------------------------------
 
 def legend_of(context: bpy.types.Context) -> Legend | None:
-    """The legend for the active plan or result; None if no coloured result is visible."""
-    plan = _plan(context.object)
+    """The legend for the plan whose colours are shown; None if no coloured result is visible."""
+    plan = shading.look_plan(context)
     if plan is None or plan.cmc.colour_by == "NONE":
         return None
     result = _seen(context, plan)
@@ -56,10 +56,6 @@ def legend_of(context: bpy.types.Context) -> Legend | None:
         return Legend(by.label, f"{result.name} is not measured: solve again", [], None)
     parts = [_unit(plan.cmc.colour_by, result.cmc.role), result.name]
     return Legend(by.label, "  ".join(part for part in parts if part), labels(plan.cmc.colour_by, span), span)
-
-
-def _plan(ob: bpy.types.Object | None) -> bpy.types.Object | None:
-    return ob if ob is None or ob.cmc.role == "NONE" else ob.cmc.source
 
 
 def _seen(context: bpy.types.Context, plan: bpy.types.Object) -> bpy.types.Object | None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.handlers import persistent
 
+from ..properties.links import families, plan_to_solve, seen_results
 from ..properties.registration import registration
 
 BY_ATTRIBUTE = "VERTEX"
@@ -24,6 +25,19 @@ class Switched:
 def coloured() -> bool:
     """Whether the results of any plan are coloured."""
     return any(ob.cmc.colour_by != "NONE" for ob in bpy.data.objects)
+
+
+def look_plan(context: bpy.types.Context) -> bpy.types.Object | None:
+    """The plan whose colours are shown: that of the active object if it has shells, else the first coloured one with
+    a result that is seen, since colours stay when another object becomes active."""
+    plan = plan_to_solve(context)
+    if plan is not None and families(plan):
+        return plan
+    if not Switched.on:
+        return None
+    results = (ob for ob in context.view_layer.objects if ob.cmc.role != "NONE" and ob.cmc.source is not None)
+    plans = dict.fromkeys(ob.cmc.source for ob in results if ob.cmc.source.cmc.colour_by != "NONE")
+    return next((plan for plan in plans if next(seen_results(context, plan), None) is not None), None)
 
 
 def views(window_manager: bpy.types.WindowManager) -> list[bpy.types.SpaceView3D]:

@@ -16,17 +16,19 @@ from . import (
     export,
     go_to,
     group_presets,
+    live,
     look,
     modes,
     periods,
     plan,
     solve,
     symmetry,
+    weld,
 )
 
 MODULES = (
     boundary, plan, go_to, solve, design, symmetry, add, add_plan, add_bubble, modes, periods, look, export,
-    group_presets,
+    group_presets, weld, live,
 )
 """Files with a tuple CLASSES of operator classes."""
 

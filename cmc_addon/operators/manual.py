@@ -16,9 +16,10 @@ import bpy
 ROOT = Path(__file__).parents[2]
 
 PAGES = {
-    "plan": ("mesh_plan", "add_plan", "add_module", "add_bubble", "go_to"),
+    "plan": ("mesh_plan", "weld", "add_plan", "add_module", "add_bubble", "go_to"),
     "boundary": ("group_*", "select_ungrouped", "flip_corner"),
     "solve": ("solve", "solve_selection", "flip", "cancel", "count_modes", "start_from_shell", "start_clear"),
+    "live": ("live",),
     "look": ("gauss_image",),
     "design": ("fit_outline", "approximate_surface"),
     "symmetry": ("complete",),

@@ -14,6 +14,7 @@ import bpy
 from ...solver.errors import CmcError
 from ..background import worker
 from ..bridges import highlight_bridge
+from ..bridges.mesh_cache import contacts
 from ..drawing.viewport import redraw
 from ..properties.links import by_uid
 
@@ -61,8 +62,14 @@ class ModalOperator:
         except StopIteration as end:
             return end.value
         except CmcError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, self._explained(error, self.about(context) if error.vertices else None))
             return {"CANCELLED"}
+
+    def _explained(self, error: CmcError, ob: bpy.types.Object | None) -> str:
+        """The error, and the button that helps where parts of the mesh only touch."""
+        if not error.vertices or ob is None or ob.cmc.role != "NONE" or ob.type != "MESH" or not contacts(ob.data):
+            return str(error)
+        return f"{error} Weld, in the panel Plan, joins them."
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if bpy.app.background:  # timers never fire there
@@ -127,8 +134,9 @@ class ModalOperator:
 
     def _fail(self, context: bpy.types.Context, error: CmcError) -> set[str]:
         self._cleanup(context)
-        self.report({"ERROR"}, str(error))
-        highlight_bridge.show(context, by_uid(self._about), error)
+        about = by_uid(self._about)
+        self.report({"ERROR"}, self._explained(error, about))
+        highlight_bridge.show(context, about, error)
         return {"CANCELLED"}
 
     def _cleanup(self, context: bpy.types.Context) -> None:

@@ -63,6 +63,12 @@ def plan_of(ob: bpy.types.Object) -> bpy.types.Object | None:
     return None
 
 
+def is_ready_made(ob: bpy.types.Object) -> bool:
+    """Whether a mesh is a plan of a module or a bubble: its faces and corners are those of its surface, and Mesh Plan
+    would spoil them."""
+    return ob.type == "MESH" and not ob.cmc.meshed and outline_bridge.has_plan_layer(ob.data)
+
+
 class CMC_OT_mesh_plan(ModalOperator, bpy.types.Operator):
     """Fill the outline with well-shaped triangles, or update the plan made before"""
 
@@ -80,6 +86,8 @@ class CMC_OT_mesh_plan(ModalOperator, bpy.types.Operator):
             cls.poll_message_set("Select an outline: a mesh or a closed curve")
         elif ob.cmc.role != "NONE":
             cls.poll_message_set("This is a result; select the outline or the plan it comes from")
+        elif is_ready_made(ob):
+            cls.poll_message_set(f"'{ob.name}' is meshed already, with the corners of its surface; Solve works on it")
         elif ob.mode not in {"OBJECT", "EDIT"}:
             cls.poll_message_set("Go to object mode or edit mode first")
         elif ob.cmc.meshed and not keeps_changes(ob.data):

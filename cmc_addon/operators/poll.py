@@ -7,7 +7,10 @@ import bpy
 from ...solver.errors import CmcError
 from ..bridges.drawn_bridge import has_seen_faces
 from ..bridges.edge_bridge import has_faces
-from ..properties.links import plan_of
+from ..bridges.mesh_cache import boundary_counts
+from ..bridges.start_bridge import has_start
+from ..properties.libraries import keeps_changes
+from ..properties.links import plan_of, plan_to_solve
 from ..results.objects import check_writable
 
 RUNNING = "A solve is running; wait for it, or cancel it (Esc) first"
@@ -20,8 +23,20 @@ def why_not_object_mode(context: bpy.types.Context) -> str:
 
 def why_not_solve(context: bpy.types.Context) -> str:
     """Why the active object's plan cannot be solved; "" if it can, as far as is known without reading its mesh."""
-    if context.window_manager.cmc.running:
-        return RUNNING
+    return RUNNING if context.window_manager.cmc.running else _why_no_plan(context)
+
+
+def why_not_live(context: bpy.types.Context) -> str:
+    """Why the shell of the active object's plan cannot follow; "" if it can, or if it does."""
+    reason, plan = _why_no_plan(context), plan_to_solve(context)
+    if plan is None or (plan.cmc.live and keeps_changes(plan)):
+        return "" if plan is not None else reason
+    if reason or boundary_counts(plan.data)[0] or has_start(plan.data) or (plan.cmc.apply_modifiers and plan.modifiers):
+        return reason
+    return f"'{plan.name}' is closed, and a plan has a boundary; delete the faces beyond its rim"
+
+
+def _why_no_plan(context: bpy.types.Context) -> str:
     try:
         plan = plan_of(context.view_layer.objects.active)
         check_writable(plan)

@@ -3,6 +3,7 @@
 import bpy
 
 from ..drawing.curvature_lines import default_spacing_of
+from ..drawing.shading import look_plan
 from ..properties.colour_range import stored_range
 from ..properties.libraries import keeps_changes
 from ..properties.links import families, plan_to_solve
@@ -12,7 +13,7 @@ from .tab import Tab, automatic, properties_column
 
 
 class CMC_PT_look(Tab, bpy.types.Panel):
-    """Shown once the plan has a result of Solve or of a design."""
+    """Shown once the plan has a result of Solve or of a design; with another object active, for the coloured plan."""
 
     bl_idname = "CMC_PT_look"
     bl_label = "Look"
@@ -20,13 +21,15 @@ class CMC_PT_look(Tab, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        plan = plan_to_solve(context)
-        return plan is not None and bool(families(plan))
+        return look_plan(context) is not None
 
     def draw(self, context):
-        plan = plan_to_solve(context)
+        plan = look_plan(context)
         if plan is None:
             return
+        is_active = plan == plan_to_solve(context)
+        if not is_active:
+            self.layout.label(text=plan.name, icon="MESH_GRID")
         self.layout.enabled = keeps_changes(plan)
         column = properties_column(self.layout)
         column.prop(plan.cmc, "colour_by")
@@ -38,6 +41,8 @@ class CMC_PT_look(Tab, bpy.types.Panel):
             column.prop(plan.cmc, "curvature_line_spacing")
             if not plan.cmc.curvature_line_spacing:
                 automatic(column, default_spacing_of(families(plan)[0].shell.dimensions))
+        if not is_active:
+            return
         column.separator()
         shown = gauss_image.is_shown(plan)
         column.operator("cmc.gauss_image", depress=shown, icon="SHADING_RENDERED")

@@ -8,7 +8,7 @@ from ..properties.libraries import keeps_changes
 from ..properties.links import is_orphan, plan_to_solve
 from ..properties.registration import registration
 from ..tasks.export import wanted_objects
-from .tab import TALL, Tab, hint, properties_column, running_row
+from .tab import TALL, Tab, hint, properties_column
 
 
 class CMC_PT_export(Tab, bpy.types.Panel):
@@ -27,9 +27,6 @@ class CMC_PT_export(Tab, bpy.types.Panel):
         column = properties_column(layout)
         column.enabled = keeps_changes(plan)
         draw_export(column, plan.cmc)
-        if context.window_manager.cmc.running:
-            running_row(layout, context)
-            return
         row = layout.row()
         row.scale_y = TALL
         try:

@@ -5,16 +5,13 @@ from __future__ import annotations
 import bpy
 
 from ..live.live import problem_of
-from ..properties.libraries import keeps_changes
 from .results_panel import paragraph
 from .tab import BESIDE_SOLVE
 
 
 def draw_live(layout: bpy.types.UILayout, context: bpy.types.Context, plan: bpy.types.Object) -> None:
     """A toggle, and the problem if Live has one."""
-    row = layout.row()
-    row.enabled = keeps_changes(plan)
-    row.prop(plan.cmc, "live", toggle=True, icon="PLAY")
+    layout.operator("cmc.live", depress=plan.cmc.live, icon="PLAY")
     problem = problem_of(plan) if plan.cmc.live else ""
     if problem:
         paragraph(layout, context, problem, "ERROR")

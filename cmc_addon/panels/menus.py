@@ -47,8 +47,9 @@ class CMC_MT_object(bpy.types.Menu):
     def draw(self, context):
         layout = self.layout
         layout.operator("cmc.mesh_plan")
+        layout.operator("cmc.weld")
         layout.separator()
-        for name in ("cmc.solve", "cmc.flip", "cmc.fit_outline", "cmc.approximate_surface"):
+        for name in ("cmc.solve", "cmc.live", "cmc.flip", "cmc.fit_outline", "cmc.approximate_surface"):
             layout.operator(name)
         layout.separator()
         for name in ("cmc.complete", "cmc.close_periods", "cmc.tile_periods"):
@@ -77,7 +78,7 @@ class CMC_MT_mesh(bpy.types.Menu):
             layout.operator(name)
         layout.menu("CMC_MT_group_presets")
         layout.separator()
-        for name in ("cmc.solve", "cmc.solve_selection", "cmc.flip", "cmc.fit_outline", "cmc.mesh_plan"):
+        for name in ("cmc.solve", "cmc.solve_selection", "cmc.flip", "cmc.fit_outline", "cmc.mesh_plan", "cmc.weld"):
             layout.operator(name)
 
 

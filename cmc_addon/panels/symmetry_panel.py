@@ -83,7 +83,8 @@ class CMC_PT_complete(Tab, bpy.types.Panel):
 
 
 def _repeats(plan: bpy.types.Object) -> bool:
-    return any(group.kind in (*PLANAR_KINDS, "FREE") for group in plan.data.cmc.groups)
+    """Whether there is a group across which the shell may continue."""
+    return any(group.kind in (*PLANAR_KINDS, "FREE") and group.across != "OFF" for group in plan.data.cmc.groups)
 
 
 def has_holes(context: bpy.types.Context) -> bool:

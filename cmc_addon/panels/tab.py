@@ -14,10 +14,12 @@ import bpy
 
 from ...solver.meshing.wires import default_corner_radius, default_edge_length
 from ..bridges.edge_bridge import has_faces
+from ..bridges.mesh_cache import contacts
 from ..bridges.outline_bridge import local_size
 from ..bridges.start_bridge import has_lengths, has_start
+from ..operators.add_plan import ORDINARY, draw_shapes
 from ..operators.go_to import target
-from ..operators.plan import outline_of, plan_of
+from ..operators.plan import is_ready_made, outline_of, plan_of
 from ..operators.solve import draw_advanced, draw_shell
 from ..properties.libraries import keeps_changes
 from ..properties.links import plan_to_solve
@@ -81,7 +83,8 @@ class CMC_PT_plan(Tab, bpy.types.Panel):
     def draw(self, context):
         layout, ob = self.layout, context.object
         if ob is None or ob.type not in {"MESH", "CURVE"}:
-            hint(layout, "Select a mesh or a closed curve", "to use as the plan")
+            hint(layout, "Select a mesh or a closed curve", "to use as the plan, or add one:")
+            self._shapes(layout)
             return
         if ob.cmc.role != "NONE":
             if target(ob, "PLAN"):
@@ -89,14 +92,24 @@ class CMC_PT_plan(Tab, bpy.types.Panel):
             else:
                 hint(layout, "The plan of this result", "has been deleted")
             return
+        if is_ready_made(ob):
+            hint(layout, "This plan is meshed already:", "Solve works on it")
+            return
         self._settings(layout, context.scene.cmc, ob)
         go_to_row(layout, ob, "OUTLINE" if ob.cmc.meshed else "PLAN")
-        if context.window_manager.cmc.running:
-            running_row(layout, context)
-            return
         row = layout.row()
         row.scale_y = TALL
         row.operator("cmc.mesh_plan", text="Mesh Plan" if plan_of(ob) is None else "Update Plan")
+        if ob.type == "MESH" and (count := contacts(ob.data)):
+            row = layout.row()
+            row.label(text=f"{count} vertices touch, unjoined", icon="ERROR")
+            row.operator("cmc.weld")
+
+    def _shapes(self, layout):
+        """Buttons that add plans."""
+        column = layout.column(align=True)
+        draw_shapes(column, ORDINARY)
+        column.menu("CMC_MT_add", text="More")
 
     def _settings(self, layout, settings, ob):
         column = properties_column(layout)
@@ -112,7 +125,7 @@ class CMC_PT_plan(Tab, bpy.types.Panel):
 
 
 def running_row(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """The progress of the running task in place of its button, with a cross to cancel it."""
+    """The progress of the running task, whichever it is, in place of Solve, with a cross to cancel it."""
     run = context.window_manager.cmc
     row = layout.row(align=True)
     row.progress(factor=run.progress, text=run.message or "Working")

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
+from mathutils import Vector
 from numpy.typing import NDArray
 
 from ...solver.errors import CmcError
@@ -19,6 +20,8 @@ from .objects import Writer, world_box, write_report
 
 # Distance of the image from the shell, in radii.
 _APART = 0.35
+# A view whose right is nearly vertical, as after a roll, has no level direction to the right.
+_LEVEL = 0.1
 
 
 def is_shown(plan: bpy.types.Object) -> bool:
@@ -47,7 +50,8 @@ def show(context: bpy.types.Context, plan: bpy.types.Object) -> bpy.types.Object
     image.cmc.parked = image.hide_viewport = image.hide_render = False
     context.view_layer.update()
     if np.allclose(image.location, image.cmc.placed_at, atol=1e-6):
-        image.location.x += _beside(shell, image)
+        sideways = right_of(context.space_data)
+        image.location += sideways * _beside(shell, image, sideways)
     colours.repaint(plan)
     return image
 
@@ -76,11 +80,17 @@ def _middle(mesh: PlanMesh) -> NDArray[np.float64]:
     return np.average(mesh.positions[rim], axis=0, weights=weights)
 
 
-def _beside(shell: bpy.types.Object, image: bpy.types.Object) -> float:
-    """How far to move the image along X to clear the shell."""
-    right, left = (_bounds(ob, side) for ob, side in ((shell, max), (image, min)))
-    return right - left + _APART * 0.5 * max(image.dimensions)
+def right_of(space: bpy.types.Space | None) -> Vector:
+    """The level direction to the right of the viewer, so that the image is not in front of the shell; X without a
+    view."""
+    if space is None or space.type != "VIEW_3D":
+        return Vector((1.0, 0.0, 0.0))
+    right = space.region_3d.view_rotation @ Vector((1.0, 0.0, 0.0))
+    right.z = 0.0
+    return right.normalized() if right.length > _LEVEL else Vector((1.0, 0.0, 0.0))
 
 
-def _bounds(ob: bpy.types.Object, side) -> float:
-    return float(side(world_box(ob)[:, 0]))
+def _beside(shell: bpy.types.Object, image: bpy.types.Object, sideways: Vector) -> float:
+    """How far to move the image sideways to clear the shell."""
+    right, left = (side(world_box(ob) @ np.array(sideways)) for ob, side in ((shell, np.max), (image, np.min)))
+    return float(right - left) + _APART * 0.5 * max(image.dimensions)

@@ -71,6 +71,10 @@ def _capital(slenderness: float, edges: int) -> Module:
     return _titled(modules.capital(0.5 - 0.45 * slenderness, max_edge=0.5 / edges))
 
 
+def _vault(slenderness: float, edges: int) -> Module:
+    return _titled(modules.vault(4, 0.6 - 0.45 * slenderness, max_edge=2.0 / edges))
+
+
 def _titled(module: Module) -> Module:
     """The module with capitalised names of sides."""
     shape = module.shape
@@ -116,6 +120,14 @@ PRESETS: dict[str, Preset] = {
         8.0,
         ends=("Column",),
         repeat=(3, 3, 1),
+    ),
+    "vault": Preset(
+        "Vault",
+        "A shell on four feet between four walls that it touches: the floor is a mirror, each wall a constant plane",
+        _vault,
+        8.0,
+        kinds={f"Wall{k}": "plane" for k in range(4)},
+        ends=tuple(f"{name}{k}" for name in ("Wall", "Foot") for k in range(4)),
     ),
 }
 """Name → module, in the order of the menu."""

@@ -215,7 +215,7 @@ def _read_plan(root: Table, folder: Path) -> tuple[MeshData, dict[str, Pairs], s
     faces = list(made.domain.faces)
     sides: dict[str, Pairs] = {side: made.domain.edges[edges] for side, edges in made.sides.items()}
     before = "" if scale == 1.0 else " The lengths are those before the scale."
-    notes = [Note(note.code, f"{note}{before}") for note in made.notes]
+    notes: list[str] = [Note(note.code, f"{note}{before}") for note in made.notes]
     return MeshData(positions, faces, uvs=flat, uv_corners=faces, notes=notes), sides, up
 
 

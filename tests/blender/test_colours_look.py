@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 
 import bpy
 
 # isort: split
 import numpy as np
 import pytest
+from mathutils import Euler, Vector
 from numpy.testing import assert_allclose
 
 from .scenes import activate, positions, quad_disc, values
+from .sidebar import draw
 from .test_colours import colours, hall, module, solve
 
 
@@ -65,6 +68,23 @@ def test_it_is_about_the_result_that_is_active_and_seen():
     assert legend() is None
 
 
+def test_legend_and_switch_stay_when_another_object_is_active():
+    plan = hall()
+    solve(plan)
+    plan.cmc.colour_by = "MEAN_CURVATURE"
+    bpy.ops.object.empty_add()
+    for other in (bpy.context.object, quad_disc("Other"), None):
+        activate(other)
+        assert legend().subtitle.endswith("Hall f+")
+        record = draw("CMC_PT_look")
+        assert "Hall" in record.texts and "colour_by" in record.props and not record.operators
+    plan.cmc.f_plus.hide_set(True)
+    assert legend() is None and "colour_by" not in draw("CMC_PT_look").props
+    plan.cmc.f_plus.hide_set(False)
+    plan.cmc.colour_by = "NONE"
+    assert legend() is None and "colour_by" not in draw("CMC_PT_look").props
+
+
 def test_it_says_that_something_was_not_measured():
     plan = hall()
     result = solve(plan)
@@ -86,6 +106,25 @@ def test_the_legend_of_instances_is_that_of_the_shell():
 
 
 # --- curvature lines -----------------------------------------------------------------------
+
+def lab(srgb) -> np.ndarray:
+    """CIELAB of sRGB colours (n, 3): equal distances look equal."""
+    c = module("properties.colour_maps").linear(srgb)
+    xyz = c @ np.array([(0.4124, 0.2126, 0.0193), (0.3576, 0.7152, 0.1192), (0.1805, 0.0722, 0.9505)])
+    x, y, z = np.cbrt(xyz / [0.9505, 1.0, 1.089]).T
+    return np.column_stack([116 * y - 16, 500 * (x - y), 200 * (y - z)])
+
+
+def test_curvature_lines_stand_out_from_every_colour():
+    """Orange lines on the orange of a large H were lost; 50 is a plain difference, 2 can just be seen."""
+    maps, lines = module("properties.colour_maps"), module("drawing.curvature_lines_overlay")
+    ranges = [maps.Range(0.0, 1.0), maps.Range(0.0, 1.0, 0.5)]
+    ground = np.concatenate([span.colours(np.linspace(0.0, 1.0, 50)) for span in ranges])
+    ground = lab(np.concatenate([ground, [maps.NOT_KNOWN, (0.8, 0.8, 0.8)]]))
+    kinds = lab([colour[:3] for colour in lines._COLOURS])
+    assert np.linalg.norm(kinds[:, None] - ground, axis=2).min() > 50
+    assert np.linalg.norm(kinds[0] - kinds[1]) > 50 and abs(kinds[0, 0] - kinds[1, 0]) > 20
+
 
 def lines(result, which="BOTH", spacing=0.0):
     return module("drawing.curvature_lines_overlay").lines_of(result.data, which, spacing)
@@ -237,6 +276,22 @@ def test_one_that_solve_has_made_is_moved_aside():
     bpy.ops.cmc.gauss_image()
     bpy.ops.cmc.gauss_image()
     assert positions(image)[:, 0].min() > positions(shell)[:, 0].max()
+
+
+@pytest.mark.parametrize("turn", [0.0, 46.7, 135.0, 200.0])
+@pytest.mark.parametrize("tip", [0.0, 63.6])
+def test_it_is_beside_the_shell_as_it_is_seen(turn, tip):
+    """Not in front of it nor behind: no point of it is in line with one of the shell."""
+    plan = hall()
+    shell = solve(plan)
+    view = Euler((np.radians(tip), 0.0, np.radians(turn))).to_quaternion()
+    space = SimpleNamespace(type="VIEW_3D", region_3d=SimpleNamespace(view_rotation=view))
+    image = module("results.gauss_image").show(
+        SimpleNamespace(space_data=space, view_layer=bpy.context.view_layer, scene=bpy.context.scene), plan)
+    right = np.array(view @ Vector((1.0, 0.0, 0.0)))
+    assert (positions(image) @ right).min() > (positions(shell) @ right).max()
+    ahead = np.array(view @ Vector((0.0, 0.0, -1.0)))
+    assert abs(np.array(image.location - image.cmc.placed_at) @ ahead) < 1e-4
 
 
 def test_it_needs_a_shell():

@@ -105,9 +105,46 @@ def test_while_something_runs(solved):
     for name in ("solve", "flip", "mesh_plan", "fit_outline", "approximate_surface", "complete", "close_periods",
                  "tile_periods", "export"):
         assert "wait for it, or cancel it (Esc)" in reasons()[name]
-    for panel in ("CMC_PT_plan", "CMC_PT_shell", "CMC_PT_export"):
-        assert draw(panel).operators[-1:] == ["cmc.cancel"], "the bar is where the button was"
+    assert draw("CMC_PT_shell").operators == ["cmc.cancel"], "the bar is where the button was"
+    assert draw().operators.count("cmc.cancel") == 1, "the progress is drawn once"
     check({})
+
+
+def test_a_closed_mesh_cannot_be_live():
+    bpy.ops.mesh.primitive_cube_add()
+    cube = bpy.context.object
+    check({"live": "'Cube' is closed, and a plan has a boundary; delete the faces beyond its rim"})
+    cube.cmc.live = True
+    assert bpy.ops.cmc.live() == {"FINISHED"} and not cube.cmc.live, "it can always be switched off"
+    bpy.ops.mesh.primitive_grid_add()
+    assert bpy.ops.cmc.live() == {"FINISHED"} and bpy.context.object.cmc.live
+    mesh_object("Wire", [(0, 0, 0), (1, 0, 0), (0, 1, 0)], [], edges=[(0, 1), (1, 2), (2, 0)])
+    check({"live": "'Wire' has no faces"})
+    bpy.ops.cmc.add_bubble(bubble="TORUS", columns=8)
+    assert bpy.ops.cmc.live.poll(), "a closed mesh with a start is a plan"
+
+
+@pytest.mark.parametrize("add", [
+    lambda: bpy.ops.cmc.add_module(module="CAPITAL", edges=8),
+    lambda: bpy.ops.cmc.add_plan(shape="CYLINDER", columns=16),
+    lambda: bpy.ops.cmc.add_bubble(bubble="WENTE", columns=8),
+])
+def test_ready_made_plans_are_not_meshed_again(add):
+    assert add() == {"FINISHED"}
+    check({"mesh_plan": "is meshed already, with the corners of its surface"})
+    record = draw("CMC_PT_plan")
+    assert record.operators == [] and record.props == []
+    bpy.ops.cmc.add_plan(columns=10)
+    assert bpy.ops.cmc.mesh_plan.poll() and "cmc.mesh_plan" in draw("CMC_PT_plan").operators
+
+
+def test_the_empty_tab_offers_plans():
+    for active in (lambda: activate(None), bpy.ops.object.empty_add):
+        active()
+        record = draw("CMC_PT_plan")
+        assert record.operators == ["cmc.add_plan"] * 4
+    mesh_object("Flat", [(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+    assert "cmc.add_plan" not in draw("CMC_PT_plan").operators
 
 
 def test_linked_from_a_library(solved, tmp_path):
@@ -240,7 +277,7 @@ def test_it_is_in_the_unit_of_the_scene(solved):
 def test_before_a_solve_there_is_nothing_to_tell():
     bpy.ops.cmc.add_plan(columns=8)
     record = draw("CMC_PT_shell")
-    assert "Off Outline" not in record.texts and record.operators == ["cmc.solve", "cmc.flip"]
+    assert "Off Outline" not in record.texts and record.operators == ["cmc.solve", "cmc.flip", "cmc.live"]
     np.testing.assert_equal(record.operators.count("cmc.solve"), 1)
 
 
