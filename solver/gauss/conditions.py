@@ -25,7 +25,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..domain.shape import DomainLike, Shape, as_domain, is_names
-from ..errors import ConditionError
+from ..errors import ConditionError, check_choice
+from ..limits import NUMBERS, Range, check_number
 from ..linalg import as_numbers
 from .boundary_data import Conditions
 from .drawn_normals import drawn_normals
@@ -71,6 +72,9 @@ def __dir__() -> list[str]:
     return list(__all__)
 
 
+TURNS = Range(-1000, 1000)
+
+
 @dataclass(frozen=True)
 class Parameter:
     """A number or vector that a kind of condition takes, as a user interface shows it."""
@@ -80,6 +84,7 @@ class Parameter:
     description: str
     default: float | tuple[float, ...]
     unit: str = ""
+    within: Range = NUMBERS
 
 
 @dataclass(frozen=True)
@@ -163,9 +168,8 @@ def twisted(
     domain, positions, edges, turns = _placed(domain, positions, edges, m)
     if turns is None:
         raise ConditionError("A twisted boundary needs m, the number of turns.")
-    count = as_numbers(turns, "The number of twists", ConditionError)
-    if count.ndim or not np.isfinite(count):
-        raise ConditionError(f"The number of twists must be finite, not {turns}.")
+    check_number(turns, "number of twists", TURNS)
+    count = np.float64(turns)  # pyright: ignore[reportArgumentType]
     chosen = boundary_edges(domain, edges)
     domain = as_domain(domain)
     along = edge_frames(domain, positions, chosen)
@@ -256,7 +260,8 @@ def mirror(domain: DomainLike, edges: ArrayLike, plane_normal: ArrayLike, windin
     """
     chosen = boundary_edges(domain, edges)
     normals = unit(_vector(plane_normal), chosen, "edge")
-    if not isinstance(winding, (int, float, np.number)) or not float(winding).is_integer():
+    check_number(winding, "winding", TURNS)
+    if not float(winding).is_integer():
         raise ConditionError(f"The winding must be a whole number of turns, not {winding!r}.")
     turns = np.full(len(chosen), int(winding), dtype=np.int64)
     return Conditions(mirrors=chosen, mirror_normals=normals, windings=turns)
@@ -312,7 +317,7 @@ KINDS: dict[str, Kind] = {
     "twisted": Kind(
         "Twisted",
         "The tangent plane turns about the rim, along the rim",
-        (Parameter("m", "Turns", "Full turns of the tangent plane on the way around the loop", 1.0),),
+        (Parameter("m", "Turns", "Full turns of the tangent plane on the way around the loop", 1.0, within=TURNS),),
         lambda domain, positions, edges, m=1.0: twisted(domain, positions, edges, m),
     ),
     "gauss_map": Kind(
@@ -326,7 +331,7 @@ KINDS: dict[str, Kind] = {
         "The shell meets a plane at a right angle and continues as its own reflection",
         (
             Parameter("normal", "Normal", "Normal of the plane, pointing out of the shell", (0.0, 0.0, 1.0)),
-            Parameter("winding", "Extra Turns", "Extra full turns of the tangent plane along the mirror", 0.0),
+            Parameter("winding", "Extra Turns", "Extra full turns of the tangent plane along a mirror", 0.0, "", TURNS),
         ),
         lambda domain, positions, edges, normal=(0.0, 0.0, 1.0), winding=0: mirror(domain, edges, normal, winding),
     ),
@@ -347,8 +352,7 @@ def build(
     **parameters: object,
 ) -> Conditions:
     """The condition named `kind` in `KINDS`, with that kind's parameters (angles in radians)."""
-    if kind not in KINDS:
-        raise ConditionError(f"There is no boundary condition {kind!r}; choose one of {', '.join(KINDS)}.")
+    check_choice(kind, KINDS, "boundary condition")
     known = {parameter.name for parameter in KINDS[kind].parameters}
     unknown = sorted(set(parameters) - known)
     if unknown:
