@@ -7,6 +7,7 @@ its tolerance is not an error: its result carries a `Status`.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from difflib import get_close_matches
 from enum import Enum
 
 _LISTED = 8
@@ -99,11 +100,20 @@ def listed(indices: Iterable[int]) -> str:
     return ", ".join(items[:_LISTED]) + f" and {len(items) - _LISTED} more"
 
 
-def check_choice(name: object, known: Iterable[str], what: str) -> None:
-    """Raise `ConditionError` unless `name` is among the `known` names; `what` is the noun for them."""
+def suggestion(name: object, known: Iterable[str]) -> str:
+    """"; did you mean …?" where a known name resembles this one, else the known names."""
+    names = {one.casefold(): one for one in known}
+    near = get_close_matches(name.casefold(), names, n=2) if isinstance(name, str) else []
+    meant = " or ".join(f'"{names[one]}"' for one in near)
+    return f"; did you mean {meant}?" if near else f"; known are {', '.join(names.values()) or 'none'}."
+
+
+def check_choice(name: object, known: Iterable[str], what: str, error: type[CmcError] = ConditionError) -> None:
+    """Raise `error` unless `name` is among the `known` names; `what` is the noun for them."""
     names = list(known)
-    if name not in names:
-        raise ConditionError(f"There is no {what} {name!r}; choose one of {', '.join(names)}.")
+    if not isinstance(name, str) or name not in names:
+        shown = f'"{name}"' if isinstance(name, str) else repr(name)
+        raise error(f"There is no {what} {shown}{suggestion(name, names)}")
 
 
 def plural(noun: str, indices: Iterable[int]) -> str:

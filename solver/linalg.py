@@ -17,7 +17,8 @@ from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 from scipy.spatial import KDTree
 
-from .errors import CmcError, ConditionError
+from .errors import CmcError
+from .limits import LARGEST
 
 Array = NDArray[np.float64]
 Sparse = Any  # scipy.sparse ships no types
@@ -32,19 +33,14 @@ class Factor(Protocol):
 
 
 def as_numbers(values: ArrayLike, what: str, error: type[CmcError]) -> Array:
-    """The values as a float64 array; raises `error`, naming `what`, where they are ragged or not numbers."""
+    """The values as a float64 array; raises `error`, naming `what`, where they are ragged, no numbers or too large."""
     try:
-        return np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError):
+        numbers = np.asarray(values, dtype=np.float64)
+    except (OverflowError, TypeError, ValueError):
         raise error(f"{what} must be numbers in a regular array.") from None
-
-
-def check_number(value: Any, what: str, least: float = 0.0, *, positive: bool = False) -> None:
-    """Raise `ConditionError`, naming `what`, on a value not finite, below `least`, or zero if `positive`."""
-    is_number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
-    if not is_number or not np.isfinite(value) or value < least or (positive and value <= 0.0):
-        kind = "positive number" if positive else "finite number" if least < 0.0 else f"number of {least:g} or more"
-        raise ConditionError(f"The {what} must be a {kind}, not {value!r}.")
+    if (np.isfinite(numbers) & (np.abs(numbers) > LARGEST)).any():
+        raise error(f"{what} must be numbers of at most {LARGEST:g} in size.")
+    return numbers
 
 
 def sum_rows(rows: NDArray[np.integer], values: Array, count: int) -> Array:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ..domain.domain import Domain
 from ..domain.shape import Shape
 from ..errors import MeshError
+from ..limits import COUNT, Range, check_number
 from ..meshing.mesher import mesh_plan
 
 Array = NDArray[np.float64]
@@ -35,6 +36,7 @@ def __dir__() -> list[str]:
 
 # An edge is on a straight side when both its ends are nearer than this part of the plan.
 _NEAR = 1e-9
+_OPENINGS = Range(3, 1000, whole=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,10 +161,10 @@ def vault(openings: int, foot: float | Sequence[float], *, length: float = 1.0, 
 
     Feet of different radii end at different heights. Raises `MeshError` if an arc leaves nothing of a wall.
     """
-    count = openings if openings >= 3 else 0
+    count = openings if openings in _OPENINGS else 0
     radii = np.full(count, foot, dtype=np.float64) if np.ndim(foot) == 0 else np.asarray(foot, dtype=np.float64)
     if not (count and radii.shape == (count,) and ((radii > 0.0) & (radii < 1.0)).all()):
-        raise MeshError("A vault needs three openings or more, and a foot between 0 and 1, or one for each of them.")
+        raise MeshError(f"A vault needs {_OPENINGS} of openings, and a foot between 0 and 1, or one for each of them.")
     if not (length >= 1.0 and max_edge > 0.0 and np.isfinite([length, max_edge]).all()):
         raise MeshError("The length of a vault must be 1 or more, its largest edge positive.")
     half = np.pi / openings
@@ -213,7 +215,9 @@ def _arc(radius: float, turn: float, max_edge: float) -> Array:
 
     They are the corners where tangents meet, and the end, so that the first and last segments are tangent.
     """
-    count = max(2, int(np.ceil(radius * turn / max_edge)))
+    edges = np.ceil(radius * turn / max_edge)
+    check_number(edges, "number of edges of an arc", Range(0, COUNT.most), MeshError)
+    count = max(2, int(edges))
     angles = (np.arange(count) + 0.5) * turn / count
     outer = radius / np.cos(0.5 * turn / count)
     corners = np.column_stack([outer * np.sin(angles), radius - outer * np.cos(angles)])

@@ -13,6 +13,7 @@ import numpy as np
 from ..domain.domain import Domain
 from ..domain.shape import Shape
 from ..errors import MeshError
+from ..limits import MOST_VERTICES, POSITIVE, Range, shown
 from ..meshing.mesher import mesh_plan
 from ..meshing.outline import check_loops, signed_area
 from ..meshing.rounding import rounded_sentence
@@ -44,7 +45,7 @@ def disc(n: int) -> Shape:
 
     Numbered from the outer ring inwards, each from angle 0: vertex 0 is (1, 0), the centre is the last. Side "outer".
     """
-    _at_least(n, 7, "A disc", "vertices")
+    _check_count(n, 7, "A disc", "vertices")
     rings = max(1, round((np.sqrt(12 * n - 3) - 3) / 6))
     first = np.append(np.cumsum(np.append(0, 6 * np.arange(rings, 1, -1))), 3 * rings * (rings + 1))
     start = first[::-1]  # start[k] is the first vertex of ring k; ring 0 is the centre
@@ -58,9 +59,10 @@ def annulus(inner: float, outer: float, n: int) -> Shape:
 
     Numbered from the outer circle inwards; outer and inner circle start at angle 0.
     """
-    if not 0 < inner < outer or not np.isfinite(outer):
+    _check_lengths(inner, outer, "An annulus")
+    if not inner < outer:
         raise MeshError(f"An annulus needs 0 < inner < outer; its radii are {inner} and {outer}.")
-    _at_least(n, 18, "An annulus", "vertices")
+    _check_count(n, 18, "An annulus", "vertices")
     edge = np.sqrt(np.pi * (outer**2 - inner**2) / _ROW / n)
     radii = np.linspace(outer, inner, max(2, round((outer - inner) / (_ROW * edge))) + 1)
     counts = np.maximum(6, np.round(radii * n / radii.sum()).astype(int))
@@ -115,9 +117,10 @@ def strip(width: float, height: float, columns: int) -> Shape:
 
     Numbered row by row from the bottom, from left to right. Sides "bottom", "right", "top", "left" and "outer".
     """
-    _positive(width, height, "A strip")
-    _at_least(columns, 1, "A strip", "columns")
+    _check_lengths(width, height, "A strip")
+    _check_count(columns, 1, "A strip", "columns")
     rows = _even_rows(height * columns / width)
+    _check_grid(columns, rows, "A strip")
     whole, halves = np.arange(columns + 1.0), np.concatenate([[0.0], np.arange(columns) + 0.5, [columns]])
     x = np.concatenate([whole if j % 2 == 0 else halves for j in range(rows + 1)])
     y = np.repeat(np.arange(rows + 1) * (height / rows), [columns + 1 + j % 2 for j in range(rows + 1)])
@@ -152,9 +155,10 @@ def cylinder(circumference: float, height: float, columns: int) -> Shape:
     `positions` are the unrolled (x, y), x in [0, circumference), odd rows half a column further. Numbered row by row
     from the bottom; both loops have a vertex at x = 0, their smallest.
     """
-    _positive(circumference, height, "A cylinder")
-    _at_least(columns, 3, "A cylinder", "columns")
+    _check_lengths(circumference, height, "A cylinder")
+    _check_count(columns, 3, "A cylinder", "columns")
     rows = _even_rows(height * columns / circumference)
+    _check_grid(columns, rows, "A cylinder")
     step = np.array([circumference / columns, height / rows])
     domain, positions = _glued(columns, rows, step, wrap_rows=False)
     bottom = _edge_indices(domain, _cycle(0, columns))
@@ -164,16 +168,17 @@ def cylinder(circumference: float, height: float, columns: int) -> Shape:
 
 def torus(a: float, b: float, columns: int) -> Shape:
     """The flat torus: a rectangle a × b with opposite sides glued. No boundary; `positions` are the unrolled (x, y)."""
-    _positive(a, b, "A torus")
-    _at_least(columns, 3, "A torus", "columns")
+    _check_lengths(a, b, "A torus")
+    _check_count(columns, 3, "A torus", "columns")
     rows = max(4, _even_rows(b * columns / a))
+    _check_grid(columns, rows, "A torus")
     domain, positions = _glued(columns, rows, np.array([a / columns, b / rows]), wrap_rows=True)
     return Shape(domain, positions, {})
 
 
 def sphere(n: int) -> Shape:
     """The unit sphere with about n vertices: an icosahedron whose faces are divided f² times, n = 10 f² + 2."""
-    _at_least(n, 12, "A sphere", "vertices")
+    _check_count(n, 12, "A sphere", "vertices")
     f = max(1, round(np.sqrt((n - 2) / 10)))
     corners, triangles = _icosahedron()
     i, j = (a.ravel() for a in np.meshgrid(np.arange(f + 1), np.arange(f + 1), indexing="ij"))
@@ -284,11 +289,20 @@ def _even_rows(columns_high: float) -> int:
     return max(2, 2 * round(columns_high / _ROW / 2))
 
 
-def _positive(width: float, height: float, name: str) -> None:
-    if not (np.isfinite(width) and np.isfinite(height) and width > 0 and height > 0):
-        raise MeshError(f"{name} needs two positive lengths; they are {width} and {height}.")
+def _check_lengths(width: float, height: float, name: str) -> None:
+    if width not in POSITIVE or height not in POSITIVE:
+        raise MeshError(f"{name} needs two positive lengths, each {POSITIVE}, not {shown(width)} and {shown(height)}.")
 
 
-def _at_least(value: int, least: int, name: str, unit: str) -> None:
-    if not value >= least:
-        raise MeshError(f"{name} needs {least} {unit} or more, not {value}.")
+def _check_count(value: int, least: int, name: str, unit: str) -> None:
+    if value not in Range(least, MOST_VERTICES, whole=True):
+        raise MeshError(f"{name} needs from {least} to {shown(MOST_VERTICES)} {unit}, not {shown(value)}.")
+
+
+def _check_grid(columns: int, rows: int, name: str) -> None:
+    count = (columns + 1) * (rows + 1)
+    if count > MOST_VERTICES:
+        raise MeshError(
+            f"{name} of {shown(columns)} columns in {shown(rows)} rows has {shown(count)} vertices, and "
+            f"{shown(MOST_VERTICES)} are the most; take fewer columns."
+        )

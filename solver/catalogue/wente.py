@@ -22,7 +22,8 @@ from ..gauss import conditions as ways
 from ..gauss.boundary_data import Conditions
 from ..gauss.modes import flat_axis
 from ..gauss.sphere import exp
-from ..linalg import as_numbers, check_number
+from ..limits import POSITIVE, Range, check_number
+from ..linalg import as_numbers
 from ..surface.cmc_surface import CmcSurface
 from ..surface.solve import CmcSolver
 from ..symmetry.sides import Side
@@ -34,7 +35,7 @@ Array = NDArray[np.float64]
 FIRST, AXIS = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
 # Largest denominator of a part of a half turn, and how near an angle must be to count as that part.
 _MOST_PARTS, _EXACT = 100, 1e-9
-_FEWEST = 4
+_COLUMNS = Range(4, 1000, whole=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,11 +123,9 @@ def wente(
     surface is then that of the given height. Raises `ConditionError` on other angles and numbers out of range.
     """
     check_angle(angle)
-    check_number(columns, "number of columns")
-    if not (isinstance(columns, (int, np.integer)) and columns >= _FEWEST):
-        raise ConditionError(f"A Wente cylinder needs {_FEWEST} columns a quarter or more, not {columns!r}.")
+    check_number(columns, "number of columns of a quarter", _COLUMNS)
     if height is not None:
-        check_number(height, "height of the cylinder", positive=True)
+        check_number(height, "height of the cylinder", POSITIVE)
     first = discrete_height(angle, columns) if height is None else float(height)
     shape = shapes.strip(0.5 * np.pi, 0.5 * first if halved else first, columns)
     held, sides = _held(shape, float(angle), halved)

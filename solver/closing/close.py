@@ -19,7 +19,7 @@ from ..errors import ConditionError, Progress, check_choice
 from ..gauss.boundary_data import Conditions, check_conditions
 from ..gauss.methods import METHODS
 from ..gauss.options import with_options
-from ..linalg import check_number
+from ..limits import COUNT, POSITIVE, TOLERANCE, Range, check_number
 from ..surface.cmc_surface import CmcSurface
 from ..surface.solve import CmcSolver
 from ..symmetry.sides import Side
@@ -87,9 +87,9 @@ class PeriodOptions:
     def __post_init__(self) -> None:
         check_choice(self.by, WAYS, "way to close")
         check_choice(self.method, METHODS, "method")
-        check_number(self.weight, "weight of moduli", positive=True)
-        check_number(self.tolerance, "tolerance")
-        check_number(self.max_steps, "largest number of steps")
+        check_number(self.weight, "weight of moduli", POSITIVE)
+        check_number(self.tolerance, "tolerance", TOLERANCE)
+        check_number(self.max_steps, "largest number of steps", Range(0, COUNT.most, whole=True))
         if (self.moduli is None) != (self.by == "normals"):
             verb = "needs" if self.moduli is None else "does not take"
             raise ConditionError(f'Closing by "{self.by}" {verb} moduli.')

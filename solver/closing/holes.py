@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..domain.domain import Domain
 from ..domain.shape import DomainLike, as_domain
 from ..domain.sites import SiteGraph
-from ..errors import ConditionError, MeshError, plural
+from ..errors import ConditionError, MeshError, check_choice, plural
 from ..gauss.dirichlet import Dirichlet
 from ..gauss.frames import area_vectors, in_space
 from ..gauss.sphere import dot
@@ -47,9 +47,8 @@ class MovingHoles:
     def __init__(
         self, domain: Domain, positions: ArrayLike, loops: Sequence[int], motions: Sequence[str] = ("x", "y", "twist")
     ) -> None:
-        unknown = [name for name in motions if name not in MOTIONS]
-        if unknown:
-            raise ConditionError(f"There is no motion {unknown[0]!r} of a hole; known are {', '.join(MOTIONS)}.")
+        for name in motions:
+            check_choice(name, MOTIONS, "motion of a hole")
         wrong = [loop for loop in loops if loop not in range(len(domain.boundary_loops))]
         if wrong:
             raise ConditionError(f"There is no boundary loop {wrong[0]}; the plan has {len(domain.boundary_loops)}.")

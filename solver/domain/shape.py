@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import ConditionError, MeshError
+from ..errors import ConditionError, MeshError, check_choice
 from ..notes import Note
 from .domain import Domain
 
@@ -66,9 +65,6 @@ def side_edges(given: DomainLike, names: str | Sequence[str]) -> NDArray[np.int6
         as_domain(given)
         raise ConditionError(f"A Domain has no side {wanted[0]!r}; pass the Shape, or the edges themselves.")
     for name in wanted:
-        if name not in given.sides:
-            close = get_close_matches(name, given.sides, n=1)
-            hint = f" Did you mean {close[0]!r}?" if close else ""
-            raise ConditionError(f"There is no side {name!r}; the sides are {', '.join(given.sides) or 'none'}.{hint}")
+        check_choice(name, given.sides, "side")
     edges = np.concatenate([np.asarray(given.sides[name], dtype=np.int64) for name in wanted])
     return edges[np.sort(np.unique(edges, return_index=True)[1])]

@@ -17,7 +17,7 @@ from ..gauss.drawn_normals import drawn_normals
 from ..gauss.frames import in_space
 from ..gauss.options import with_options
 from ..gauss.sphere import inner
-from ..linalg import check_number
+from ..limits import COUNT, check_number
 from ..surface.placement import procrustes
 from ..surface.solve import CmcSolver
 from .closest_point import Triangles
@@ -62,7 +62,7 @@ class GaussMapOptions:
         check_number(self.regularisation, "regularisation")
         check_number(self.likeness, "likeness")
         check_number(self.near, "weight of nearness")
-        check_number(self.max_evaluations, "largest number of evaluations", 1)
+        check_number(self.max_evaluations, "largest number of evaluations", COUNT)
 
 
 @with_options(GaussMapOptions)

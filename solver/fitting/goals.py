@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
 from ..errors import ConditionError, Progress, check_choice
-from ..linalg import as_numbers, check_number
+from ..limits import COUNT, POSITIVE, check_number
+from ..linalg import as_numbers
 from ..meshing.rounding import CORNER
 from ..notes import Sentence
 from ..surface.cmc_surface import SHEETS
@@ -82,14 +83,14 @@ class OutlineOptions:
 
     def __post_init__(self) -> None:
         check_number(self.smooth, "weight of smooth boundary normals")
-        check_number(self.max_evaluations, "largest number of evaluations", 1)
+        check_number(self.max_evaluations, "largest number of evaluations", COUNT)
         check_choice(self.sheet, SHEETS, "sheet")
         if self.tilt is not None:
             _check_bounds(self.tilt)
         if self.anchors is None and not self.on_curve:
             raise ConditionError("There is nothing to fit to: give anchors, or let the rim lie on the curve.")
         name, number = self.height_parameter
-        check_number(number, HEIGHT_PARAMETERS[name].label.lower(), positive=True)
+        check_number(number, HEIGHT_PARAMETERS[name].label.lower(), POSITIVE)
 
     @property
     def height_parameter(self) -> tuple[str, float]:

@@ -7,12 +7,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..domain.shape import DomainLike, as_domain
 from ..errors import ConditionError
+from ..limits import Range, check_number
 from ..linalg import as_numbers
 from .boundary_data import Conditions
 from .frames import at_ends, boundary_edges, check_range, unit
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
+
+TURNS = Range(-1000, 1000)
+"""Of twists and windings."""
 
 
 def fixed(domain: DomainLike, edges: ArrayLike, normal: ArrayLike) -> Conditions:
@@ -70,7 +74,8 @@ def mirror(domain: DomainLike, edges: ArrayLike, plane_normal: ArrayLike, windin
     """
     chosen = boundary_edges(domain, edges)
     normals = unit(_vector(plane_normal), chosen, "edge")
-    if not isinstance(winding, (int, float, np.number)) or not float(winding).is_integer():
+    check_number(winding, "winding", TURNS)
+    if not float(winding).is_integer():
         raise ConditionError(f"The winding must be a whole number of turns, not {winding!r}.")
     turns = np.full(len(chosen), int(winding), dtype=np.int64)
     return Conditions(mirrors=chosen, mirror_normals=normals, windings=turns)

@@ -8,9 +8,10 @@ from dataclasses import dataclass, field
 from numpy.typing import ArrayLike
 
 from ..domain.shape import DomainLike
-from ..errors import ConditionError
+from ..errors import ConditionError, check_choice
+from ..limits import NUMBERS, Range
 from .boundary_data import Conditions
-from .held import fixed, free, mirror
+from .held import TURNS, fixed, free, mirror
 from .rim_normals import binormal, gauss_map, placed, twisted
 
 
@@ -23,6 +24,7 @@ class Parameter:
     description: str
     default: float | tuple[float, ...]
     unit: str = ""
+    within: Range = NUMBERS
 
 
 @dataclass(frozen=True)
@@ -53,7 +55,7 @@ KINDS: dict[str, Kind] = {
     "twisted": Kind(
         "Twisted",
         "The tangent plane turns about the rim, along the rim",
-        (Parameter("m", "Turns", "Full turns of the tangent plane on the way around the loop", 1.0),),
+        (Parameter("m", "Turns", "Full turns of the tangent plane on the way around the loop", 1.0, within=TURNS),),
         lambda domain, positions, edges, m=1.0: twisted(domain, positions, edges, m),
     ),
     "gauss_map": Kind(
@@ -67,7 +69,7 @@ KINDS: dict[str, Kind] = {
         "The shell meets a plane at a right angle and continues as its own reflection",
         (
             Parameter("normal", "Normal", "Normal of the plane, pointing out of the shell", (0.0, 0.0, 1.0)),
-            Parameter("winding", "Extra Turns", "Extra full turns of the tangent plane along the mirror", 0.0),
+            Parameter("winding", "Extra Turns", "Extra full turns of the tangent plane along a mirror", 0.0, "", TURNS),
         ),
         lambda domain, positions, edges, normal=(0.0, 0.0, 1.0), winding=0: mirror(domain, edges, normal, winding),
     ),
@@ -94,8 +96,7 @@ def build(
 
     against, up: what a lean is measured against (see `binormal`); kinds that do not lean pass over them.
     """
-    if kind not in KINDS:
-        raise ConditionError(f"There is no boundary condition {kind!r}; choose one of {', '.join(KINDS)}.")
+    check_choice(kind, KINDS, "boundary condition")
     known = {parameter.name for parameter in KINDS[kind].parameters}
     unknown = sorted(set(parameters) - known)
     if unknown:

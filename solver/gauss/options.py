@@ -11,11 +11,10 @@ from dataclasses import KW_ONLY, dataclass
 from functools import wraps
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import ConditionError, Progress
-from ..linalg import check_number
+from ..limits import TOLERANCE, Range, check_number
 from .methods import Method
 
 First = TypeVar("First")
@@ -23,6 +22,10 @@ Second = TypeVar("Second")
 Result = TypeVar("Result")
 Options = TypeVar("Options")
 Keywords = ParamSpec("Keywords")
+
+
+DEGREE = Range(-1000, 1000)
+_ITERATIONS = Range(0, 1_000_000, whole=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,11 +45,11 @@ class MapOptions:
     progress: Progress | None = None
 
     def __post_init__(self) -> None:
-        check_number(self.tolerance, "tolerance")
+        check_number(self.tolerance, "tolerance", TOLERANCE)
         if self.max_iterations is not None:
-            check_number(self.max_iterations, "largest number of iterations")
+            check_number(self.max_iterations, "largest number of iterations", _ITERATIONS)
         if self.degree is not None:
-            check_number(self.degree, "degree", -np.inf)
+            check_number(self.degree, "degree", DEGREE)
         if self.side not in (1, -1):
             raise ConditionError(f"The side must be +1 or -1, not {self.side}.")
 

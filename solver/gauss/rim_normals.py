@@ -7,10 +7,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..domain.shape import DomainLike, Shape, as_domain, is_names
 from ..errors import ConditionError, check_choice
+from ..limits import check_number
 from ..linalg import as_numbers
 from .boundary_data import Conditions
 from .drawn_normals import drawn_normals
 from .frames import EdgeFrames, Frames, boundary_edges, edge_frames, in_space, loop_angles, unit_rows, vertex_frames
+from .held import TURNS
 from .horizon import against_horizon, level_at_vertices, upwards
 
 Array = NDArray[np.float64]
@@ -90,9 +92,8 @@ def twisted(
     domain, positions, edges, turns = placed(domain, positions, edges, m)
     if turns is None:
         raise ConditionError("A twisted boundary needs m, the number of turns.")
-    count = as_numbers(turns, "The number of twists", ConditionError)
-    if count.ndim or not np.isfinite(count):
-        raise ConditionError(f"The number of twists must be finite, not {turns}.")
+    check_number(turns, "number of twists", TURNS)
+    count = np.float64(turns)  # pyright: ignore[reportArgumentType]
     chosen = boundary_edges(domain, edges)
     domain = as_domain(domain)
     along = edge_frames(domain, positions, chosen)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from ..closing.holes import MOTIONS
-from ..errors import CmcError
+from ..errors import CmcError, suggestion
 from ..shells.close import MOVING, WAYS, ClosingOptions
-from .tables import Table, suggestion
+from .tables import Table
 
 KEYS = ("by", "weight", "move", "holes", "max_steps")
 # Keys that go with these ways only.

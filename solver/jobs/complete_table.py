@@ -9,14 +9,16 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import CmcError
+from ..errors import CmcError, suggestion
 from ..io.mesh_files import FORMATS
+from ..limits import Range
 from ..shells.complete import CopySelection
 from ..shells.plan import Group
 from ..shells.plan_sides import check_sides
 from ..symmetry.complete import MOST_COPIES
-from .tables import Table, suggestion
+from .tables import Table
 
+_COPIES = Range(1, MOST_COPIES, whole=True)
 KEYS = ("sides", "copies", "box", "around", "repeat", "mesh", "instances")
 
 
@@ -29,10 +31,15 @@ class CompleteOptions:
     instances: Path | None = None
 
     @property
+    def named(self) -> dict[str, Path]:
+        """Key of the table → its file."""
+        named = {"mesh": self.mesh, "instances": self.instances}
+        return {name: file for name, file in named.items() if file is not None}
+
+    @property
     def files(self) -> dict[str, Path]:
         """Name of a result → its file."""
-        named = {"completed": self.mesh, "instances": self.instances}
-        return {name: file for name, file in named.items() if file is not None}
+        return {{"mesh": "completed"}.get(name, name): file for name, file in self.named.items()}
 
 
 def read_complete(root: Table, groups: Sequence[Group], folder: Path) -> CompleteOptions:
@@ -65,7 +72,7 @@ def _copies(table: Table, groups: Sequence[Group]) -> CopySelection:
         raise table.fail(str(error)) from error
     return CopySelection(
         sides=sides,
-        copies=_count(table, "copies", MOST_COPIES) if "copies" in table else None,
+        copies=table.integer("copies", within=_COPIES) if "copies" in table else None,
         box=_box(table) if "box" in table else None,
         around=_around(table, groups) if "around" in table else (),
         repeat=_repeat(table) if "repeat" in table else 1,
@@ -80,13 +87,6 @@ def _group_names(table: Table, key: str, names: Sequence[str], groups: Sequence[
         if name not in known:
             raise table.fail(f'"{key}": no condition is on "{name}"{suggestion(name, known)}')
     return [known[name] for name in names]
-
-
-def _count(table: Table, key: str, most: int) -> int:
-    value = table.integer(key)
-    if not 1 <= value <= most:
-        raise table.fail(f'"{key}" must be from 1 to {most}, not {value}.')
-    return value
 
 
 def _box(table: Table) -> np.ndarray:
@@ -108,8 +108,8 @@ def _around(table: Table, groups: Sequence[Group]) -> list[list[str]]:
 def _repeat(table: Table) -> int | list[int]:
     value = table.data["repeat"]
     times = value if isinstance(value, list) else [value]
-    if not times or len(times) > 3 or not all(type(n) is int and n >= 1 for n in times):
-        raise table.fail('"repeat" must be a whole number of 1 or more, or up to three of them, [3, 3].')
+    if not times or len(times) > 3 or not all(n in _COPIES for n in times):
+        raise table.fail(f'"repeat" must be {_COPIES}, or up to three of them, [3, 3].')
     return times if isinstance(value, list) else int(value)
 
 

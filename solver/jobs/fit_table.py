@@ -14,10 +14,11 @@ from ..errors import ConditionError, MeshError
 from ..fitting.gauss_map import GaussMapOptions
 from ..fitting.goals import HEIGHT_PARAMETERS, OutlineOptions
 from ..io.obj import MeshData
+from ..limits import COUNT, NOT_NEGATIVE, POSITIVE
 from ..shells.fit import FitOptions
 from ..shells.rim_curves import check_count, read_curves
 from ..surface.cmc_surface import SHEETS
-from .tables import Table
+from .tables import INTEGERS, Table
 
 Array = NDArray[np.float64]
 Anchors = tuple[NDArray[np.integer], Array, Array]
@@ -59,7 +60,7 @@ def _outline(table: Table, domain: Domain, mesh: MeshData, folder: Path, up: str
     if not isinstance(drawn, bool):
         if not isinstance(drawn, str):
             raise table.fail('"outline" must be true, false or an OBJ file.')
-        curves = read_curves(folder / drawn, up)
+        curves = read_curves(folder / table.text("outline"), up)
         try:
             check_count(domain, curves)
         except ConditionError as error:
@@ -107,7 +108,7 @@ def _anchor(table: Table, mesh: MeshData) -> Anchors:
         vertices = mesh.from_file(vertices)
     except MeshError as error:
         raise table.fail(str(error)) from error
-    weight = _positive(table, "weight", 1.0)
+    weight = table.number("weight", 1.0, POSITIVE)
     table.known.extend(ANCHOR_KEYS)
     table.finish()
     return vertices, places, np.full(len(vertices), weight)
@@ -115,44 +116,30 @@ def _anchor(table: Table, mesh: MeshData) -> Anchors:
 
 def _vertices(table: Table, key: str) -> list[int]:
     values = table.data[key]
-    if not isinstance(values, list) or not all(type(value) is int for value in values) or not values:
+    if not isinstance(values, list) or not all(value in INTEGERS for value in values) or not values:
         raise table.fail(f'"{key}" must be a list of vertices, [0, 1, 2].')
     return values
 
 
-def _positive_integer(table: Table, key: str) -> int:
-    value = table.integer(key)
-    if value < 1:
-        raise table.fail(f'"{key}" must be 1 or more, not {value}.')
-    return value
-
-
-def _positive(table: Table, key: str, default: float = 0.0) -> float:
-    value = table.number(key, default)
-    if not value > 0.0:
-        raise table.fail(f'"{key}" must be positive, not {value:g}.')
-    return value
-
-
-def _weight(table: Table, key: str) -> float:
-    value = table.number(key)
-    if value < 0.0:
-        raise table.fail(f'"{key}" must be zero or more, not {value:g}.')
-    return value
-
-
+_positive, _weight = partial(Table.number, within=POSITIVE), partial(Table.number, within=NOT_NEGATIVE)
+_evaluations = partial(Table.integer, within=COUNT)
 _OUTLINE: Readers = {
     **dict.fromkeys(HEIGHT_PARAMETERS, _positive),
     "free_heights": Table.flag,
     "tilt": _tilt,
     "smooth": _weight,
     "sheet": partial(Table.text, among=SHEETS),
-    "max_evaluations": _positive_integer,
+    "max_evaluations": _evaluations,
 }
-_APPROXIMATE: Readers = {"regularisation": _weight, "near": _weight, "max_evaluations": _positive_integer}
+_WEIGHTS: Readers = dict.fromkeys(("regularisation", "likeness", "near"), _weight)
+_APPROXIMATE: Readers = {**_WEIGHTS, "max_evaluations": _evaluations}
 KEYS = tuple(dict.fromkeys(("outline", "anchors", "approximate", *_OUTLINE, *_APPROXIMATE)))
 ANCHOR_KEYS = ("vertex", "vertices", "place", "places", "weight")
 # Keys that go with "approximate" only, and what an outline has in their place.
-_INSTEAD = {"regularisation": 'the rim of an outline has "smooth"', "near": "an outline says where the shell is"}
+_INSTEAD = {
+    "regularisation": 'the rim of an outline has "smooth"',
+    "likeness": "an outline says what the shell looks like",
+    "near": "an outline says where the shell is",
+}
 # Tables whose content is the result of a fit.
 _RESULTS = ("conditions", "default", "size", "solver")

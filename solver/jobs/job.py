@@ -5,24 +5,17 @@ Lengths are in the units of the mesh, angles in degrees, paths relative to the j
 
 from __future__ import annotations
 
-import inspect
 import os
+import re
 import tomllib
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields, replace
-from functools import partial
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from ..catalogue import shapes
 from ..domain.domain import Domain
-from ..domain.sites import SITES
-from ..errors import CmcError, ConditionError, JobError, MeshError, Progress
-from ..gauss.conditions import AGAINST, KINDS, Parameter
-from ..gauss.energies import ENERGIES, energy_on
-from ..gauss.methods import METHODS
+from ..errors import CmcError, JobError, MeshError, Progress
+from ..gauss.conditions import KINDS, Parameter
 from ..io.mesh_files import FORMATS, read_mesh
 from ..io.obj import MeshData, decoded
 from ..notes import Note
@@ -32,19 +25,20 @@ from ..shells.fit import FitOptions, fit_plan
 from ..shells.form import form
 from ..shells.gaps import hole_gaps
 from ..shells.numbering import drawn_numbers
-from ..shells.plan import SHELLS, Group, Plan, Settings, plan_domain, usual_sheet
+from ..shells.plan import Group, Plan, Settings, plan_domain
 from ..shells.plan_conditions import plan_conditions
 from ..shells.shell import Shell
-from ..surface.averaging import AVERAGINGS
 from ..surface.cmc_surface import COMBINATORICS, SHEETS
-from ..surface.placement import GROUNDS, SIZES
 from .close_table import read_close
 from .complete_table import CompleteOptions, read_complete
 from .fit_table import read_fit
-from .outputs import SHEET_KEYS, completed_report, write_completed, write_results
+from .job_paths import check_paths
+from .outputs import SHEET_KEYS, completed_report, piece_file, write_completed, write_results
 from .selection import Pairs, select
+from .settings_table import read_settings
+from .shape_table import MadePlan, read_shape
 from .start_table import read_start_key
-from .tables import Table, suggestion
+from .tables import Table
 
 EXAMPLE = """\
 mesh = "plan.obj"        # OBJ, PLY, STL or GLB; or a [shape] with kind = "disc", n = 2000
@@ -75,14 +69,6 @@ f_plus = "shell.obj"     # also f_minus, g, gauss; .obj keeps polygons, UVs and 
                          # combinatorics = "dual" or "corner": other polygons than the plan's
 report = "report.json"
 """
-
-SHAPES: dict[str, Callable[..., shapes.Shape]] = {
-    "disc": shapes.disc,
-    "polygon": shapes.polygon,
-    "rectangle": shapes.rectangle,
-    "strip": shapes.strip,
-    "annulus": shapes.annulus,
-}
 
 
 @dataclass(eq=False, repr=False)
@@ -128,25 +114,27 @@ def load_job(path: str | os.PathLike[str]) -> Job:
 def make_job(data: Mapping[str, object], file: Path) -> Job:
     """A job from the tables of a job file at `file`, which need not exist; raises as `load_job`."""
     root = Table(dict(data), str(file))
-    mesh, sides, up = _read_plan(root, file.parent)
-    plan = Plan.from_mesh(mesh)
+    root.finish(_KEYS)
+    made, up = _read_plan(root, file.parent)
+    plan, mesh = made.plan(), made.mesh
     if "start" in root:
         read_start_key(root, plan, mesh, file.parent)
     domain = plan_domain(plan)
     fit = read_fit(root, domain, mesh, file.parent, up) if "fit" in root else None
-    plan.groups = [_group(table, domain, mesh, sides) for table in root.tables("conditions")]
+    groups = [_group(table, domain, mesh, made.sides) for table in root.tables("conditions")]
+    plan.groups = groups if fit is not None else made.groups_beside(groups)
     plan.flipped_corners = _flipped_corners(root.table("default"), mesh)
     output = root.table("output")
-    settings = _settings(root, output.text("combinatorics", "primal", among=list(COMBINATORICS)))
+    settings = read_settings(root, output.text("combinatorics", "primal", among=list(COMBINATORICS)), made.settings)
     outputs = _outputs(output, file.parent)
     complete = read_complete(root, plan.groups, file.parent) if "complete" in root else None
     close = read_close(root) if "close" in root else None
-    root.known += ["fit", "close", "complete", "start"]
-    root.finish()
+    job = Job(file, plan, settings, mesh, outputs, up, fit, close, complete, [*mesh.notes, *root.notes])
+    check_paths(file, _reads(root, mesh, file.parent), _writes(job))
     if fit is None:
         with drawn_numbers(plan):
             plan_conditions(plan, settings, domain)
-    return Job(file, plan, settings, mesh, outputs, up, fit, close, complete, [*mesh.notes, *root.notes])
+    return job
 
 
 def run_job(job: Job, progress: Progress | None = None) -> Shell:
@@ -192,74 +180,60 @@ def _completed(job: Job, plan: Plan, shell: Shell) -> tuple[Completed | None, Cm
     return completed, None
 
 
+_KEYS = (
+    "mesh", "up", "shape", "start", "conditions", "default", "size", "solver", "output", "fit", "close", "complete",
+)  # fmt: skip
+# Thirty names in a row joined by dots: the time that TOML takes for a key grows with the cube of their number.
+_DOTTED = re.compile(r"""(?<![\w"'-])(?:(?:"[^"\n]*"|'[^'\n]*'|[\w-]++)[ \t]*+\.[ \t]*+){30}""")
+
+
 def _parse(file: Path) -> dict[str, object]:
     try:
-        return tomllib.loads(decoded(file.read_bytes()))
+        text = decoded(file.read_bytes())
+        if deep := _DOTTED.search(text):
+            raise JobError(f"{file}, line {text.count(chr(10), 0, deep.start()) + 1}: a key of thirty names or more.")
+        return tomllib.loads(text)
     except OSError as error:
         raise JobError(f"{file} cannot be read: {error.strerror or error}.") from error
     except tomllib.TOMLDecodeError as error:
         raise JobError(f"{file} is not valid TOML: {error}.") from error
+    except (RecursionError, ValueError) as error:
+        why = "it is nested too deeply" if isinstance(error, RecursionError) else "a number in it has too many digits"
+        raise JobError(f"{file} cannot be read: {why}.") from error
 
 
-def _read_plan(root: Table, folder: Path) -> tuple[MeshData, dict[str, Pairs], str | None]:
-    """The mesh, the named sides of a shape, and the up axis of files."""
+def _read_plan(root: Table, folder: Path) -> tuple[MadePlan, str | None]:
+    """The plan of a mesh file or a shape, and the up axis of files."""
     up = root.text("up", among=("y", "z")) or None
-    name, shape = root.text("mesh"), root.table("shape")
     if ("mesh" in root) == ("shape" in root):
         raise root.fail('a job needs either mesh = "file" or a [shape].')
-    if name:
-        return read_mesh(folder / name, up=up), {}, up
-    made, scale = _make_shape(shape)
-    flat = scale * made.positions
-    positions = np.column_stack([flat, np.zeros(len(flat))])
-    faces = list(made.domain.faces)
-    sides: dict[str, Pairs] = {side: made.domain.edges[edges] for side, edges in made.sides.items()}
-    before = "" if scale == 1.0 else " The lengths are those before the scale."
-    notes: list[str] = [Note(note.code, f"{note}{before}") for note in made.notes]
-    return MeshData(positions, faces, uvs=flat, uv_corners=faces, notes=notes), sides, up
+    if "shape" in root:
+        return read_shape(root), up
+    name = root.text("mesh")
+    if not name.strip():
+        raise root.fail(f'"mesh" is empty; name a file ({", ".join(FORMATS)}).')
+    return MadePlan(read_mesh(folder / name, up=up)), up
 
 
-def _make_shape(table: Table) -> tuple[shapes.Shape, float]:
-    """The shape of a [shape] table: `kind`, the arguments of that function in `shapes`, and a `scale`."""
-    make = SHAPES.get(table.text("kind"))
-    if make is None:
-        name = table.text("kind")
-        raise table.fail(f'there is no shape "{name}"{suggestion(name, SHAPES)}')
-    scale = table.number("scale", 1.0)
-    if not scale > 0:
-        raise table.fail(f'"scale" must be positive, not {scale}.')
-    arguments = {}
-    for name, parameter in inspect.signature(make).parameters.items():
-        if name in table:
-            arguments[name] = _SHAPE_VALUES.get(name, Table.number)(table, name)
-        elif parameter.default is inspect.Parameter.empty:
-            raise table.fail(f'a {table.text("kind")} needs "{name}".')
-        table.known.append(name)
-    table.finish()
-    try:
-        return make(**arguments), scale
-    except CmcError as error:
-        raise table.fail(str(error)) from error
+def _reads(root: Table, mesh: MeshData, folder: Path) -> list[tuple[str, Path]]:
+    """The files that a job reads, by what messages call them."""
+    named = [(f'"{key}"', root.data.get(key)) for key in ("mesh", "start")]
+    if "fit" in root:
+        named.append(('"outline" of [fit]', root.table("fit").data.get("outline")))
+    files = [(name, folder / value) for name, value in named if isinstance(value, str) and value]
+    return files + [("a material file of the mesh", library) for library in mesh.libraries]
 
 
-def _holes(table: Table, key: str) -> list[np.ndarray]:
-    holes = table.data[key]
-    if not isinstance(holes, list):
-        raise table.fail(f'"{key}" must be a list of outlines.')
-    return [Table({key: hole}, table.where).rows(key, 2, "points, [[0, 0], [1, 0]]") for hole in holes]
-
-
-def _corner_radius(table: Table, key: str) -> float | None:
-    return None if table.data[key] == "auto" else table.number(key)
-
-
-_SHAPE_VALUES: dict[str, Callable[[Table, str], object]] = {
-    "n": Table.integer,
-    "columns": Table.integer,
-    "outline": lambda table, key: table.rows(key, 2, "points, [[0, 0], [1, 0]]"),
-    "holes": _holes,
-    "corner_radius": _corner_radius,
-}
+def _writes(job: Job) -> list[tuple[str, Path]]:
+    """The files that a job writes, by what messages call them."""
+    keys = {sheet: key for key, sheet in SHEET_KEYS.items()}
+    files = [(f'"{keys.get(name, name)}" of [output]', file) for name, file in job.outputs.items()]
+    if job.complete is None:
+        return files
+    files += [(f'"{key}" of [complete]', file) for key, file in job.complete.named.items()]
+    if (instances := job.complete.instances) is not None:
+        files += [('a piece of "instances"', piece_file(instances, sheet)) for sheet in SHEETS]
+    return files
 
 
 def _flipped_corners(default: Table, mesh: MeshData) -> list[int]:
@@ -269,7 +243,7 @@ def _flipped_corners(default: Table, mesh: MeshData) -> list[int]:
         raise default.fail(f'"flipped_corners": {error}') from error
 
 
-def _group(table: Table, domain: Domain, mesh: MeshData, sides: dict[str, Pairs]) -> Group:
+def _group(table: Table, domain: Domain, mesh: MeshData, sides: Mapping[str, Pairs]) -> Group:
     name, edges = select(table, domain, mesh, sides)
     kind = table.text("kind", "binormal", among=list(KINDS))
     parameters = {p.name: _parameter(table, p) for p in KINDS[kind].parameters if p.name in table}
@@ -281,63 +255,8 @@ def _group(table: Table, domain: Domain, mesh: MeshData, sides: dict[str, Pairs]
 def _parameter(table: Table, parameter: Parameter) -> float | tuple[float, ...]:
     if isinstance(parameter.default, tuple):
         return table.vector(parameter.name, parameter.default)
-    value = table.number(parameter.name, parameter.default)
+    value = table.number(parameter.name, parameter.default, parameter.within)
     return table.radians(parameter.name, value) if parameter.unit == "radians" else value
-
-
-def _settings(root: Table, combinatorics: str) -> Settings:
-    default, size, solver = root.table("default"), root.table("size"), root.table("solver")
-    values: dict[str, object] = {"combinatorics": combinatorics}
-    values["default_kind"] = default.text("kind", "binormal", among=list(KINDS))
-    values["default_tilt"] = default.angle("tilt")
-    values["against"] = default.text("against", "horizon", among=list(AGAINST))
-    values["blend"] = default.number("blend")
-    default.known.append("flipped_corners")
-    default.finish()
-    chosen = [name for name in SIZES if name in size and name != "match_plan"]
-    if len(chosen) > 1:
-        raise size.fail(f"give one size, not {' and '.join(chosen)}.")
-    for name in SIZES:
-        if name != "match_plan":
-            value = size.number(name, 1.0)
-            if name in chosen:
-                values |= {"size": name, "value": value}
-    values["ground"] = size.text("ground", "lowest", among=list(GROUNDS))
-    values |= _solver_settings(solver)
-    values["sheet"] = size.text("sheet", usual_sheet(str(values.get("shell"))), among=SHEETS)
-    values |= {name: size.flag(name) for name in ("rotate", "flip")}
-    size.finish()
-    try:
-        return Settings(**values)  # type: ignore[arg-type]
-    except CmcError as error:
-        raise size.fail(str(error)) from error
-
-
-def _solver_settings(table: Table) -> dict[str, object]:
-    readers: dict[str, Callable[[Table, str], object]] = {
-        "sites": partial(Table.text, among=list(SITES)),
-        "energy": partial(Table.text, among=list(ENERGIES)),
-        "method": partial(Table.text, among=list(METHODS)),
-        "delaunay": Table.flag,
-        "averaging": partial(Table.text, among=list(AVERAGINGS)),
-        "tolerance": Table.number,
-        "period_tolerance": Table.number,
-        "side": Table.integer,
-        "degree": Table.number,
-        "shell": partial(Table.text, among=list(SHELLS)),
-        "count_modes": Table.flag,
-    }
-    assert set(readers) <= {option.name for option in fields(Settings)}
-    values = {name: read(table, name) for name, read in readers.items() if name in table}
-    table.known.extend(readers)
-    table.finish()
-    if "degree" in values and values.get("shell", "first") != "first":
-        raise table.fail('"degree" already chooses the shell; leave it out, or "shell".')
-    try:
-        energy_on(str(values.get("energy", "cotan")), str(values.get("sites", "vertices")))
-    except ConditionError as error:
-        raise table.fail(f'"energy" and "sites" do not fit: {error}') from error
-    return values
 
 
 def _outputs(table: Table, folder: Path) -> dict[str, Path]:

@@ -187,9 +187,14 @@ def completed_mesh(completed: Completed, plan: Plan, mesh: MeshData, *, triangle
     )
 
 
+def piece_file(instances: Path, sheet: str) -> Path:
+    """The OBJ of a piece, beside the list of its instances."""
+    keys = {name: key for key, name in SHEET_KEYS.items()}
+    return instances.with_name(f"{instances.stem}_{keys[sheet]}.obj")
+
+
 def _write_instances(completed: Completed, file: Path, plan: Plan, mesh: MeshData, up: str | None) -> None:
-    keys = {sheet: key for key, sheet in SHEET_KEYS.items()}
-    pieces = {name: file.with_name(f"{file.stem}_{keys[name]}.obj") for name in sorted(set(completed.sheets))}
+    pieces = {name: piece_file(file, name) for name in sorted(set(completed.sheets))}
     for name, path in pieces.items():
         data = sheet_mesh(completed.shell, name, plan, mesh)
         points = replace(data, positions=completed.piece(name))

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ..domain.domain import Domain
-from ..errors import CmcError
+from ..errors import CmcError, suggestion
+from ..gauss.conditions import KINDS
 from ..io.obj import MeshData, same_name
-from .tables import Table, suggestion
+from ..limits import shown
+from .tables import INTEGERS, Table
 
 Pairs = NDArray[np.integer]
 
+_PARAMETERS = [parameter.name for kind in KINDS.values() for parameter in kind.parameters]
 WAYS = ("loop", "side", "group", "edges", "vertices")
 
 
-def select(table: Table, domain: Domain, mesh: MeshData, sides: dict[str, Pairs]) -> tuple[str, Pairs]:
+def select(table: Table, domain: Domain, mesh: MeshData, sides: Mapping[str, Pairs]) -> tuple[str, Pairs]:
     """Name and edges (K, 2), vertex pairs, of a condition's table, which must have one of `WAYS`.
 
     loop: number of a boundary loop, the longest one is 0. side: a side of a shape. group: a polyline group of the mesh
@@ -24,6 +29,8 @@ def select(table: Table, domain: Domain, mesh: MeshData, sides: dict[str, Pairs]
     """
     given = [way for way in WAYS if way in table]
     if len(given) != 1:
+        if not given:
+            table.finish([*WAYS, "kind", *_PARAMETERS])  # a misspelt one
         what = " and ".join(f'"{way}"' for way in given) or "none"
         raise table.fail(f"a condition needs one of {', '.join(WAYS)} for its edges; it has {what}.")
     way = given[0]
@@ -40,14 +47,14 @@ def loops_by_length(domain: Domain) -> list[NDArray[np.int32]]:
     return [loops[k] for k in np.argsort(-np.array(lengths), kind="stable")]
 
 
-def _loop(table: Table, domain: Domain, mesh: MeshData, sides: dict[str, Pairs]) -> Pairs:
+def _loop(table: Table, domain: Domain, mesh: MeshData, sides: Mapping[str, Pairs]) -> Pairs:
     number, loops = table.integer("loop"), loops_by_length(domain)
     if not 0 <= number < len(loops):
         raise table.fail(f"there is no boundary loop {number}; there are {len(loops)}, the longest is loop 0.")
     return domain.edges[loops[number]]
 
 
-def _side(table: Table, domain: Domain, mesh: MeshData, sides: dict[str, Pairs]) -> Pairs:
+def _side(table: Table, domain: Domain, mesh: MeshData, sides: Mapping[str, Pairs]) -> Pairs:
     name = table.text("side")
     if not sides:
         raise table.fail('only shapes have sides; on a mesh file use "loop", "group", "edges" or "vertices".')
@@ -56,7 +63,7 @@ def _side(table: Table, domain: Domain, mesh: MeshData, sides: dict[str, Pairs])
     return sides[name]
 
 
-def _group(table: Table, domain: Domain, mesh: MeshData, sides: dict[str, Pairs]) -> Pairs:
+def _group(table: Table, domain: Domain, mesh: MeshData, sides: Mapping[str, Pairs]) -> Pairs:
     name = same_name(table.text("group"))
     if name in mesh.edge_groups:
         return mesh.edge_groups[name]
@@ -84,12 +91,12 @@ def _boundary_of_polygons(domain: Domain, polygons: list[NDArray[np.int32]]) -> 
     ]
 
 
-def _edges(table: Table, domain: Domain, mesh: MeshData, sides: dict[str, Pairs]) -> Pairs:
+def _edges(table: Table, domain: Domain, mesh: MeshData, sides: Mapping[str, Pairs]) -> Pairs:
     rows = table.rows("edges", 2, "pairs of vertices, [[0, 1], [1, 2]]")
     return _from_file(table, mesh, _whole(table, "edges", rows))
 
 
-def _vertices(table: Table, domain: Domain, mesh: MeshData, sides: dict[str, Pairs]) -> Pairs:
+def _vertices(table: Table, domain: Domain, mesh: MeshData, sides: Mapping[str, Pairs]) -> Pairs:
     value = table.data["vertices"]
     table.data = {**table.data, "vertices": [[item] for item in value] if isinstance(value, list) else value}
     listed = _from_file(table, mesh, _whole(table, "vertices", table.rows("vertices", 1, "vertices, [0, 1, 2]")))[:, 0]
@@ -109,8 +116,8 @@ def _from_file(table: Table, mesh: MeshData, numbers: Pairs) -> Pairs:
 
 
 def _whole(table: Table, key: str, numbers: NDArray[np.float64]) -> Pairs:
-    if not np.array_equal(numbers, np.round(numbers)):
-        raise table.fail(f'"{key}" must be whole numbers.')
+    if not (np.array_equal(numbers, np.round(numbers)) and (np.abs(numbers) <= INTEGERS.most).all()):
+        raise table.fail(f'"{key}" must be whole numbers of at most {shown(INTEGERS.most)}.')
     return numbers.astype(np.int64)
 
 

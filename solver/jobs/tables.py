@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import JobError
+from ..errors import JobError, suggestion
+from ..limits import LARGEST, NUMBERS, Range, shown
 from ..notes import Note
 
-
-def suggestion(name: str, known: Iterable[str]) -> str:
-    """ "; did you mean …?" where a known name resembles this one, else the known names."""
-    names = list(dict.fromkeys(known))
-    near = difflib.get_close_matches(name, names, n=1)
-    return f'; did you mean "{near[0]}"?' if near else f"; known are {', '.join(names)}."
+INTEGERS = Range(-(10**9), 10**9, whole=True)
+"""Numbers of vertices and the like."""
 
 
 class Table:
@@ -29,7 +25,7 @@ class Table:
 
     def __init__(self, data: Any, where: str, name: str = "", notes: list[Note] | None = None) -> None:
         if not isinstance(data, dict):
-            raise JobError(f"{where} must be a table, not {_written(data)}.")
+            raise JobError(f"{where} must be a table, not {shown(data)}.")
         self.data: dict[str, Any] = data
         self.where = where
         self.name = name
@@ -47,17 +43,20 @@ class Table:
         return self.data.get(key, default)
 
     def _wrong(self, key: str, kind: str) -> JobError:
-        return self.fail(f'"{key}" must be {kind}, not {_written(self.data[key])}.')
+        return self.fail(f'"{key}" must be {kind}, not {shown(self.data[key])}.')
 
     def text(self, key: str, default: str = "", among: Sequence[str] = ()) -> str:
         value = self._take(key, default)
         if not isinstance(value, str):
             raise self._wrong(key, "a text")
-        if "\0" in value:
-            raise self.fail(f'"{key}" contains a null character (\\u0000); take it out.')
+        self._check_text(key, value)
         if among and value not in among and key in self.data:
             raise self.fail(f'there is no {key} "{value}"{suggestion(value, among)}')
         return value
+
+    def _check_text(self, key: str, value: str) -> None:
+        if "\0" in value:
+            raise self.fail(f'"{key}" contains a null character (\\u0000); take it out.')
 
     def flag(self, key: str, default: bool = False) -> bool:
         value = self._take(key, default)
@@ -65,10 +64,10 @@ class Table:
             raise self._wrong(key, "true or false")
         return value
 
-    def number(self, key: str, default: float = 0.0) -> float:
+    def number(self, key: str, default: float = 0.0, within: Range = NUMBERS) -> float:
         value = self._take(key, default)
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not np.isfinite(value):
-            raise self._wrong(key, "a number")
+        if key in self.data and value not in within:
+            raise self._wrong(key, str(within))
         return float(value)
 
     def angle(self, key: str, default: float = 0.0) -> float:
@@ -90,17 +89,17 @@ class Table:
             self.notes.append(Note("radians", text))
         return float(np.radians(degrees))
 
-    def integer(self, key: str, default: int = 0) -> int:
+    def integer(self, key: str, default: int = 0, within: Range = INTEGERS) -> int:
         value = self._take(key, default)
-        if isinstance(value, bool) or not isinstance(value, int):
-            raise self._wrong(key, "a whole number")
+        if key in self.data and value not in within:
+            raise self._wrong(key, str(within))
         return value
 
     def integers(self, key: str) -> list[int]:
         """A list of whole numbers, empty without the key."""
         value = self._take(key, [])
-        if not isinstance(value, list) or not all(type(item) is int for item in value):
-            raise self._wrong(key, "a list of whole numbers")
+        if not isinstance(value, list) or not all(item in INTEGERS for item in value):
+            raise self._wrong(key, f"a list, each {INTEGERS}")
         return value
 
     def texts(self, key: str) -> list[str]:
@@ -108,6 +107,8 @@ class Table:
         value = self._take(key, [])
         if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
             raise self._wrong(key, "a list of texts")
+        for item in value:
+            self._check_text(key, item)
         return value
 
     def vector(self, key: str, default: tuple[float, ...]) -> tuple[float, ...]:
@@ -115,13 +116,19 @@ class Table:
         numbers = _numbers(value)
         if numbers is None or numbers.shape != (len(default),):
             raise self._wrong(key, f"a list of {len(default)} numbers")
-        return tuple(numbers.tolist())
+        return tuple(self._sized(key, numbers).tolist())
 
     def rows(self, key: str, columns: int, kind: str) -> NDArray[np.float64]:
         """A list of rows of numbers, (n, columns)."""
         numbers = _numbers(self._take(key, []))
         if numbers is None or numbers.ndim != 2 or numbers.shape[1] != columns:
             raise self._wrong(key, f"a list of {kind}")
+        return self._sized(key, numbers)
+
+    def _sized(self, key: str, numbers: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The numbers, which are no larger than `LARGEST`."""
+        if not (np.abs(numbers) <= LARGEST).all():
+            raise self.fail(f'The numbers of "{key}" must be at most {LARGEST:g} in size.')
         return numbers
 
     def table(self, key: str) -> Table:
@@ -137,11 +144,12 @@ class Table:
     def _below(self, data: Any, name: str) -> Table:
         return Table(data, f"{self.where}, {name}", name, self.notes)
 
-    def finish(self) -> None:
-        """Raise on a key that no method has read."""
+    def finish(self, known: Sequence[str] = ()) -> None:
+        """Raise on a key that no method has read, and that is not among those `known` besides."""
+        names = [*self.known, *known]
         for key in self.data:
-            if key not in self.known:
-                raise self.fail(f'unknown key "{key}"{suggestion(key, self.known)}')
+            if key not in names:
+                raise self.fail(f"unknown key {shown(key)}{suggestion(key, names)}")
 
 
 def _numbers(value: Any) -> NDArray[np.float64] | None:
@@ -152,9 +160,4 @@ def _numbers(value: Any) -> NDArray[np.float64] | None:
         return None
     if not (np.issubdtype(numbers.dtype, np.integer) or np.issubdtype(numbers.dtype, np.floating)):
         return None
-    return numbers.astype(np.float64) if np.isfinite(numbers).all() else None
-
-
-def _written(value: Any) -> str:
-    text = f'"{value}"' if isinstance(value, str) else str(value).lower() if isinstance(value, bool) else str(value)
-    return text if len(text) <= 40 else text[:37] + "..."
+    return numbers.astype(np.float64)

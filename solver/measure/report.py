@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import CmcError, MeshError, Status, listed
+from ..errors import CmcError, MeshError, Status, check_choice, listed
 from ..surface.cmc_surface import SHEETS
 from .arrays import Array
 from .planes import PlaneReport
@@ -135,8 +135,7 @@ def report(
 
     Raises `MeshError` where arrays do not match the surface, `CmcError` on another sheet name.
     """
-    if sheet not in SHEETS:
-        raise CmcError(f'There is no report on a sheet "{sheet}"; choose one of {", ".join(SHEETS)}.')
+    check_choice(sheet, SHEETS, "report on a sheet", CmcError)
     placed = _placed(surface, sheet, positions)
     scale, turn = _similarity(surface, placed, sheet)
     target = surface.mean_curvature / scale

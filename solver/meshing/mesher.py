@@ -14,14 +14,14 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from ..errors import MeshError
+from ..limits import MOST_VERTICES
 from .outline import Loop, check_loops, inside, signed_area
 from .quality import open_angles
 from .rounding import round_corners
-from .sampling import Boundary, sample
+from .sampling import MOST_ON_RIM, Boundary, sample
 from .sizes import SizeField
 from .triangulate import triangulate
 
-_LARGEST = 5_000_000  # vertices; more is nearly always a mistake in the units
 _ROW = np.sqrt(0.75)
 # Distances from walls and finer places beyond which the lattice keeps its points, and takes no part in the work.
 _ORDERED, _DEEP = 4.0, 6.5
@@ -98,10 +98,13 @@ def _check_lengths(max_edge: float, corner_radius: float | None, size: float) ->
 def _check_count(loops: list[Loop], max_edge: float) -> None:
     area = sum(signed_area(loop.points) for loop in loops)
     count = area / _ROW / max_edge**2
-    if count > _LARGEST:
+    around = sum(float(loop.lengths.sum()) for loop in loops) / max_edge
+    longer = max(np.sqrt(count / MOST_VERTICES), around / MOST_ON_RIM)
+    if longer > 1.0:
         raise MeshError(
-            f"The edge length {max_edge:.6g} would make about {count:.2g} vertices; "
-            f"choose one longer than {max_edge * np.sqrt(count / _LARGEST):.2g}."
+            f"The edge length {max_edge:.6g} would make about {max(count, around):.2g} vertices, and "
+            f"{MOST_VERTICES:,} ({MOST_ON_RIM:,} on the rim) are the most; choose one longer than "
+            f"{max_edge * longer:.2g}."
         )
 
 

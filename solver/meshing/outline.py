@@ -14,6 +14,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from ..errors import MeshError, listed
+from ..limits import LARGEST
 
 _SAME_PLACE = 1e-9  # of the plan's size: points closer than this are one point
 _SPIKE = np.radians(0.5)  # a sharper point encloses no usable area
@@ -31,6 +32,11 @@ class Loop:
     points: np.ndarray
     segments: np.ndarray
     keep: np.ndarray
+
+    @property
+    def lengths(self) -> np.ndarray:
+        """Of the segments, (K,)."""
+        return np.linalg.norm(np.roll(self.points, -1, axis=0) - self.points, axis=1)
 
     def in_units(self, origin: np.ndarray, unit: float) -> Loop:
         """The loop relative to `origin`, in lengths of `unit`."""
@@ -147,10 +153,11 @@ def _as_points(points: np.ndarray, name: str, start: int) -> np.ndarray:
         raise MeshError(f"The points of {name} are not numbers; give one (x, y) a point.") from error
     if array.ndim != 2 or array.shape[1] != 2:
         raise MeshError(f"The points of {name} have shape {array.shape}; give one (x, y) a point, shape (K, 2).")
-    bad = np.nonzero(~np.isfinite(array).all(axis=1))[0]
+    bad = np.nonzero(~(np.abs(array) <= LARGEST).all(axis=1))[0]
     if len(bad):
         raise MeshError(
-            f"Point {listed(bad)} of {name} is not finite; delete it, or move it to a place.", vertices=start + bad
+            f"Point {listed(bad)} of {name} is not finite, or beyond {LARGEST:g}; delete it, or move it to a place.",
+            vertices=start + bad,
         )
     if len(array) > 1 and np.array_equal(array[0], array[-1]):
         array = array[:-1]

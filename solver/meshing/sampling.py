@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import KDTree
 
+from ..errors import MeshError
 from .outline import crossing_pairs, following_of
 from .rounding import Curve, turning
 from .sizes import SizeField, graded, graded_along
@@ -22,6 +23,7 @@ _TURN = np.radians(15.0)
 _ACROSS = 0.4  # of the width of a neck: two rows of vertices inside it
 _SPACING = 0.25  # between the samples that measure the plan
 _SMALLEST = 1 / 32  # bends and necks refine no further than this
+MOST_ON_RIM = 50_000  # vertices
 _TIP = 8.0  # at a corner sharper than about 14° the two sides count as a neck
 
 
@@ -48,6 +50,7 @@ def sample(curves: list[Curve]) -> tuple[Boundary, SizeField]:
     sizes = fine.sizes()
     for _ in range(12):
         sizes, places = fine.graded(sizes)
+        _check_count(float((fine.length / sizes).sum()))
         boundary, spans = fine.boundary(sizes)
         following = boundary.points[boundary.following]
         pairs = crossing_pairs(boundary.points, following, boundary.following)
@@ -60,6 +63,14 @@ def sample(curves: list[Curve]) -> tuple[Boundary, SizeField]:
     points = np.concatenate([fine.points[places], middle])
     wanted = np.concatenate([sizes[places], np.minimum(length * 1.02, 1.0)])
     return boundary, SizeField(points, graded(points, wanted))
+
+
+def _check_count(count: float) -> None:
+    if count > MOST_ON_RIM:
+        raise MeshError(
+            f"Bends and narrow places of this plan would make about {count:.2g} vertices on the rim, and "
+            f"{MOST_ON_RIM:,} are the most; widen the narrow places, or choose longer edges."
+        )
 
 
 class _Samples:

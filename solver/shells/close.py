@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from ..closing.close import ClosingResult, close_periods
 from ..closing.holes import MOTIONS, MovingHoles
 from ..domain.domain import Domain
-from ..errors import JobError, Progress
+from ..errors import JobError, Progress, check_choice
+from ..limits import COUNT, POSITIVE, check_number
 from ..measure.report import to_plain
 from ..measure.summary import percent
 from ..notes import Note
@@ -57,17 +58,13 @@ class ClosingOptions:
     max_steps: int = 12
 
     def __post_init__(self) -> None:
-        if self.by not in WAYS:
-            raise JobError(f'There is no way "{self.by}" to close; choose one of {", ".join(WAYS)}.')
-        unknown = [name for name in self.move if name not in MOTIONS]
-        if unknown:
-            raise JobError(f'There is no motion "{unknown[0]}" of a hole; choose of {", ".join(MOTIONS)}.')
+        check_choice(self.by, WAYS, "way to close", JobError)
+        for name in self.move:
+            check_choice(name, MOTIONS, "motion of a hole", JobError)
         if self.by in MOVING and not self.move:
             raise JobError(f"The holes need a motion: one or more of {', '.join(MOTIONS)}.")
-        if not (np.isfinite(self.weight) and self.weight > 0.0):
-            raise JobError(f"The weight must be a positive number, not {self.weight:g}.")
-        if self.max_steps < 1:
-            raise JobError(f"The limit of steps must be 1 or more, not {self.max_steps}.")
+        check_number(self.weight, "weight", POSITIVE, JobError)
+        check_number(self.max_steps, "limit of steps", COUNT, JobError)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

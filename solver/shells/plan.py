@@ -13,17 +13,18 @@ from numpy.typing import NDArray
 from ..domain.domain import Domain
 from ..domain.shape import Shape, is_names, side_edges
 from ..domain.sites import SITES
-from ..errors import ConditionError, JobError, MeshError
+from ..errors import ConditionError, JobError, MeshError, check_choice
 from ..gauss.conditions import AGAINST, KINDS
 from ..gauss.energies import ENERGIES, energy_on
 from ..gauss.methods import METHODS
 from ..io.mesh_files import read_mesh
 from ..io.obj import MeshData
 from ..io.polygons import triangulate_polygons
+from ..limits import NOT_NEGATIVE, check_number
 from ..linalg import as_numbers
 from ..surface.cmc_surface import COMBINATORICS, SHEETS
 from ..surface.options import SolveOptions
-from ..surface.placement import Rule
+from ..surface.placement import PlacementError, Rule
 from .numbering import drawn_numbers, renumbered, rules
 from .plan_metric import metric_domain, start_map
 from .t_junctions import check_junctions, rim_of
@@ -173,7 +174,7 @@ class Settings:
     against: str = "horizon"
     blend: float = 0.0
     size: str = "match_plan"
-    value: float = 1.0
+    value: float | None = None
     ground: str = "lowest"
     rotate: bool = False
     flip: bool = False
@@ -192,24 +193,22 @@ class Settings:
     count_modes: bool = False
 
     def __post_init__(self) -> None:
-        if self.sheet not in SHEETS:
-            raise JobError(f'There is no sheet "{self.sheet}"; choose f+ or f-.')
-        if self.default_kind not in KINDS:
-            raise JobError(f'There is no boundary condition "{self.default_kind}"; choose one of {", ".join(KINDS)}.')
-        if not (np.isfinite(self.blend) and self.blend >= 0.0):
-            raise JobError(f"The blend must be a length of zero or more, not {self.blend}.")
+        check_number(self.blend, "blend", NOT_NEGATIVE, JobError)
         for what, name, known in (
             ("reference for the lean", self.against, AGAINST),
+
+            ("sheet", self.sheet, SHEETS),
+            ("boundary condition", self.default_kind, KINDS),
             ("kind of sites", self.sites, SITES),
             ("method", self.method, METHODS),
             ("combinatorics", self.combinatorics, COMBINATORICS),
             ("shell", self.shell, SHELLS),
         ):
-            if name not in known:
-                raise JobError(f'There is no {what} "{name}"; choose one of {", ".join(known)}.')
+            check_choice(name, known, what, JobError)
         if self.shell != "first" and self.degree is not None:
             raise JobError("A degree already chooses the shell; leave it out, or the large bubble.")
         energy_on(self.energy, self.sites)
+        SolveOptions(**self.solve_options())
         self.rule()
 
     def __repr__(self) -> str:
@@ -234,8 +233,11 @@ class Settings:
         return {name: getattr(self, name) for name in names} | changes
 
     def rule(self) -> Rule:
-        """The placement part; raises `PlacementError` on an unknown size or ground."""
-        return Rule(self.size, self.value, self.ground, self.rotate or self.shell == "bubble", self.flip)
+        """The placement part; raises `PlacementError` on an unknown size or ground, and on a size without a value."""
+        if self.value is None and self.size != "match_plan":
+            raise PlacementError(f'The size "{self.size}" needs a value, a length or a curvature.')
+        value = 1.0 if self.value is None else self.value
+        return Rule(self.size, value, self.ground, self.rotate or self.shell == "bubble", self.flip)
 
 
 def usual_sheet(shell: str) -> str:

@@ -6,8 +6,9 @@ from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 
-from ..errors import ConditionError, check_choice
+from ..errors import check_choice
 from ..gauss.options import MapOptions
+from ..limits import POSITIVE, Range, check_number
 from .averaging import AVERAGINGS
 
 
@@ -25,14 +26,10 @@ class SolveOptions(MapOptions):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not (_is_number(self.mean_curvature) and np.isfinite(self.mean_curvature) and self.mean_curvature > 0.0):
-            raise ConditionError(f"The mean curvature must be a positive number, not {self.mean_curvature!r}.")
+        check_number(self.mean_curvature, "mean curvature", POSITIVE)
         check_choice(self.averaging, AVERAGINGS, "average")
         # an infinite tolerance closes every gap
-        if not (_is_number(self.period_tolerance) and self.period_tolerance >= 0.0):
-            raise ConditionError(
-                f"The tolerance of periods must be a part of the diameter, 0 or more, not {self.period_tolerance!r}."
-            )
+        check_number(self.period_tolerance, "tolerance of periods", Range(0.0, np.inf))
 
     @property
     def scale(self) -> float:
@@ -48,7 +45,3 @@ class CmcOptions(SolveOptions):
     sites: str = "vertices"
     energy: str = "cotan"
     delaunay: bool = False
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, (int, float, np.number))

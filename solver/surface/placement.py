@@ -14,8 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.distance import pdist
 
 from ..domain.domain import Domain
-from ..errors import CmcError
+from ..errors import CmcError, check_choice
 from ..gauss.sphere import tangent_axes
+from ..limits import POSITIVE, check_number
 
 Array = NDArray[np.float64]
 
@@ -63,12 +64,10 @@ class Rule:
     flip: bool = False
 
     def __post_init__(self) -> None:
-        if self.size not in SIZES:
-            raise PlacementError(f'There is no size "{self.size}"; choose one of {", ".join(SIZES)}.')
-        if self.ground not in GROUNDS:
-            raise PlacementError(f'There is no ground "{self.ground}"; choose one of {", ".join(GROUNDS)}.')
-        if self.size != "match_plan" and not (np.isfinite(self.value) and self.value > 0):
-            raise PlacementError(f"The {SIZES[self.size].lower()} must be a positive number, not {self.value}.")
+        check_choice(self.size, SIZES, "size", PlacementError)
+        check_choice(self.ground, GROUNDS, "ground", PlacementError)
+        if self.size != "match_plan":
+            check_number(self.value, SIZES[self.size].lower(), POSITIVE, PlacementError)
 
 
 @dataclass(frozen=True, eq=False)

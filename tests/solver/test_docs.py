@@ -23,6 +23,7 @@ from solver.jobs.fit_table import ANCHOR_KEYS
 from solver.jobs.fit_table import KEYS as FIT_KEYS
 from solver.jobs.outputs import SHEET_KEYS
 from solver.jobs.selection import WAYS
+from solver.jobs.shape_table import SHAPES
 from solver.shells import plan
 from solver.surface.averaging import AVERAGINGS
 from solver.surface.cmc_surface import COMBINATORICS
@@ -101,7 +102,7 @@ def described() -> set[str]:
 def job_keys() -> set[str]:
     """Every key and every name that a job file may have."""
     parameters = {parameter.name for kind in KINDS.values() for parameter in kind.parameters}
-    shapes = {name for make in job.SHAPES.values() for name in inspect.signature(make).parameters}
+    shapes = {name for make in SHAPES.values() for name in inspect.signature(make).parameters}
     placing = {"rotate", "flip", "ground", "sheet", "side"} | set(SIZES) - {"match_plan"} | set(GROUNDS)
     elsewhere = {"default_kind", "default_tilt", "size", "value"}
     solving = {field.name for field in fields(plan.Settings)} - elsewhere
@@ -109,7 +110,7 @@ def job_keys() -> set[str]:
     files = {*SHEET_KEYS, "report", "mesh", "up", "start"} | tables | {"[close]", *CLOSE_KEYS}
     start = {"normals", "edges", "lengths"}
     names = {*SITES, *ENERGIES, *METHODS, *COMBINATORICS, *AVERAGINGS}
-    words = {*WAYS, *KINDS, *job.SHAPES, "kind", "scale", *plan.SHEETS}
+    words = {*WAYS, *KINDS, *SHAPES, "kind", "scale", *plan.SHEETS}
     fitting = {*FIT_KEYS, *ANCHOR_KEYS, "[[fit.anchors]]"} - {"anchors"}
     completing = {*COMPLETE_KEYS, "flipped_corners"}
     return words | parameters | shapes | placing | solving | files | start | names | fitting | completing

@@ -33,7 +33,7 @@ def test_the_iteration_limit_is_a_status():
 
 def test_a_tolerance_out_of_reach_is_stalled_or_met_never_endless():
     domain, points = disc(800)
-    result = HarmonicSolver(domain).solve(rim(domain, points), tolerance=1e-30)
+    result = HarmonicSolver(domain).solve(rim(domain, points), tolerance=1e-15)
     assert result.status in (Status.STALLED, Status.ITERATION_LIMIT)
     assert result.residual < 1e-9
 
@@ -115,7 +115,7 @@ def test_bad_arguments_are_condition_errors(arguments):
 
 @pytest.mark.parametrize("arguments", [{"sites": "nosuch"}, {"energy": "nosuch"}])
 def test_unknown_names_list_the_known_ones(arguments):
-    with pytest.raises(ConditionError, match="choose one of"):
+    with pytest.raises(ConditionError, match=r"known are|did you mean"):
         HarmonicSolver(disc(60)[0], **arguments)
 
 
@@ -142,7 +142,7 @@ def test_a_map_of_hardly_any_energy_counts_as_collapsed(part, status):
     def solved(angle):
         initial = np.tile([0.0, 0.0, 1.0], (shape.domain.vertex_count, 1))
         initial[centre] = [np.sin(angle), 0.0, np.cos(angle)]
-        return solver.solve(up, initial, max_iterations=0, tolerance=0.0)
+        return solver.solve(up, initial, max_iterations=0, tolerance=1e-15)
 
     limit = 4.0 * np.pi * 1e-12
     # the energy is quadratic in small angles

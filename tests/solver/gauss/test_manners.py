@@ -69,8 +69,8 @@ def test_an_edge_on_two_named_sides_counts_once(strip):
 @pytest.mark.parametrize(
     ("edges", "words"),
     [
-        ("botom", r"no side 'botom'; the sides are bottom, right, top, left, outer. Did you mean 'bottom'\?"),
-        (["top", "z"], r"no side 'z'; the sides are bottom, right, top, left, outer\.$"),
+        ("botom", r'no side "botom"; did you mean "bottom"\?'),
+        (["top", "z"], r'no side "z"; known are bottom, right, top, left, outer\.$'),
     ],
 )
 def test_a_misspelt_side_lists_the_sides(strip, edges, words):

@@ -13,7 +13,8 @@ from numpy.testing import assert_allclose
 from solver import JobError
 from solver.io.mesh_files import write_mesh
 from solver.io.obj import MeshData
-from solver.jobs.job import EXAMPLE, SHAPES, load_job, run_job
+from solver.jobs.job import EXAMPLE, load_job, run_job
+from solver.jobs.shape_table import SHAPES
 from solver.shells.plan import Plan, plan_domain
 from solver.shells.plan_conditions import plan_conditions
 from tests.solver.job_files import PLAN, job, quad_plan
@@ -105,6 +106,9 @@ SHAPE_JOBS = {
     "rectangle": 'kind = "rectangle"\nwidth = 6\nheight = 4\ncolumns = 6',
     "strip": 'kind = "strip"\nwidth = 6\nheight = 4\ncolumns = 6',
     "annulus": 'kind = "annulus"\ninner = 1\nouter = 3\nn = 300',
+    "cylinder": 'kind = "cylinder"\nsize = 4\nheight = 0.5\ncolumns = 16',
+    "wente": 'kind = "wente"\nsize = 8\nangle = 120\ncolumns = 8',
+    "ring": 'kind = "ring"\nsize = 5\ncolumns = 4',
     "polygon": 'kind = "polygon"\noutline = [[0, 0], [8, 0], [8, 6], [0, 6]]\n'
     "holes = [[[3, 2], [3, 4], [5, 4], [5, 2]]]\nmax_edge = 1.0\ncorner_radius = 0.5",
 }
@@ -112,11 +116,14 @@ SHAPE_JOBS = {
 
 @pytest.mark.parametrize("kind", SHAPES)
 def test_shapes(folder, kind):
-    loaded = load_job(job(folder, f"[shape]\n{SHAPE_JOBS[kind]}\n[[conditions]]\nside = 'outer'\ntilt = 10"))
+    side = {"cylinder": "top", "wente": "mirror", "ring": "tube 1"}.get(kind, "outer")
+    loaded = load_job(job(folder, f"[shape]\n{SHAPE_JOBS[kind]}\n[[conditions]]\nside = '{side}'\ntilt = 10"))
     plan = loaded.plan
     assert plan.positions.shape[1] == 3
-    assert len(plan.groups[0].edges) > 10
-    assert_allclose(loaded.mesh.uvs, plan.positions[:, :2])
+    assert len(plan.groups[0].edges) > (10 if side == "outer" else 3)
+    assert [group.name for group in plan.groups].count(f"side {side}") == 1
+    if side == "outer":
+        assert_allclose(loaded.mesh.uvs, plan.positions[:, :2])
     if kind == "disc":
         assert_allclose(np.linalg.norm(plan.positions, axis=1).max(), 5)
     if kind == "polygon":

@@ -146,9 +146,9 @@ def test_meshes_that_are_no_surface(plan, message):
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"sites": "edges"}, 'no kind of sites "edges"; choose one of vertices, faces'),
-        ({"method": "guess"}, 'no method "guess"; choose one of newton'),
-        ({"combinatorics": "triple"}, 'no combinatorics "triple"; choose one of primal, dual, corner'),
+        ({"sites": "edges"}, 'no kind of sites "edges"; known are vertices, faces'),
+        ({"method": "guess"}, 'no method "guess"; known are newton'),
+        ({"combinatorics": "triple"}, 'no combinatorics "triple"; known are primal, dual, corner'),
         ({"energy": "mobius"}, "'mobius' is not defined for normals on vertices; choose cotan"),
     ],
 )
