@@ -20,6 +20,7 @@ from scipy.spatial import KDTree
 from .errors import CmcError, ConditionError
 
 Array = NDArray[np.float64]
+_FARTHEST = 1e100
 Sparse = Any  # scipy.sparse ships no types
 
 
@@ -37,6 +38,16 @@ def as_numbers(values: ArrayLike, what: str, error: type[CmcError]) -> Array:
         return np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError):
         raise error(f"{what} must be numbers in a regular array.") from None
+
+
+def out_of_range(points: Array) -> tuple[NDArray[np.int64], str]:
+    """The rows of points (n, …) that are no places, and what they are, "not finite" or "beyond 1e+100".
+
+    Squares and cubes of lengths up to `_FARTHEST` are still numbers.
+    """
+    largest = np.abs(points.reshape(len(points), -1)).max(axis=1, initial=0.0)
+    bad = np.flatnonzero(~(largest <= _FARTHEST))
+    return bad, "not finite" if not np.isfinite(largest).all() else f"beyond {_FARTHEST:g}"
 
 
 def check_number(value: Any, what: str, least: float = 0.0, *, positive: bool = False) -> None:

@@ -11,7 +11,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 from ..errors import MeshError, listed, plural
-from ..linalg import reach_of_place, same_places
+from ..linalg import out_of_range, reach_of_place, same_places
 from .obj import MeshData
 
 Int = NDArray[np.int64]
@@ -57,9 +57,9 @@ def _used(mesh: MeshData, flat: Int, sizes: Int) -> Int:
         face = int(np.searchsorted(np.cumsum(sizes), outside[0], side="right"))
         raise MeshError(f"face {face} has vertex {flat[outside[0]]}, but there are {count}, counted from 0.")
     used = np.unique(flat)
-    bad = used[~np.isfinite(mesh.positions[used]).all(axis=1)]
+    bad, what = out_of_range(mesh.positions[used])
     if bad.size:
-        raise MeshError(f"the position of {plural('vertex', bad)} is not a finite number; repair or delete it.")
+        raise MeshError(f"the position of {plural('vertex', used[bad])} is {what}; repair or delete it.")
     return used
 
 

@@ -92,11 +92,11 @@ def _check_lengths(max_edge: float, corner_radius: float, size: float) -> None:
 
 def _check_count(loops: list[Loop], max_edge: float) -> None:
     area = sum(signed_area(loop.points) for loop in loops)
-    count = area / _ROW / max_edge**2
-    if count > _LARGEST:
+    shortest = float(np.sqrt(area / _ROW / _LARGEST))
+    if max_edge < shortest:
         raise MeshError(
-            f"The edge length {max_edge:.6g} would make about {count:.2g} vertices; "
-            f"choose one longer than {max_edge * np.sqrt(count / _LARGEST):.2g}."
+            f"The edge length {max_edge:.6g} would make more than {_LARGEST:,} vertices; "
+            f"choose one longer than {shortest:.2g}."
         )
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from ..errors import MeshError, listed
+from ..linalg import out_of_range
 
 _SAME_PLACE = 1e-9  # of the plan's size: points closer than this are one point
 _SPIKE = np.radians(0.5)  # a sharper point encloses no usable area
@@ -147,10 +148,10 @@ def _as_points(points: np.ndarray, name: str, start: int) -> np.ndarray:
         raise MeshError(f"The points of {name} are not numbers; give one (x, y) a point.") from error
     if array.ndim != 2 or array.shape[1] != 2:
         raise MeshError(f"The points of {name} have shape {array.shape}; give one (x, y) a point, shape (K, 2).")
-    bad = np.nonzero(~np.isfinite(array).all(axis=1))[0]
+    bad, what = out_of_range(array)
     if len(bad):
         raise MeshError(
-            f"Point {listed(bad)} of {name} is not finite; delete it, or move it to a place.", vertices=start + bad
+            f"Point {listed(bad)} of {name} is {what}; delete it, or move it to a place.", vertices=start + bad
         )
     if len(array) > 1 and np.array_equal(array[0], array[-1]):
         array = array[:-1]

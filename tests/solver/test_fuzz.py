@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections import Counter
 
 import pytest
-
 from tests.fuzz.found import FOUND, found
+
 from tests.fuzz.generators import GENERATORS, cases
-from tests.fuzz.judge import Outcome, judge
+from tests.fuzz.judge import Outcome
 from tests.fuzz.pool import run_all
 
 # Fits take seconds each.

@@ -56,9 +56,11 @@ BAD = {
         (8, 9, 10),
     ),
     "length": (dict(outline=SQUARE, max_edge=0.0), "give a positive length", ()),
-    "no length": (dict(outline=SQUARE, max_edge=np.nan), "give a positive length", ()),
+    "no number": (dict(outline=SQUARE, max_edge=np.nan), "give a positive length", ()),
     "too long": (dict(outline=SQUARE, max_edge=12.0), "larger than the plan, which measures 10; .* 0.5 ", ()),
-    "too short": (dict(outline=SQUARE, max_edge=1e-4), "would make about", ()),
+    "too short": (dict(outline=SQUARE, max_edge=1e-4), "more than 5,000,000 vertices; .* longer than 0.0048", ()),
+    "no length": (dict(outline=SQUARE, max_edge=1e-300), "more than 5,000,000 vertices; .* longer than 0.0048", ()),
+    "far away": (dict(outline=[(0, 0), (4, 0), (4, 1e160), (0, 3)]), "Point 2 of the outline is beyond 1e.100", (2,)),
     "radius": (dict(outline=SQUARE, corner_radius=-1.0), "corner radius is -1", ()),
     "keep": (dict(outline=SQUARE, keep=[[7]]), "Point 7 to keep", ()),
 }
