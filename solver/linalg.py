@@ -17,10 +17,12 @@ from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 from scipy.spatial import KDTree
 
-from .errors import CmcError, ConditionError
+from .errors import CmcError, ConditionError, MeshError
 
 Array = NDArray[np.float64]
 _FARTHEST = 1e100
+# Distance from the origin, as a multiple of the extent.
+_DISTANT = 1e9
 Sparse = Any  # scipy.sparse ships no types
 
 
@@ -48,6 +50,19 @@ def out_of_range(points: Array) -> tuple[NDArray[np.int64], str]:
     largest = np.abs(points.reshape(len(points), -1)).max(axis=1, initial=0.0)
     bad = np.flatnonzero(~(largest <= _FARTHEST))
     return bad, "not finite" if not np.isfinite(largest).all() else f"beyond {_FARTHEST:g}"
+
+
+def check_near(points: Array, what: str) -> None:
+    """Raise `MeshError` where rounding moves points (n, d), far from the origin, by 1e-7 of their extent.
+
+    That is as much as single precision leaves of a mesh. Points all in one place are not refused here.
+    """
+    size, far = float(np.ptp(points, axis=0).max()), float(np.abs(points).max())
+    if far > _DISTANT * size > 0.0:
+        raise MeshError(
+            f"{what} measures {size:.3g} and lies {far:.3g} from the origin, where coordinates are rounded to "
+            f"{np.spacing(far):.1g}; move it nearer."
+        )
 
 
 def check_number(value: Any, what: str, least: float = 0.0, *, positive: bool = False) -> None:

@@ -15,7 +15,7 @@ import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import MeshError, listed, plural
-from ..linalg import as_numbers, graph_laplacian, out_of_range, sum_rows
+from ..linalg import as_numbers, check_near, graph_laplacian, out_of_range, sum_rows
 from . import connectivity
 from .connectivity import Edges, Int
 
@@ -281,6 +281,7 @@ def _as_positions(vertices: ArrayLike) -> Array:
             f"The position of {plural('vertex', bad)} is {what}; move or delete {'it' if bad.size == 1 else 'them'}.",
             vertices=bad,
         )
+    check_near(positions, "The mesh")
     return positions
 
 
