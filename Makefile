@@ -3,7 +3,7 @@
 
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: demo test lint test-solver test-blender test-versions extension gui-test bench mutation gallery clean
+.PHONY: demo test lint test-solver test-blender test-versions extension gui-test bench fuzz mutation gallery clean
 
 PYTHON := .venv/bin/python
 TYPES := .venvs/types/bin/python
@@ -56,6 +56,12 @@ gui-test: .venv/ready
 
 bench: .venv/ready
 	$(PYTHON) -m pytest benchmarks -k "not sizes"
+
+# Random plans, meshes, jobs and damaged files: a table of what came of them (CONTRIBUTING.md); under an hour.
+N := 10000
+SEED := 1
+fuzz: .venv/ready
+	$(PYTHON) -m tests.fuzz -n $(N) --seed $(SEED)
 
 # How many small faults the tests notice, a room (CONTRIBUTING.md): about an hour on one processor.
 mutation: .venv/ready

@@ -17,10 +17,12 @@ from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 from scipy.spatial import KDTree
 
-from .errors import CmcError
+from .errors import CmcError, MeshError
 from .limits import LARGEST
 
 Array = NDArray[np.float64]
+# Distance from the origin, as a multiple of the extent.
+_DISTANT = 1e9
 Sparse = Any  # scipy.sparse ships no types
 
 
@@ -41,6 +43,26 @@ def as_numbers(values: ArrayLike, what: str, error: type[CmcError]) -> Array:
     if (np.isfinite(numbers) & (np.abs(numbers) > LARGEST)).any():
         raise error(f"{what} must be numbers of at most {LARGEST:g} in size.")
     return numbers
+
+
+def out_of_range(points: Array) -> tuple[NDArray[np.int64], str]:
+    """The rows of points (n, …) that are no places, and what they are, "not finite" or "beyond 1e+30"."""
+    largest = np.abs(points.reshape(len(points), -1)).max(axis=1, initial=0.0)
+    bad = np.flatnonzero(~(largest <= LARGEST))
+    return bad, "not finite" if not np.isfinite(largest).all() else f"beyond {LARGEST:g}"
+
+
+def check_near(points: Array, what: str) -> None:
+    """Raise `MeshError` where rounding moves points (n, d), far from the origin, by 1e-7 of their extent.
+
+    That is as much as single precision leaves of a mesh. Points all in one place are not refused here.
+    """
+    size, far = float(np.ptp(points, axis=0).max()), float(np.abs(points).max())
+    if far > _DISTANT * size > 0.0:
+        raise MeshError(
+            f"{what} measures {size:.3g} and lies {far:.3g} from the origin, where coordinates are rounded to "
+            f"{np.spacing(far):.1g}; move it nearer."
+        )
 
 
 def sum_rows(rows: NDArray[np.integer], values: Array, count: int) -> Array:

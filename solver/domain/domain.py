@@ -15,7 +15,7 @@ import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import MeshError, listed, plural
-from ..linalg import as_numbers, graph_laplacian, sum_rows
+from ..linalg import as_numbers, check_near, graph_laplacian, out_of_range, sum_rows
 from . import connectivity
 from .connectivity import Edges, Int
 
@@ -84,9 +84,9 @@ class Domain:
             raise MeshError(
                 f"Corners must have shape (F, 3, 2) or (F, 3, 3) with F = {len(triangles)}, not {points.shape}."
             )
-        bad = np.flatnonzero(~np.isfinite(points).all(axis=(1, 2)))
+        bad, what = out_of_range(points)
         if bad.size:
-            raise MeshError(f"Corners of {plural('face', bad)} are not finite numbers.", faces=bad)
+            raise MeshError(f"A corner of {plural('face', bad)} is {what}.", faces=bad)
         lengths = np.linalg.norm(points[:, [2, 0, 1]] - points[:, [1, 2, 0]], axis=2)
         return cls.from_edge_lengths(triangles, lengths, face_edges=face_edges)
 
@@ -101,7 +101,10 @@ class Domain:
         sides = as_numbers(lengths, "Lengths", MeshError)
         if sides.shape != triangles.shape:
             raise MeshError(f"Lengths must have the shape of faces, {triangles.shape}, not {sides.shape}.")
-        bad = np.flatnonzero(~(np.isfinite(sides) & (sides > 0)).all(axis=1))
+        bad, what = out_of_range(sides)
+        if bad.size:
+            raise MeshError(f"A length of {plural('face', bad)} is {what}.", faces=bad)
+        bad = np.flatnonzero(~(sides > 0).all(axis=1))
         if bad.size:
             raise MeshError(f"A length of {plural('face', bad)} is not a positive number.", faces=bad)
         vertex_count = int(triangles.max()) + 1
@@ -272,13 +275,13 @@ def _as_positions(vertices: ArrayLike) -> Array:
         raise MeshError("The mesh has no vertices.")
     if positions.ndim != 2 or positions.shape[1] not in (2, 3):
         raise MeshError(f"Vertices must be a (V, 2) or (V, 3) array, not one of shape {positions.shape}.")
-    bad = np.flatnonzero(~np.isfinite(positions).all(axis=1))
+    bad, what = out_of_range(positions)
     if bad.size:
         raise MeshError(
-            f"Coordinates of {plural('vertex', bad)} are not finite numbers; "
-            f"move or delete {'it' if bad.size == 1 else 'them'}.",
+            f"The position of {plural('vertex', bad)} is {what}; move or delete {'it' if bad.size == 1 else 'them'}.",
             vertices=bad,
         )
+    check_near(positions, "The mesh")
     return positions
 
 

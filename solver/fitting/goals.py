@@ -261,8 +261,10 @@ def _are_lines(given: Sequence[ArrayLike]) -> bool:
 
 def _as_curve(given: ArrayLike) -> Array:
     line = as_numbers(given, "The points of the curve", ConditionError)
-    if line.ndim != 2 or line.shape[1] not in (2, 3) or len(line) < 3 or not np.isfinite(line).all():
+    if line.ndim != 2 or line.shape[1] not in (2, 3) or len(line) < 3 or len(out_of_range(line)[0]):
         raise ConditionError("The curve must be three or more points (m, 3), finite numbers, in order.")
+    if not np.ptp(line, axis=0).any():
+        raise ConditionError("All points of the curve are in one place; draw it around the plan.")
     if line.shape[1] == 2:
         line = np.column_stack([line, np.zeros(len(line))])
     return line if _area(line) > 0 else line[::-1]

@@ -67,7 +67,7 @@ class SmoothRim(Target):
         return graph_laplacian(domain.edges[domain.boundary_edges], lengths.sum() / lengths, domain.vertex_count)
 
     def distance(self, shape: Shape) -> float:
-        return float(np.sqrt(2.0 * self.partials(shape).value))
+        return float(np.sqrt(2.0 * max(self.partials(shape).value, 0.0)))  # rounding
 
 
 @dataclass(frozen=True, eq=False)

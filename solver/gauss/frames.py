@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..domain.domain import Domain
 from ..domain.shape import DomainLike, as_domain, is_names, side_edges
 from ..errors import ConditionError, listed, plural
-from ..linalg import as_numbers, sum_rows
+from ..linalg import as_numbers, out_of_range, sum_rows
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -171,13 +171,13 @@ def blend(
 
 
 def in_space(domain: Domain, positions: ArrayLike) -> Array:
-    """Positions (V, 2|3) as points (V, 3); `ConditionError` on another shape and on numbers that are not finite."""
+    """Positions (V, 2|3) as points (V, 3); `ConditionError` on another shape and on numbers out of range."""
     points = as_numbers(positions, "Positions", ConditionError)
     if points.ndim != 2 or points.shape[0] != domain.vertex_count or points.shape[1] not in (2, 3):
         raise ConditionError(f"Positions must be ({domain.vertex_count}, 2) or (…, 3), not {points.shape}.")
-    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    bad, what = out_of_range(points)
     if bad.size:
-        raise ConditionError(f"Coordinates of {plural('vertex', bad)} are not finite numbers.", vertices=bad)
+        raise ConditionError(f"The position of {plural('vertex', bad)} is {what}; move it.", vertices=bad)
     if points.shape[1] == 2:
         points = np.column_stack([points, np.zeros(len(points))])
     return points
@@ -207,14 +207,15 @@ def unit(normals: ArrayLike, owners: Int, noun: str) -> Array:
 
 def unit_rows(vectors: Array, noun: str, complaint: str, owners: Iterable[int] | None = None) -> Array:
     """Rows divided by their lengths; `ConditionError`, naming the first owner, where a length is zero or not finite."""
-    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    bad = np.flatnonzero(~(np.isfinite(length[:, 0]) & (length[:, 0] > 0.0)))
+    largest = np.abs(vectors).max(axis=-1, keepdims=True, initial=0.0)
+    bad = np.flatnonzero(~(np.isfinite(largest[:, 0]) & (largest[:, 0] > 0.0)))
     if bad.size:
         names = bad if owners is None else np.asarray(list(owners))[bad]
         raise ConditionError(
             f"{plural(noun, names[:1]).capitalize()} {complaint}; choose another.", **{_PLURALS[noun]: names}
         )
-    return vectors / length
+    near_one = vectors / largest  # the squares of tiny and huge numbers are none
+    return near_one / np.linalg.norm(near_one, axis=-1, keepdims=True)
 
 
 _PLURALS = {"vertex": "vertices", "edge": "edges", "face": "faces"}

@@ -11,8 +11,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 from ..errors import MeshError, listed, plural
-from ..limits import LARGEST
-from ..linalg import reach_of_place, same_places
+from ..linalg import out_of_range, reach_of_place, same_places
 from ..notes import Note
 from .obj import MeshData
 
@@ -59,10 +58,9 @@ def _used(mesh: MeshData, flat: Int, sizes: Int) -> Int:
         face = int(np.searchsorted(np.cumsum(sizes), outside[0], side="right"))
         raise MeshError(f"face {face} has vertex {flat[outside[0]]}, but there are {count}, counted from 0.")
     used = np.unique(flat)
-    bad = used[~(np.abs(mesh.positions[used]) <= LARGEST).all(axis=1)]
+    bad, what = out_of_range(mesh.positions[used])
     if bad.size:
-        what = f"a finite number of at most {LARGEST:g}"
-        raise MeshError(f"the position of {plural('vertex', bad)} is not {what}; repair or delete it.")
+        raise MeshError(f"the position of {plural('vertex', used[bad])} is {what}; repair or delete it.")
     return used
 
 

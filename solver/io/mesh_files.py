@@ -7,6 +7,7 @@ turned back when written.
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -104,7 +105,9 @@ def _read_by_trimesh(file: Path) -> MeshData:
     import trimesh  # takes half a second, which a job with OBJ files saves
 
     try:
-        loaded: Any = trimesh.load(file, force="mesh", process=False)
+        with warnings.catch_warnings():  # numpy's about text that is no number; what comes of it is checked
+            warnings.simplefilter("ignore")
+            loaded: Any = trimesh.load(file, force="mesh", process=False)
         positions = np.asarray(loaded.vertices, dtype=np.float64).reshape(-1, 3)
         faces = np.asarray(loaded.faces, dtype=np.int64).reshape(-1, 3)
     except OSError:

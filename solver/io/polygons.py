@@ -9,7 +9,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import MeshError, listed
+from ..errors import MeshError, listed, plural
+from ..linalg import out_of_range
 
 Array = NDArray[np.float64]
 Int = NDArray[np.int32]
@@ -56,11 +57,9 @@ def _in_space(vertices: ArrayLike) -> Array:
     points = np.asarray(vertices, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] not in (2, 3):
         raise MeshError(f"Vertices must have shape (V, 2) or (V, 3), not {points.shape}.")
-    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    bad, what = out_of_range(points)
     if bad.size:
-        raise MeshError(
-            f"The position of vertex {listed(bad)} is not a finite number; repair or delete it.", vertices=bad
-        )
+        raise MeshError(f"The position of {plural('vertex', bad)} is {what}; repair or delete it.", vertices=bad)
     return points if points.shape[1] == 3 else np.column_stack([points, np.zeros(len(points))])
 
 

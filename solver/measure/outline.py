@@ -68,7 +68,8 @@ def distance_to_segments(points: ArrayLike, starts: Array, ends: Array) -> Array
         parts = np.array_split(unsure, unsure.size * looked // _BLOCK + 1)
         sure = []
         for part in parts:
-            from_middle, near = tree.query(positions[part], k=range(1, looked + 1))
+            found = tree.query(positions[part], k=looked)
+            from_middle, near = (np.asarray(one).reshape(len(part), looked) for one in found)
             distances[part] = _distances(positions[part, None], starts[near], ends[near]).min(axis=1)
             # A segment further down the list is at least so far away.
             sure.append((looked == len(starts)) | (from_middle[:, -1] - reach >= distances[part]))

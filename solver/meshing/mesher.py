@@ -71,7 +71,19 @@ def mesh_plan(
     curves = round_corners(in_units, None if corner_radius is None else corner_radius / max_edge)
     boundary, field = sample(curves)
     radii = np.concatenate([curve.radii for curve in curves]) * max_edge
-    points, triangles = _Mesher(boundary, field).run()
+    try:
+        points, triangles = _Mesher(boundary, field).run()
+    except MeshError as error:  # of an edge, in edge lengths from the middle
+        if not error.vertices:
+            raise
+        a = error.vertices[0]
+        x, y = origin + max_edge * boundary.points[a]
+        first = sum(len(loop) for loop in [outline, *holes][: boundary.loop[a]])
+        raise MeshError(
+            f"At ({x:.6g}, {y:.6g}) the plan is too narrow for a mesh: a point of its boundary lies on another "
+            "segment; move them apart.",
+            edges=[first + int(boundary.segment[a])],
+        ) from error
     edges = np.column_stack([np.arange(len(boundary.points)), boundary.following])
     return PlanMesh(
         origin + points * max_edge,

@@ -14,9 +14,9 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from ..errors import MeshError, listed
-from ..limits import LARGEST
+from ..linalg import check_near, out_of_range, reach_of_place
 
-_SAME_PLACE = 1e-9  # of the plan's size: points closer than this are one point
+_NARROW = 1e-9  # of the plan's size: a loop no wider has no area
 _SPIKE = np.radians(0.5)  # a sharper point encloses no usable area
 
 
@@ -58,9 +58,10 @@ def check_loops(
     for points, name in zip([outline, *holes], names, strict=True):
         given.append(_as_points(points, name, starts[-1]))
         starts.append(starts[-1] + len(points))
+    check_near(given[0], "The outline")
     size = float(np.ptp(given[0], axis=0).max())
+    _check_repeated(given, names, starts)
     for points, name, start in zip(given, names, starts, strict=False):
-        _check_repeated(points, name, start, size)
         _check_width(points, name, start, size)
         _check_spikes(points, name, start)
     _check_crossings(given, names, starts)
@@ -153,11 +154,10 @@ def _as_points(points: np.ndarray, name: str, start: int) -> np.ndarray:
         raise MeshError(f"The points of {name} are not numbers; give one (x, y) a point.") from error
     if array.ndim != 2 or array.shape[1] != 2:
         raise MeshError(f"The points of {name} have shape {array.shape}; give one (x, y) a point, shape (K, 2).")
-    bad = np.nonzero(~(np.abs(array) <= LARGEST).all(axis=1))[0]
+    bad, what = out_of_range(array)
     if len(bad):
         raise MeshError(
-            f"Point {listed(bad)} of {name} is not finite, or beyond {LARGEST:g}; delete it, or move it to a place.",
-            vertices=start + bad,
+            f"Point {listed(bad)} of {name} is {what}; delete it, or move it to a place.", vertices=start + bad
         )
     if len(array) > 1 and np.array_equal(array[0], array[-1]):
         array = array[:-1]
@@ -166,21 +166,27 @@ def _as_points(points: np.ndarray, name: str, start: int) -> np.ndarray:
     return array
 
 
-def _check_repeated(points: np.ndarray, name: str, start: int, size: float) -> None:
-    tree = KDTree(points - points[0])
-    near = np.flatnonzero(np.asarray(tree.query(tree.data, k=2)[0])[:, 1] <= _SAME_PLACE * size)
+def _check_repeated(given: list[np.ndarray], names: list[str], numbers: list[int]) -> None:
+    """Raise `MeshError` on points in one place, of one loop or of two: no triangle fits between them."""
+    reach = reach_of_place(given[0])
+    tree = KDTree(np.concatenate(given) - given[0][0])
+    near = np.flatnonzero(np.asarray(tree.query(tree.data, k=2)[0])[:, 1] <= reach)
     if len(near):
-        a = int(near[0])  # one pair of perhaps thousands in one place
-        b = min(k for k in tree.query_ball_point(tree.data[a], _SAME_PLACE * size) if k != a)
+        one = int(near[0])  # one pair of perhaps thousands in one place
+        other = min(k for k in tree.query_ball_point(tree.data[one], reach) if k != one)
+        first = np.cumsum([0] + [len(points) for points in given])
+        i, j = (int(np.searchsorted(first, k, side="right")) - 1 for k in (one, other))
+        a, b = one - int(first[i]), other - int(first[j])
+        text = f"Points {a} and {b} of {names[i]}" if i == j else f"Point {a} of {names[i]} and point {b} of {names[j]}"
         raise MeshError(
-            f"Points {a} and {b} of {name} are at the same place; merge them by distance, or move one.",
-            vertices=(start + a, start + b),
+            f"{text} are at the same place; merge them by distance, or move one.",
+            vertices=(numbers[i] + a, numbers[j] + b),
         )
 
 
 def _check_width(points: np.ndarray, name: str, start: int, size: float) -> None:
     """Raise `MeshError` if all points lie on one line. (Loops that cross themselves have their own message.)"""
-    if np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[1] <= _SAME_PLACE * size:
+    if np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[1] <= _NARROW * size:
         raise MeshError(
             f"{name.capitalize()} encloses no area, its points lie on one line; draw it around the plan.",
             vertices=range(start, start + len(points)),

@@ -59,8 +59,7 @@ def _put_back(points: np.ndarray, triangles: np.ndarray, a: int, b: int) -> np.n
     crossed &= (t > 0) & (t < u @ u)
     if not crossed.any() or (np.abs(t[crossed]) <= 1e-12 * (u @ u)).any():
         raise MeshError(
-            f"The boundary edge from {points[a]} to {points[b]} (in edge lengths, from the middle of the plan) "
-            "cannot be meshed: another boundary point lies on it; move them apart, or choose a shorter edge length."
+            f"Another boundary point lies on the boundary edge from {points[a]} to {points[b]}.", vertices=(a, b)
         )
     once = crossed & (side_tail > 0)
     order = np.argsort(t[once], kind="stable")

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from ..errors import MeshError, plural
+from ..linalg import out_of_range
 from .outline import inside, signed_area
 from .rounding import AUTOMATIC
 
@@ -99,11 +100,11 @@ def make_outline(wire: Wire) -> Outline:
     Raises `MeshError`, naming the vertices, on coordinates that are not finite or all the same, open ends, points where more than two
     edges meet, and loops outside the largest one.
     """
-    bad = np.flatnonzero(~np.isfinite(wire.points).all(axis=1))
+    bad, what = out_of_range(wire.points)
     if bad.size:
         pronoun = "it" if bad.size == 1 else "them"
         raise MeshError(
-            f"Coordinates of {plural('vertex', bad)} of {wire.name} are not finite numbers; move or delete {pronoun}.",
+            f"The position of {plural('vertex', bad)} of {wire.name} is {what}; move or delete {pronoun}.",
             vertices=bad,
         )
     if not len(wire.edges):

@@ -43,7 +43,7 @@ BAD = {
     "two plans": (two_plans, "2 separate outlines"),
     "spike": (lambda: ngon([*SQUARE[:3], (4, 6), (4, 9), (4.0001, 6), (0, 6)]), "spike.*In 'Hall': vertex 4"),
     "no area": (lambda: wire([(0, 0), (1, 0), (2, 0)]), "spike|encloses no area"),
-    "NaN": (lambda: wire([(0, 0), (math.nan, 0), (2, 2)]), "vertex 1 of 'Hall' are not finite"),
+    "NaN": (lambda: wire([(0, 0), (math.nan, 0), (2, 2)]), "vertex 1 of 'Hall' is not finite"),
     "text": (text, "Select an outline"),
 }
 

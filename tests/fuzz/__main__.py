@@ -56,7 +56,7 @@ def show(names: list[str]) -> int:
 def run(options: argparse.Namespace) -> int:
     start, outcomes = time.perf_counter(), []
     OUT.mkdir(parents=True, exist_ok=True)
-    with (OUT / "outcomes.jsonl").open("w") as file:
+    with (OUT / "outcomes.jsonl").open("w", buffering=1) as file:
         for outcome in run_all(cases(options.n, options.seed, options.only), options.workers):
             outcomes.append(outcome)
             file.write(json.dumps(dataclasses.asdict(outcome), ensure_ascii=False) + "\n")

@@ -254,8 +254,8 @@ CORNERS = np.array([[[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[1, 0, 0], [1, 1, 0], [0
 @pytest.mark.parametrize(
     ("name", "data", "message"),
     [
-        ("nan.stl", stl(np.where(CORNERS == 1, np.nan, CORNERS)), "position of vertices 1, 2, .* not a finite number"),
-        ("inf.stl", stl(np.where(CORNERS == 1, np.inf, CORNERS)), "position of vertices 1, 2, .* not a finite number"),
+        ("nan.stl", stl(np.where(CORNERS == 1, np.nan, CORNERS)), "position of vertices 1, 2, .* is not finite"),
+        ("inf.stl", stl(np.where(CORNERS == 1, np.inf, CORNERS)), "position of vertices 1, 2, .* is not finite"),
         ("index.glb", glb(112), "face 0 has vertex 112, but there are 3"),
         ("huge.glb", glb(2**32 - 1), "face 0 has vertex 4294967295, but there are 3"),
         ("nul.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nmtllib a\0b\n", "nul.obj, line 5: a null character"),

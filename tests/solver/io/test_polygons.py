@@ -116,7 +116,7 @@ def test_a_thin_wedge_is_no_spike():
         (BOW, [[0, 1, 2, 3]], r"polygon 0 .* crosses or touches itself", [0], [0, 1, 2, 3]),
         (SQUARE, [[0, 1, 2], [0, 3]], "Polygon 1 has fewer than three corners", [1], []),
         (SQUARE, [[0, 1, 7]], "Polygon 0 uses vertex 7, but there are 4 vertices", [0], [7]),
-        (HOLE, [[0, 1, 2, 3]], "position of vertex 3 is not a finite number", [], [3]),
+        (HOLE, [[0, 1, 2, 3]], "position of vertex 3 is not finite", [], [3]),
     ],
 )
 def test_messages_name_polygon_and_vertex(points, polygons, message, faces, vertices):

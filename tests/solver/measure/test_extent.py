@@ -92,6 +92,18 @@ def test_distance_in_many_blocks_and_with_a_repeated_point():
     assert_allclose(distance_to_segments(points, circle, np.roll(circle, -1, axis=0)), exact, atol=1e-5)
 
 
+def test_the_nearest_segment_may_be_far_from_its_middle_and_long():
+    """Segments of all lengths, the longest a hundred times the mean, and points anywhere, against fine samples."""
+    random = np.random.default_rng(7)
+    starts, points = random.normal(size=(30, 2)), 3.0 * random.normal(size=(40, 2))
+    ends = starts + 10.0 ** random.uniform(-3, 1, (30, 1)) * random.normal(size=(30, 2))
+    ends[:2] = starts[:2] + [[300.0, 0.0], [0.0, 0.0]]
+    t = np.linspace(0.0, 1.0, 5001)[:, None]
+    lines = [start + t * (end - start) for start, end in zip(starts, ends, strict=True)]
+    exact = np.array([min(np.linalg.norm(line - point, axis=1).min() for line in lines) for point in points])
+    assert_allclose(distance_to_segments(points, starts, ends), exact, atol=4e-2)
+
+
 def test_outlines_as_drawn_vertices_or_as_polylines():
     shape = shapes.annulus(1.0, 2.0, 200)
     starts, ends = outline_segments(shape.domain, shape.positions)

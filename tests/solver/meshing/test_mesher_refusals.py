@@ -22,6 +22,26 @@ BAD = {
         (6,),
     ),
     "repeated": (dict(outline=[(0, 0), (4, 0), (4, 0), (0, 3)]), "Points 1 and 2 of the outline", (1, 2)),
+    "nearly repeated": (
+        dict(outline=[(0, 0), (4, 0), (4, 2e-6), (4, 3), (0, 3)]),
+        "Points 1 and 2 of the outline are at the same place; merge them by distance",
+        (1, 2),
+    ),
+    "a hole beside a corner": (
+        dict(outline=SQUARE, holes=[[(1, 1), (9.9999995, 9.9999995), (2, 1)]]),
+        "Point 2 of the outline and point 1 of hole 0 are at the same place",
+        (2, 5),
+    ),
+    "a hole beside an edge": (
+        dict(outline=SQUARE, holes=[[(1, 1), (9.99999999, 6.0), (2, 1)]]),
+        r"At \(10, 5\.\d+\) the plan is too narrow for a mesh",
+        None,
+    ),
+    "tiny and far away": (
+        dict(outline=1e-6 * np.array(SQUARE) + 1e6, max_edge=1e-6),
+        "The outline measures 1e-05 and lies 1e.06 from the origin, .* rounded to 1e-10; move it nearer",
+        (),
+    ),
     "pinched": (
         dict(outline=[(0, 0), (4, 0), (4, 3), (2, 1), (0, 3), (2, 1)]),
         "Points 3 and 5 of the outline",
@@ -56,9 +76,11 @@ BAD = {
         (8, 9, 10),
     ),
     "length": (dict(outline=SQUARE, max_edge=0.0), "give a positive length", ()),
-    "no length": (dict(outline=SQUARE, max_edge=np.nan), "give a positive length", ()),
+    "no number": (dict(outline=SQUARE, max_edge=np.nan), "give a positive length", ()),
     "too long": (dict(outline=SQUARE, max_edge=12.0), "larger than the plan, which measures 10; .* 0.5 ", ()),
-    "too short": (dict(outline=SQUARE, max_edge=1e-4), "would make about", ()),
+    "too short": (dict(outline=SQUARE, max_edge=1e-4), "more than 5,000,000 vertices; .* longer than 0.0048", ()),
+    "no length": (dict(outline=SQUARE, max_edge=1e-300), "more than 5,000,000 vertices; .* longer than 0.0048", ()),
+    "far away": (dict(outline=[(0, 0), (4, 0), (4, 1e160), (0, 3)]), "Point 2 of the outline is beyond 1e.100", (2,)),
     "radius": (dict(outline=SQUARE, corner_radius=-1.0), "corner radius is -1", ()),
     "keep": (dict(outline=SQUARE, keep=[[7]]), "Point 7 to keep", ()),
 }
