@@ -98,9 +98,9 @@ def _check_targets(path: Path, report: bool) -> None:
     """Raise `JobError` where a folder has the name of a file, or a file that is not a report that of the report."""
     beside = path.with_suffix(".json")
     for file in (path, beside) if report else (path,):
-        if file.is_dir():
+        if os.path.isdir(file):  # which, unlike Path.is_dir, takes a name that is too long
             raise JobError(f"{file} cannot be written: it is a folder; add the name of a file.")
-    if report and beside.exists() and not _is_report(beside):
+    if report and os.path.exists(beside) and not _is_report(beside):
         raise JobError(
             f"The report would replace {beside}, which is not a report of this program; choose another name, or export "
             "without *Report*."

@@ -17,7 +17,7 @@ _OF_THE_WINDOW = {"window_managers", "screens", "workspaces", "brushes"}
 _GEOMETRY = {
     "vertices", "edges", "loops", "polygons", "attributes", "uv_layers", "loop_triangles", "loop_triangle_polygons",
     "color_attributes", "vertex_normals", "polygon_normals", "corner_normals", "skin_vertices",
-    "uv_layer_clone", "uv_layer_stencil",
+    "uv_layer_clone", "uv_layer_stencil", "vertex_colors",
 }
 _SKIPPED = {
     "rna_type", "depsgraph", "id_data", "original", "users", "tag", "is_evaluated", "is_runtime_data", "preview",

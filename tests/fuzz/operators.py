@@ -65,10 +65,11 @@ def _checked(call, and_undo: bool) -> tuple[str, list[str]]:
     import bpy
 
     from .blend_digest import differences, digest
-    from .blend_scenes import not_finite, wrong_bounds
+    from .blend_scenes import may_undo, not_finite, wrong_bounds
     from .operator_calls import is_sentence
 
-    and_undo = and_undo and call.has_undo and bpy.context.mode == "OBJECT"  # elsewhere it is that of the mode alone
+    # in other modes undo is that of the mode alone
+    and_undo = and_undo and call.has_undo and bpy.context.mode == "OBJECT" and may_undo()
     before, boxes = digest(), set(wrong_bounds())
     try:
         outcome, text = call.run()
