@@ -33,7 +33,7 @@ def interruptible() -> Iterator[None]:
 
 
 def _leave(*_: object) -> None:
-    os.write(2, b"cmc: Interrupted; nothing was begun.\n")
+    os.write(2, b"cmc: Interrupted.\n")
     os._exit(130)
 
 

@@ -70,10 +70,10 @@ def done_before(job: Job) -> dict[str, Any] | None:
 def _what(job: Job) -> dict[str, Any]:
     """The inputs, settings and conditions of a job, as `provenance` and `key_of` take them."""
     settings = {name: table for name, table in job.data.items() if name != "conditions"}
-    return {"inputs": _inputs(job), "settings": settings, "conditions": job.data.get("conditions", [])}
+    return {"inputs": job_inputs(job), "settings": settings, "conditions": job.data.get("conditions", [])}
 
 
-def _inputs(job: Job) -> dict[str, str]:
+def job_inputs(job: Job) -> dict[str, str]:
     """Name → hash of the files that a job reads; the job file itself is in its settings and conditions."""
     fit = job.data.get("fit")
     named = [job.data.get("mesh"), job.data.get("start"), fit.get("outline") if isinstance(fit, dict) else None]
