@@ -172,7 +172,7 @@ def _add_setting(group: argparse._ArgumentGroup, rna: bpy.types.Property) -> Non
         group.add_argument(option, type=int, nargs=rna.array_length, metavar="N", help=text)
     elif rna.type == "INT":
         group.add_argument(option, type=int, metavar="N", help=text)
-    elif rna.subtype == "ANGLE":
+    elif rna.unit == "ROTATION":
         group.add_argument(option, type=_angle, metavar="DEGREES", help=text)
     else:
         group.add_argument(option, type=float, metavar="X", help=text)
