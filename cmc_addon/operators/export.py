@@ -1,5 +1,6 @@
 """Export: the shell as a file for other programs, and its report."""
 
+import os
 import re
 from pathlib import Path
 
@@ -37,7 +38,8 @@ def file_name(plan: bpy.types.Object, result: bpy.types.Object) -> str:
 def _named_file(given: str) -> Path:
     """The path of a file to write. Raises `CmcError` for one that ends without a name, or is a folder."""
     path = Path(bpy.path.abspath(given))
-    if given.endswith(("/", "\\")) or path.name in ("", "..") or (path.suffix.lower() not in FORMATS and path.is_dir()):
+    is_folder = path.suffix.lower() not in FORMATS and os.path.isdir(path)
+    if given.endswith(("/", "\\")) or path.name in ("", "..") or is_folder:
         raise CmcError(f"'{given}' names a folder; add the name of a file.")
     return path
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..domain.domain import Domain
 from ..errors import ConditionError, Progress, check_choice
 from ..limits import COUNT, POSITIVE, check_number
-from ..linalg import as_numbers
+from ..linalg import as_numbers, out_of_range
 from ..meshing.rounding import CORNER
 from ..notes import Sentence
 from ..surface.cmc_surface import SHEETS

@@ -135,6 +135,12 @@ def wound_start(dirichlet: Dirichlet, start: Array, degree: float) -> Array:
     `ConditionError`.
     """
     graph = dirichlet.graph
+    most = len(graph.triangles) / 2
+    if not abs(degree) < most:
+        raise ConditionError(
+            f"No map of this mesh has degree {degree:g}: a triangle covers less than half of the sphere, so that the "
+            f"degree is below {most:g} here."
+        )
     turns = round(degree - degree_of(start, graph.triangles))
     if turns == 0:
         return start

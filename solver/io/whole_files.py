@@ -150,10 +150,10 @@ def cannot_write(target: Path, error: OSError) -> JobError:
     return JobError(f"{target} cannot be written: {error.strerror or error}.")
 
 
-def remove_stale(folders: Iterable[Path], *, deep: bool = False) -> None:
-    """Remove the scratch folders that interrupted runs have left in folders (deep: and below); those in use stay."""
+def remove_stale(folders: Iterable[Path]) -> None:
+    """Remove the scratch folders that interrupted runs have left in folders; those in use stay."""
     for folder in dict.fromkeys(folders):
-        for scratch in list((folder.rglob if deep else folder.glob)(f"{SCRATCH}*")):
+        for scratch in list(folder.glob(f"{SCRATCH}*")):
             if scratch.is_dir() and not _in_use(scratch):
                 shutil.rmtree(scratch, ignore_errors=True)
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import re
+import time
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -32,8 +33,9 @@ from ..surface.cmc_surface import COMBINATORICS, SHEETS
 from .close_table import read_close
 from .complete_table import CompleteOptions, read_complete
 from .fit_table import read_fit
+from .job_files import write_job
 from .job_paths import check_paths
-from .outputs import SHEET_KEYS, completed_report, piece_file, write_completed, write_results
+from .outputs import SHEET_KEYS, completed_report, piece_file
 from .selection import Pairs, select
 from .settings_table import read_settings
 from .shape_table import MadePlan, read_shape
@@ -77,7 +79,8 @@ class Job:
 
     mesh: the drawn mesh, with its UVs, groups and materials. outputs: sheet ("f+", "f-", "g", "gauss") or "report" →
     file. up: the up axis of the mesh files, None for each format's own. fit, close, complete: the options of these
-    tables, None without the table. warnings: likely mistakes in the file; they join the shell's.
+    tables, None without the table. warnings: likely mistakes in the file; they join the shell's. data: the tables as
+    written.
     """
 
     path: Path
@@ -90,6 +93,7 @@ class Job:
     close: ClosingOptions | None = None
     complete: CompleteOptions | None = None
     warnings: list[Note] = field(default_factory=list)
+    data: Mapping[str, object] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         tables = "".join(f", [{name}]" for name in ("fit", "close", "complete") if getattr(self, name) is not None)
@@ -129,7 +133,7 @@ def make_job(data: Mapping[str, object], file: Path) -> Job:
     outputs = _outputs(output, file.parent)
     complete = read_complete(root, plan.groups, file.parent) if "complete" in root else None
     close = read_close(root) if "close" in root else None
-    job = Job(file, plan, settings, mesh, outputs, up, fit, close, complete, [*mesh.notes, *root.notes])
+    job = Job(file, plan, settings, mesh, outputs, up, fit, close, complete, [*mesh.notes, *root.notes], data)
     check_paths(file, _reads(root, mesh, file.parent), _writes(job))
     if fit is None:
         with drawn_numbers(plan):
@@ -139,16 +143,15 @@ def make_job(data: Mapping[str, object], file: Path) -> Job:
 
 def run_job(job: Job, progress: Progress | None = None) -> Shell:
     """Solve, close or fit the shell of a job, and write its files; raises `CmcError` where that fails."""
+    started = time.time()
     shell, plan, more = _shell(job, progress)
     completed, failure = _completed(job, plan, shell)
     if completed is not None:
         more["completed"] = completed_report(completed)
-    combinatorics = job.settings.combinatorics
-    write_results(shell, plan, job.mesh, job.outputs, up=job.up, combinatorics=combinatorics, more=more)
+    written = write_job(job, shell, plan, completed, more, started)
+    failure = failure or next(iter(written), None)
     if failure is not None:
         raise failure
-    if completed is not None and job.complete is not None:
-        write_completed(completed, job.complete, plan, job.mesh, job.up)
     return shell
 
 

@@ -97,8 +97,8 @@ class Outline:
 def make_outline(wire: Wire) -> Outline:
     """Loops of the wire in its best plane, the one with the largest area first.
 
-    Raises `MeshError`, naming the vertices, on coordinates that are not finite or all the same, open ends, points where more than two
-    edges meet, and loops outside the largest one.
+    Raises `MeshError`, naming the vertices, on coordinates that are not finite or all the same, open ends, points where
+    more than two edges meet, and loops outside the largest one.
     """
     bad, what = out_of_range(wire.points)
     if bad.size:

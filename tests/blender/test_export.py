@@ -151,6 +151,9 @@ def test_what_goes_wrong_is_said_and_leaves_nothing(plan, tmp_path):
     (tmp_path / "hall.glb").mkdir()
     with pytest.raises(RuntimeError, match="cannot be written"):
         bpy.ops.cmc.export(filepath=str(tmp_path / "hall.glb"))
+    for long in ("x" * 300, "x" * 300 + ".glb"):
+        with pytest.raises(RuntimeError, match="cannot be written: File name too long"):
+            bpy.ops.cmc.export(filepath=str(tmp_path / long))
     assert sorted(os.listdir(tmp_path)) == ["file", "hall.glb"]
     with pytest.raises(RuntimeError, match="Repeat by Symmetry makes it"):
         bpy.ops.cmc.export(filepath=str(tmp_path / "x.glb"), export_what="COMPLETED")

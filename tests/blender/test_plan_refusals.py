@@ -31,7 +31,8 @@ BAD = {
     "open curve": (lambda: curve(SQUARE, HOLE, cyclic=False), r"Splines 0, 1 of 'Hall' are open"),
     "empty curve": (lambda: curve(), "is empty"),
     "empty": (lambda: added("Hall", [(0, 0, 0)], [], []), "no outline"),
-    "scaled to a point": (lambda: setattr(wire(SQUARE), "scale", (0, 0, 0)), "'Hall' are at one place; check its scale"),
+    "scaled to a point": (
+        lambda: setattr(wire(SQUARE), "scale", (0, 0, 0)), "'Hall' are at one place; check its scale"),
     "closed": (closed_mesh, "'Cube' is closed and has no boundary"),
     "three faces": (three_faces, r"Edge \d of 'Hall' has more than two faces"),
     "bow tie": (

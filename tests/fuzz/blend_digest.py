@@ -16,7 +16,8 @@ _OF_THE_WINDOW = {"window_managers", "screens", "workspaces", "brushes"}
 # Geometry, which is read in bulk; what Blender derives, or counts for itself.
 _GEOMETRY = {
     "vertices", "edges", "loops", "polygons", "attributes", "uv_layers", "loop_triangles", "loop_triangle_polygons",
-    "color_attributes", "vertex_normals", "polygon_normals", "corner_normals", "skin_vertices", "uv_layer_clone", "uv_layer_stencil",
+    "color_attributes", "vertex_normals", "polygon_normals", "corner_normals", "skin_vertices",
+    "uv_layer_clone", "uv_layer_stencil", "vertex_colors",
 }
 _SKIPPED = {
     "rna_type", "depsgraph", "id_data", "original", "users", "tag", "is_evaluated", "is_runtime_data", "preview",
@@ -80,7 +81,7 @@ def _walk(found: Digest, path: str, owner, above: set[int]) -> None:
             continue
         _add(found, f"{path}/{name}", value, above)
     if hasattr(owner, "keys") and isinstance(owner, (bpy.types.ID, bpy.types.PropertyGroup)):
-        for key in owner.keys():
+        for key in owner.keys():  # noqa: SIM118  no mapping
             _add(found, f"{path}[{key}]", owner[key], above)
 
 

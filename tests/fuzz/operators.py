@@ -30,6 +30,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from random import Random
 
+ROOT = Path(__file__).resolve().parents[2]
 CALLS = 8
 """Calls in a sequence, those not counted that `poll` refuses."""
 SECONDS = 60.0
@@ -64,10 +65,11 @@ def _checked(call, and_undo: bool) -> tuple[str, list[str]]:
     import bpy
 
     from .blend_digest import differences, digest
-    from .blend_scenes import not_finite, wrong_bounds
+    from .blend_scenes import may_undo, not_finite, wrong_bounds
     from .operator_calls import is_sentence
 
-    and_undo = and_undo and call.has_undo and bpy.context.mode == "OBJECT"  # elsewhere it is that of the mode alone
+    # in other modes undo is that of the mode alone
+    and_undo = and_undo and call.has_undo and bpy.context.mode == "OBJECT" and may_undo()
     before, boxes = digest(), set(wrong_bounds())
     try:
         outcome, text = call.run()
@@ -114,7 +116,7 @@ class Printed:
 
     def __init__(self) -> None:
         self.own = os.fdopen(os.dup(1), "w")
-        self.file = tempfile.TemporaryFile("w+", errors="replace")
+        self.file = tempfile.TemporaryFile()  # noqa: SIM115  open as long as the process
         sys.stdout.flush()
         for stream in (1, 2):
             os.dup2(self.file.fileno(), stream)
@@ -179,9 +181,10 @@ def run_seeds(seeds: list[int], tell: bool = False) -> tuple[Counter, list[str]]
 
 def _one_process(seeds: list[int], tell: bool) -> tuple[int, Counter, list[str]]:
     """Run sequences until the process ends; how many were begun, how their calls ended, and what was wrong."""
-    command = [sys.executable, "-m", "tests.fuzz.operators", "--worker", *map(str, seeds), *(["--tell"] if tell else [])]
+    command = [sys.executable, "-m", "tests.fuzz.operators", *(["--tell"] if tell else [])]
+    command += ["--worker", *map(str, seeds)]
     outcomes, wrong, done, running, noise = Counter(), [], 0, None, []
-    with subprocess.Popen(command, stdout=subprocess.PIPE) as process:
+    with subprocess.Popen(command, stdout=subprocess.PIPE, cwd=ROOT) as process:
         for line in _lines(process):
             try:
                 news = json.loads(line)

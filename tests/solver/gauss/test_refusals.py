@@ -110,3 +110,9 @@ def test_wound_starts_are_made_of_unit_normals(sites, degree):
     conormals = conditions.binormal(DISC.domain, DISC.positions, DISC.domain.boundary_edges)
     result = HarmonicSolver(DISC.domain, sites=sites).solve(conormals, degree=degree, max_iterations=0)
     assert np.allclose(np.linalg.norm(result.normals, axis=1), 1.0, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("degree", [1e30, -1e30, 400.0])
+def test_a_degree_that_no_map_of_the_mesh_has(degree):
+    with pytest.raises(ConditionError, match=r"No map of this mesh has degree .*below \d+ here"):
+        solve_cmc(DISC.domain, TWISTED, degree=degree)
