@@ -181,6 +181,8 @@ def _outcome(data: dict) -> Outcome:
 
 
 def _environment() -> dict[str, str]:
-    """This process's, with the places where it finds its modules; each process has a processor to itself."""
-    paths = [str(Path(path).resolve()) for path in sys.path if path and Path(path).exists()]
-    return {"OPENBLAS_NUM_THREADS": "1", **os.environ, "PYTHONPATH": os.pathsep.join(dict.fromkeys(paths))}
+    """This process's, with the folder of this package; each process has a processor to itself."""
+    package = sys.modules[__name__.partition(".")[0]]
+    folders = [str(Path(folder).parent) for folder in getattr(package, "__path__", [])]
+    paths = [*folders, *os.environ.get("PYTHONPATH", "").split(os.pathsep)]
+    return {"OPENBLAS_NUM_THREADS": "1", **os.environ, "PYTHONPATH": os.pathsep.join(filter(None, paths))}

@@ -110,7 +110,7 @@ def test_a_process_that_dies_takes_one_job_with_it(jobs, capsys, monkeypatch, tm
         "def dying(self):\n    if self.name == 'b.toml': os._exit(9)\n    return read(self)\n"
         "pathlib.Path.read_bytes = dying\n"
     )
-    monkeypatch.syspath_prepend(str(site))
+    monkeypatch.setenv("PYTHONPATH", str(site))
     assert main([*jobs, "--jobs", "2", "--log", "log.txt"]) == 1
     shown = capsys.readouterr()
     assert "b.toml: The process that worked on it ended without a word (exit code 9)" in shown.err
