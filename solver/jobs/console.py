@@ -130,9 +130,9 @@ def silence(stream: TextIO) -> None:
 
 
 @contextmanager
-def own_stdout(wanted: bool) -> Iterator[TextIO | None]:
-    """A stdout of our own; what others print meanwhile, such as Blender itself, goes to stderr. None if not wanted."""
-    if not wanted or sys.stdout is not sys.__stdout__ or sys.__stdout__ is None:
+def own_stdout() -> Iterator[TextIO | None]:
+    """A stdout of our own; what others print meanwhile, such as Blender itself, goes to stderr. None within a test."""
+    if sys.stdout is not sys.__stdout__ or sys.__stdout__ is None:
         yield None
         return
     sys.stdout.flush()

@@ -46,7 +46,7 @@ def command_line(
     try:
         with interruptible():
             if list(argv) == [WORKER]:
-                with own_stdout(True) as out:
+                with own_stdout() as out:
                     return serve(lambda given: read(parser.parse_args(given))[1], out or sys.stdout)
             arguments = parser.parse_args(list(argv))
             try:
@@ -74,7 +74,7 @@ def _flush() -> None:
 def _run(
     arguments: argparse.Namespace, argv: list[str], inputs: list[str], run_one: RunOne, command: Sequence[str]
 ) -> int:
-    with own_stdout(arguments.json) as out:
+    with own_stdout() as out:
         folder = getattr(arguments, "output", None) or Path()
         console = Console(len(inputs), arguments.json, arguments.quiet, arguments.log, folder, out)
         outcomes = (

@@ -14,6 +14,7 @@ import sys
 import tempfile
 import threading
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -123,8 +124,9 @@ class _Worker:
         except (BrokenPipeError, ValueError):
             pass
         if not self.stopped:
-            code = self.process.wait() if self.process is not None else 0
-            self.process = None
+            code = 0
+            if self.process is not None:
+                code, self.process = self.process.wait(), _closed(self.process)
             message = f"The process that worked on it ended without a word (exit code {code}); is the memory enough?"
             yield Outcome(path, code=FAILED, message=message, details=self._last_words() or message)
 
@@ -158,13 +160,16 @@ class _Worker:
                 self.process.kill()
                 self.process.wait()
             self.thread.join(_PATIENCE)
-            for pipe in (self.process.stdin, self.process.stdout):
-                try:
-                    if pipe is not None:
-                        pipe.close()
-                except OSError:
-                    pass
+            self.process = _closed(self.process)
         self.noise.close()
+
+
+def _closed(process: subprocess.Popen[str]) -> None:
+    """Close the pipes of a process that has ended."""
+    for pipe in (process.stdin, process.stdout):
+        with suppress(OSError):
+            if pipe is not None:
+                pipe.close()
 
 
 def _outcome(data: dict) -> Outcome:
@@ -176,6 +181,8 @@ def _outcome(data: dict) -> Outcome:
 
 
 def _environment() -> dict[str, str]:
-    """This process's, with the places where it finds its modules; each process has a processor to itself."""
-    paths = [str(Path(path).resolve()) for path in sys.path if path and Path(path).exists()]
-    return {"OPENBLAS_NUM_THREADS": "1", **os.environ, "PYTHONPATH": os.pathsep.join(dict.fromkeys(paths))}
+    """This process's, with the folder of this package; each process has a processor to itself."""
+    package = sys.modules[__name__.partition(".")[0]]
+    folders = [str(Path(folder).parent) for folder in getattr(package, "__path__", [])]
+    paths = [*folders, *os.environ.get("PYTHONPATH", "").split(os.pathsep)]
+    return {"OPENBLAS_NUM_THREADS": "1", **os.environ, "PYTHONPATH": os.pathsep.join(filter(None, paths))}
