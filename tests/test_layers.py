@@ -19,7 +19,7 @@ ROOT = Path(__file__).parent.parent
 # The rooms of each half, from the ground up. `errors`, `notes`, `linalg` are files; `__init__` and `__main__` are last.
 SOLVER = (
     "errors", "notes", "linalg", "io", "meshing", "domain", "gauss", "surface", "measure", "symmetry", "closing",
-    "fitting", "catalogue", "shells", "jobs",
+    "spanning", "fitting", "catalogue", "shells", "jobs",
 )
 ADDON = (
     "properties", "bridges", "drawing", "background", "results", "tasks", "operators", "live", "headless", "panels",
