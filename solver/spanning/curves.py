@@ -17,8 +17,11 @@ from scipy.interpolate import CubicSpline
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
-# Turns of a polyline sharper than this are corners: an arc of two segments a right angle would be one.
-CORNER = np.radians(35.0)
+# Turns of a polyline sharper than the first are corners: an arc of two segments a right angle would be one. Those
+# sharper than the second are, too, where they are this multiple of the turns at both neighbours.
+_SHARP = np.radians(35.0)
+_SINGLE = np.radians(25.0)
+_ALONE = 3.0
 # Points closer than this part of the length are one.
 _SAME = 1e-9
 
@@ -65,7 +68,9 @@ def turns(points: Array) -> Array:
 
 def corners(points: Array) -> Int:
     """Places of the sharp corners of a closed polyline (m, 3), sorted."""
-    return np.flatnonzero(turns(points) > CORNER)
+    turn = turns(points)
+    around = np.maximum(np.roll(turn, 1), np.roll(turn, -1))
+    return np.flatnonzero((turn > _SHARP) | ((turn > _SINGLE) & (turn > _ALONE * around)))
 
 
 def without_repeats(points: Array) -> Array:

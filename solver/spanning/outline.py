@@ -23,6 +23,9 @@ from .verdict import SpanStatus
 
 Array = NDArray[np.float64]
 
+# Ends of a search that another plan may do away with.
+_UNLIKE = (SpanStatus.UNLIKE, SpanStatus.STALLED, SpanStatus.NOT_CONFORMAL, SpanStatus.ITERATION_LIMIT)
+
 NUMBERS = ("mean_curvature", "rise", "height", "volume")
 
 
@@ -90,7 +93,7 @@ def span_outline(domain: DomainLike, positions: ArrayLike, options: SpanOptions)
     domain = as_domain(domain)
     points = in_space(domain, positions)
     span = _spanned(domain, points, options)
-    if span.status in (SpanStatus.UNLIKE, SpanStatus.STALLED) and options.initial is None:
+    if span.status in _UNLIKE and options.initial is None:
         laid = _laid(domain, points, options)
         if laid is not None:
             again = _spanned(*laid, options)

@@ -12,10 +12,12 @@ from ..domain.domain import Domain
 from ..errors import ConditionError
 from ..gauss.frames import boundary_edges, unit
 from ..gauss.harmonic import HarmonicSolver
+from ..linalg import sum_rows
 from .boundary import LINE, Plane, Side, mixed_loop, other_line, own_line
 from .coordinates import Coordinates
 from .curves import enclosed
 from .douglas import rim_angles
+from .layout import flat_layout
 from .lines import boundary_lines
 from .moduli import Motions
 from .plan_fields import plan_fields
@@ -74,7 +76,7 @@ def setting(
         if not own[k] and (label != LINE).any():
             raise ConditionError("A loop with mirrors spans its own points; leave out the curve, or move the plan.")
         sides.append(_side(place, points[loop] - lines.centre, given[k] - lines.centre, own[k], label, moved, sharp))
-    problem = _problem(domain, points[:, :2], loops, sides, moving_holes, solver or HarmonicSolver(domain))
+    problem = _problem(domain, points, loops, sides, moving_holes, solver or HarmonicSolver(domain))
     return problem, lines
 
 
@@ -128,32 +130,43 @@ def _shares(line: Array) -> Array:
 
 def _problem(
     domain: Domain,
-    positions: Array,
+    points: Array,
     loops: Sequence[Int],
     sides: Sequence[Side],
     moving_holes: bool,
     solver: HarmonicSolver,
 ) -> SpanProblem:
-    dirichlet = solver.dirichlet(domain.boundary_vertices.astype(np.int64))
-    coordinates = Coordinates(dirichlet)
-    places = [np.searchsorted(dirichlet.fixed, loop) for loop in loops]
-    lengths = [_shares(np.column_stack([positions[loop], np.zeros(len(loop))])) for loop in loops]
     marks = [side.marks for side in sides]
-    is_flat = abs(enclosed(positions[loops[0]])) > 0.0
+    layout = flat_layout(domain, points) if _has_moduli(marks, moving_holes) else None
+    if layout is not None and layout[0] is not domain:
+        domain, solver = layout[0], HarmonicSolver(layout[0])
+    dirichlet = solver.dirichlet(domain.boundary_vertices.astype(np.int64))
+    places = [np.searchsorted(dirichlet.fixed, loop) for loop in loops]
+    positions = points[:, :2] if layout is None else layout[1]
     fields = np.zeros((0, *positions.shape))
-    if is_flat:
+    if layout is not None:
         fields = plan_fields(dirichlet, positions, loops, marks, moving_holes)
     return SpanProblem(
         domain=domain,
-        coordinates=coordinates,
+        coordinates=Coordinates(dirichlet),
         rim=Rim([track for side in sides for track in side.tracks], len(dirichlet.fixed)),
         motions=Motions(domain, positions, fields),
         volume=Volume(domain),
         loops=places,
-        omegas=rim_angles(dirichlet, domain.vertex_areas, places, lengths),
+        omegas=rim_angles(dirichlet, domain.vertex_areas, places, [_lengths(domain, loop) for loop in loops]),
         marks=marks,
-        has_gauge=len(loops) == 1 or (moving_holes and is_flat),
+        has_gauge=len(loops) == 1 or (moving_holes and layout is not None),
         moving_holes=moving_holes,
     )
 
 
+def _has_moduli(marks: Sequence[Int], moving_holes: bool) -> bool:
+    """Whether the conformal type of the plan may have to change: around holes, and between four marked points."""
+    return (len(marks) > 1 and moving_holes) or len(marks[0]) > 3
+
+
+def _lengths(domain: Domain, loop: Int) -> Array:
+    """(n,) the domain's boundary length at each vertex of a loop: half of its two edges."""
+    edges = domain.boundary_edges
+    halves = np.repeat(0.5 * domain.edge_lengths[edges], 2)
+    return sum_rows(domain.edges[edges].ravel(), halves, domain.vertex_count)[loop]

@@ -16,6 +16,7 @@ from ..errors import ConditionError
 from ..gauss.boundary_data import Conditions
 from ..gauss.conditions import fixed_at, mirror
 from ..gauss.harmonic import HarmonicSolver
+from ..gauss.sphere import normalize
 from ..surface import convert, notebook
 from ..surface.cmc_surface import CmcSurface
 from ..surface.polygon_mesh import PolygonMesh
@@ -186,8 +187,11 @@ def _conditions(
     for loop, marks in zip(problem.loops, problem.marks, strict=True):
         N[loop] = rim_normals(domain, state.f, H, rim[loop], tangents[loop], marks, on_line[loop])
     conditions = Conditions(up=np.array([0.0, 0.0, 1.0]))
+    for edges, normal in mirrors:
+        across = mirror(domain, edges, normal)
+        n, ends = across.mirror_normals[0], on_line & np.isin(rim, domain.edges[across.mirrors])
+        N[ends] = normalize(N[ends] - np.outer(N[ends] @ n, n))
+        conditions = conditions + across
     if on_line.any():
         conditions = conditions + fixed_at(domain, rim[on_line], N[on_line])
-    for edges, normal in mirrors:
-        conditions = conditions + mirror(domain, edges, normal)
     return conditions, start_normals(domain, state.f, rim[on_line], N[on_line])
