@@ -4,9 +4,9 @@ The Gauss map of such a surface is harmonic, and the surface follows from it. Th
 `Domain` has triangles and edge lengths (domain, from plans by meshing); `conditions` prescribe tangent planes along its
 boundary and `HarmonicSolver` finds the unit normals N (gauss); `solve_cmc` integrates them to a conjugate surface g and
 returns f± = g ± N (surface); `report` measures what came of it (measure). Then surfaces are completed by mirrors
-(symmetry), closed around holes (closing) and fitted to outlines (fitting); some are ready-made (catalogue). `form`
-makes a shell over a drawn `Plan`, sized and placed (shells), from Python or from a job file (jobs). Each room opens
-with such a page::
+(symmetry) and closed around holes (closing); others span given lines (spanning) or are fitted to goals (fitting); some
+are ready-made (catalogue). `form` makes a shell over a drawn `Plan`, sized and placed (shells), from Python or from a
+job file (jobs). Each room opens with such a page::
 
     import numpy as np
     from solver import conditions, report, shapes, solve_cmc
@@ -49,6 +49,8 @@ from .measure import (
 from .shells.form import form
 from .shells.plan import Group, Plan, Settings, read_plan
 from .shells.shell import Shell
+from .spanning.outline import span_outline
+from .spanning.span import Span
 from .surface.cmc_surface import CmcSurface
 from .surface.periods import periods
 from .surface.solve import CmcSolver, solve_cmc
@@ -79,6 +81,7 @@ __all__ = [
     "Shape",
     "Shell",
     "Side",
+    "Span",
     "Status",
     "close_periods",
     "complete",
@@ -102,6 +105,7 @@ __all__ = [
     "shapes",
     "side_plane",
     "solve_cmc",
+    "span_outline",
     "tube",
     "vertex_principal_curvatures",
     "wente",

@@ -1,0 +1,116 @@
+"""First and second derivatives of D - 2H V at one surface, in the coordinates (u, x, q)."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from ..linalg import graph_laplacian, sum_rows
+from .coordinates import Form, Step
+from .douglas import angles
+from .gauge import moebius_fields
+from .preconditioner import Preconditioner
+from .problem import SpanProblem, State
+
+Array = NDArray[np.float64]
+
+
+class Linearised:
+    """First and second derivatives at one state.
+
+    dirichlet, volume: the forms of D and V. H: the multiplier that brings D' - 2H V' nearest to zero, or the given one.
+    """
+
+    def __init__(self, problem: SpanProblem, state: State, mean_curvature: float | None) -> None:
+        self.problem, self.state = problem, state
+        self.rim = problem.rim.at(state.x)
+        self.laplacian = self._laplacian()
+        self.second = problem.volume.second(state.f)
+        self._slopes = self._modulus_forces()
+        self._second_moduli = self._moduli_second()
+        self.dirichlet, by_dirichlet = self._dirichlet_form()
+        self.volume, by_volume = self.pull(problem.volume.first(state.f, self.second))
+        H = self._inner_multiplier() if mean_curvature is None else mean_curvature
+        self.force = by_dirichlet - 2.0 * H * by_volume
+        self._pulled = [self.pull(force)[0] for force in self._slopes]
+        self.precondition = Preconditioner(
+            problem.kernel, self.rim, self.force, self._fields(), self._pulled, self._second_moduli
+        )
+        self.along = self.precondition(self.volume)  # M V', the way to more volume
+        self.gain = self.volume(self.along)
+        self.H = 0.5 * self.dirichlet(self.along) / self.gain if mean_curvature is None else mean_curvature
+
+    def _laplacian(self) -> sp.csr_array:
+        domain = self.problem.domain
+        if not self.problem.motions.count:
+            return domain.laplacian
+        return graph_laplacian(domain.edges, self.state.weights, domain.vertex_count)
+
+    def _modulus_forces(self) -> list[Array]:
+        """L'_k f (V, 3) for each modulus."""
+        motions = self.problem.motions
+        if not motions.count:
+            return []
+        i, j = self.problem.domain.edges.T
+        d = self.state.f[j] - self.state.f[i]
+        count = len(self.state.f)
+        pushed = [slope[:, None] * d for slope in motions.slopes(self.state.q)]
+        return [sum_rows(j, each, count) - sum_rows(i, each, count) for each in pushed]
+
+    def _moduli_second(self) -> Array:
+        motions = self.problem.motions
+        if not motions.count:
+            return np.zeros((0, 0))
+        return motions.second(self.state.q, self.problem.squares(self.state.f))
+
+    def _dirichlet_form(self) -> tuple[Form, Array]:
+        """The form of D. On the plan of the coordinates L_II⁻¹ (L f)_I is u itself."""
+        forces = self.laplacian @ self.state.f
+        by_q = np.array([0.5 * np.einsum("ij,ij->", self.state.f, each) for each in self._slopes])
+        known = None if self.state.q.any() else self.state.u
+        return self.pull(forces, by_q, known)
+
+    def _inner_multiplier(self) -> float:
+        """H from the inside alone."""
+        w = self.volume.lifted
+        return 0.5 * float(np.einsum("ij,ij->", self.dirichlet.u, w) / np.einsum("ij,ij->", self.volume.u, w))
+
+    def _fields(self) -> Array:
+        problem = self.problem
+        if not problem.has_gauge:
+            return np.zeros((0, len(self.rim.owner)))
+        return moebius_fields(self.rim, problem.loops[0], angles(problem.omegas[0]), problem.marks[0])
+
+    def pull(self, forces: Array, by_q: Array | None = None, lifted: Array | None = None) -> tuple[Form, Array]:
+        """The form of forces (V, 3), and the force φ (B, 3) on the rim. One back-solve, if `lifted` is not known."""
+        coordinates = self.problem.coordinates
+        if lifted is None:
+            lifted = coordinates.lift(forces)
+        on_rim = coordinates.on_rim(forces, lifted)
+        by_q = np.zeros(len(self.state.q)) if by_q is None else by_q
+        return Form(forces[coordinates.inside], lifted, self.rim.pull(on_rim), by_q), on_rim
+
+    def push(self, step: Step) -> Array:
+        """df (V, 3) = du + E T dx. One back-solve."""
+        df = self.problem.coordinates.extend(self.rim.push(step.x))
+        df[self.problem.coordinates.inside] += step.u
+        return df
+
+    @property
+    def gradient(self) -> Form:
+        """D' - 2H V'."""
+        return self.dirichlet.plus(self.volume, -2.0 * self.H)
+
+    def hessian(self, step: Step, df: Array) -> Form:
+        """(D - 2H V)'' applied to a step that moves the surface by df. One back-solve."""
+        forces = self.laplacian @ df - 2.0 * self.H * self.second(df)
+        for number, slope in zip(step.q, self._slopes, strict=True):
+            forces += number * slope
+        form, _ = self.pull(forces, self._by_moduli(step))
+        return Form(form.u, form.lifted, form.x + self.rim.bend(self.force) * step.x, form.q)
+
+    def _by_moduli(self, step: Step) -> Array:
+        plain = Step(step.u, step.x, np.zeros_like(step.q))
+        return np.array([b(plain) for b in self._pulled]) + self._second_moduli @ step.q
+

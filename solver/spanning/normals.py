@@ -1,0 +1,94 @@
+"""Unit normals of a spanning surface: along its lines from the flux, inside the paper's harmonic map.
+
+The force of the rim, F = (L f - 2H · ⅓ Σ area vectors) at a rim vertex, points along the outward conormal, so
+N = F × γ' / |F × γ'|; one pass ¼ ½ ¼ along the rim takes out the alternating part of its error. At a corner N is normal
+to both sides. Means of face normals would be of no use: H measured with them does not converge on irregular meshes.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..domain.domain import Domain
+from ..gauss.frames import area_vectors
+from ..linalg import sum_rows
+
+Array = NDArray[np.float64]
+Int = NDArray[np.integer]
+
+# Two sides whose directions enclose a smaller sine at a corner do not give a normal there.
+_CORNER_SINE = 0.1
+
+
+def rim_normals(
+    domain: Domain, f: Array, H: float, loop: Int, tangents: Array, marks: Int, on_line: NDArray[np.bool_]
+) -> Array:
+    """N (n, 3) along a loop of vertices (n,); rows that are not `on_line` (n,) mean nothing.
+
+    tangents (n, 3): γ' where a vertex slides along a curve; those of marked points are not used.
+    """
+    areas = sum_rows(domain.faces.ravel(), np.repeat(area_vectors(f, domain.faces) / 3.0, 3, axis=0), len(f))
+    force = (domain.laplacian @ f - 2.0 * H * areas)[loop]
+    behind, ahead = _side_tangents(f[loop])
+    along = tangents.copy()
+    along[marks] = (behind + ahead)[marks]
+    N = _unit(np.cross(force, along))
+    N = _smoothed(N, along, marks, on_line)
+    return _at_corners(N, behind, ahead, marks)
+
+
+def _side_tangents(p: Array) -> tuple[Array, Array]:
+    """Unit directions in which a closed polyline arrives at and leaves each point, to second order on smooth sides."""
+    ahead = _one_sided(p, 1)
+    return -_one_sided(p, -1), ahead
+
+
+def _one_sided(p: Array, way: int) -> Array:
+    """Derivative at each point of the parabola through it and the next two, by the length."""
+    first = np.roll(p, -way, axis=0) - p
+    second = np.roll(p, -2 * way, axis=0) - p
+    a = np.linalg.norm(first, axis=1, keepdims=True)
+    b = a + np.linalg.norm(second - first, axis=1, keepdims=True)
+    return _unit(first * b / a - second * a / b)
+
+
+def _smoothed(N: Array, tangents: Array, marks: Int, on_line: NDArray[np.bool_]) -> Array:
+    """One pass ¼ ½ ¼, not across marked points; normal to the curve again."""
+    kept = on_line.copy()
+    kept[marks] = False
+    before, after = np.roll(kept, 1), np.roll(kept, -1)
+    weights = np.stack([0.25 * before, 0.25 * after])
+    mean = weights[0][:, None] * np.roll(N, 1, axis=0) + weights[1][:, None] * np.roll(N, -1, axis=0)
+    mean += (1.0 - weights.sum(axis=0))[:, None] * N
+    t = _unit(tangents)
+    mean -= np.einsum("ij,ij->i", mean, t)[:, None] * t
+    both = kept & before & after
+    return np.where(both[:, None], _unit(mean), N)
+
+
+def _at_corners(N: Array, behind: Array, ahead: Array, marks: Int) -> Array:
+    """N with that of both sides at the marked points, on the side of their neighbours."""
+    N = N.copy()
+    across = np.cross(behind, ahead)[marks]
+    sine = np.linalg.norm(across, axis=1)
+    near = N[(marks - 1) % len(N)] + N[(marks + 1) % len(N)]
+    sign = np.where(np.einsum("ij,ij->i", across, near) < 0.0, -1.0, 1.0)
+    clear = sine > _CORNER_SINE
+    N[marks[clear]] = (sign * 1.0)[clear, None] * _unit(across[clear])
+    N[marks[~clear]] = _unit(near[~clear])
+    return N
+
+
+def start_normals(domain: Domain, f: Array, rim: Int, at_rim: Array) -> Array:
+    """A start (V, 3) for the harmonic map: normals of the faces, and those known at the vertices `rim`."""
+    areas = sum_rows(domain.faces.ravel(), np.repeat(area_vectors(f, domain.faces), 3, axis=0), len(f))
+    N = _unit(areas)
+    N[rim] = at_rim
+    return N
+
+
+def _unit(v: Array) -> Array:
+    return v / np.maximum(np.linalg.norm(v, axis=1, keepdims=True), 1e-300)
+
+

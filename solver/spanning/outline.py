@@ -1,0 +1,146 @@
+"""The surface of constant mean curvature that spans given lines (Plateau's problem, and Rellich's for H ≠ 0)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import KW_ONLY, dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..domain.domain import Domain
+from ..domain.shape import DomainLike, as_domain
+from ..errors import ConditionError, Progress, check_choice
+from ..gauss.frames import area_vectors, in_space
+from ..gauss.options import with_options
+from ..linalg import check_number
+from ..surface.solve import CmcSolver
+from .problem import SpanProblem
+from .search import Search, Wish
+from .setting import Lines, setting
+from .span import Span, finished
+from .verdict import SpanStatus
+
+Array = NDArray[np.float64]
+
+# Ends of a search that another plan may do away with.
+_UNLIKE = (SpanStatus.UNLIKE, SpanStatus.STALLED, SpanStatus.NOT_CONFORMAL, SpanStatus.ITERATION_LIMIT)
+
+NUMBERS = ("mean_curvature", "rise", "height", "volume")
+
+
+@dataclass(frozen=True, eq=False)
+class SpanOptions:
+    """The options of `span_outline`, see there. Raises `ConditionError` on values without meaning."""
+
+    curve: ArrayLike | Sequence[ArrayLike] | None = None
+    _: KW_ONLY
+    mean_curvature: float | None = None
+    rise: float | None = None
+    height: float | None = None
+    volume: float | None = None
+    mirrors: Sequence[tuple[ArrayLike, ArrayLike]] = ()
+    holes: str = "adapt"
+    corners: str = "sharp"
+    initial: Span | None = None
+    solver: CmcSolver | None = None
+    tolerance: float = 1e-6
+    max_iterations: int = 60
+    progress: Progress | None = None
+
+    def __post_init__(self) -> None:
+        check_choice(self.holes, ("adapt", "keep"), "treatment of holes")
+        check_choice(self.corners, ("sharp", "round"), "treatment of corners")
+        check_number(self.tolerance, "tolerance", positive=True)
+        check_number(self.max_iterations, "largest number of iterations", 1)
+        name, number = self.wish
+        check_number(number, name.replace("_", " "), -np.inf)
+
+    @property
+    def wish(self) -> tuple[str, float]:
+        """The one number that is given, and its value; without any, mean curvature 0."""
+        given = {name: getattr(self, name) for name in NUMBERS if getattr(self, name) is not None}
+        if len(given) > 1:
+            raise ConditionError(f"Give one of {' and '.join(given)}, not both: one number chooses the surface.")
+        return next(iter(given.items()), ("mean_curvature", 0.0))
+
+
+@with_options(SpanOptions)
+def span_outline(domain: DomainLike, positions: ArrayLike, options: SpanOptions) -> Span:
+    """The surface of constant mean curvature, 0 and negative too, whose rim lies on given closed lines.
+
+    f is critical for D(f) - 2H V(f), D the Dirichlet energy over the plan and V the volume, while rim vertices slide
+    along the lines (Plateau, Douglas; for H ≠ 0 Rellich). Such f are conformal and have -Δf = 2H f_x × f_y. Points
+    converge with the square of the edge length.
+
+    positions: (V, 2|3) of the plan. curve: (m, 3) closed polyline, starting anywhere, either way round; by default the
+    plan's own boundary with its heights; on a plan with holes the outer line, or a list with one for each of
+    `domain.boundary_loops`. It is smoothed by a C² spline between its corners, turns of more than 35°.
+
+    At most one number chooses the surface: mean_curvature (default 0; positive domes up over a plan that faces up,
+    negative hangs), height of the crown over the outer line's mean height (negative: of the lowest point under it),
+    rise (height as a part of half the outline's smaller extent), or volume over that mean height.
+
+    mirrors: (edges, plane normal) pairs; these sides slide in the plane of their drawn points and meet it at right
+    angles. holes: "adapt" moves the plan's holes until the map is conformal, "keep" keeps the plan's conformal type,
+    and the surface is then not quite of constant mean curvature. corners: "sharp" holds corners in place and shifts the
+    plan's sides for that, "round" lets all vertices slide; round the line first. A plan too unlike the lines has its
+    vertices moved under them. initial: an earlier span of this plan, to continue from. tolerance: of the residual,
+    which has no unit. progress(step, residual) is called at each step; False cancels.
+
+    Raises `ConditionError` on input that contradicts itself or fits no plan. That no surface was found is a status.
+    """
+    domain = as_domain(domain)
+    points = in_space(domain, positions)
+    span = _spanned(domain, points, options)
+    if span.status in _UNLIKE and options.initial is None:
+        laid = _laid(domain, points, options)
+        if laid is not None:
+            again = _spanned(*laid, options)
+            span = again if again.ok else span
+    return span
+
+
+def _setting(domain: Domain, points: Array, options: SpanOptions) -> tuple[SpanProblem, Lines]:
+    return setting(
+        domain,
+        points,
+        options.curve,
+        options.mirrors,
+        sharp=options.corners == "sharp",
+        moving_holes=options.holes == "adapt",
+        solver=options.solver.harmonic if options.solver is not None and options.solver.domain is domain else None,
+    )
+
+
+def _spanned(domain: Domain, points: Array, options: SpanOptions) -> Span:
+    problem, lines = _setting(domain, points, options)
+    start, slope = None, None
+    if options.initial is not None:
+        problem, start = problem.continued(options.initial.kept.descent.problem, options.initial.kept.descent.state)
+        slope = options.initial.kept.slope
+    search = Search(
+        problem,
+        lines,
+        tolerance=options.tolerance,
+        limit=options.max_iterations,
+        progress=options.progress,
+        slope=slope,
+    )
+    name, number = options.wish
+    if name == "rise":
+        name, number = "height", number * 0.5 * lines.extent
+    found = search(Wish(name, number), start)
+    return finished(found, lines, options.mirrors, number if name == "mean_curvature" else None)
+
+
+def _laid(domain: Domain, points: Array, options: SpanOptions) -> tuple[Domain, Array] | None:
+    """The plan with its vertices moved under the lines, harmonically; None where faces would turn over, or where the
+    lines are its own."""
+    problem, lines = _setting(domain, points, options)
+    if lines.is_drawn:
+        return None
+    under = (problem.start().f + lines.centre) * [1.0, 1.0, 0.0]
+    if area_vectors(under, domain.faces)[:, 2].min() <= 0.0:
+        return None
+    return Domain.from_positions(under, domain.faces), under

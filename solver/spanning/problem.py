@@ -1,0 +1,125 @@
+"""The energy D(f, q) - 2H V(f) of surfaces that span a rim, with its derivatives in the coordinates (u, x, q).
+
+D = ½ <f, L(q) f> is the Dirichlet energy over the plan, V the volume. Critical f have -Δf = 2H f_x × f_y, the equation
+of surfaces of mean curvature H in conformal parameters; being critical for slides of the rim and for moduli of the plan
+they are conformal (Plateau, Douglas; Rellich for H ≠ 0). A dome over a counter-clockwise plan has H > 0 and V > 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..domain.domain import Domain
+from ..gauss.harmonic import HarmonicSolver
+from .coordinates import Coordinates, Step
+from .douglas import douglas_kernel
+from .moduli import Motions
+from .plan_fields import plan_fields
+from .rim import Rim
+from .volume import Volume
+
+Array = NDArray[np.float64]
+Int = NDArray[np.integer]
+
+# No modulus changes by more in one step; beyond this the plan that it leads to takes the place of the first one.
+_MODULUS_STEP = 0.2
+_REBASED = 0.15
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """A surface f (V, 3) = u + E p(x) over the plan at q; the plan's cotangent weights (E,), the Dirichlet energy D."""
+
+    u: Array
+    x: Array
+    q: Array
+    f: Array
+    weights: Array
+    D: float
+
+
+@dataclass(frozen=True, eq=False)
+class SpanProblem:
+    """Surfaces over one domain with one rim.
+
+    loops: places of the boundary loops' vertices in `coordinates.rim`, the outer one first; omegas: their angles, see
+    `douglas`; marks: places of the marked points along each, see `plan_fields`. has_gauge: whether the outer loop is
+    taken up to Möbius transformations. moving_holes: whether the holes of the plan move.
+    """
+
+    domain: Domain
+    coordinates: Coordinates
+    rim: Rim
+    motions: Motions
+    volume: Volume
+    loops: Sequence[Int]
+    omegas: Sequence[Array]
+    marks: Sequence[Int]
+    has_gauge: bool
+    moving_holes: bool
+
+    @cached_property
+    def kernel(self) -> Array:
+        return douglas_kernel(self.omegas, self.loops, self.rim.count)
+
+    def start(self) -> State:
+        """The harmonic surface over the rim at the start of its numbers."""
+        return self.state(None, self.rim.start, np.zeros(self.motions.count))
+
+    def state(self, u: Array | None, x: Array, q: Array) -> State:
+        """The surface of these numbers; u = None stands for zero."""
+        f = self.coordinates.extend(self.rim.at(x).points)
+        if u is None:
+            u = np.zeros((len(self.coordinates.inside), 3))
+        else:
+            f[self.coordinates.inside] += u
+        weights = self.motions.weights(q) if self.motions.count else self.domain.cotan_weights
+        return State(u, x, q, f, weights, 0.5 * float(weights @ self.squares(f)))
+
+    def is_far(self, state: State) -> bool:
+        """Whether the plan has moved so far that coordinates of the new one are better."""
+        return float(np.abs(state.q).max(initial=0.0)) > _REBASED
+
+    def rebased(self, state: State) -> tuple[SpanProblem, State]:
+        """The same surface over the plan that it has reached, with coordinates of that plan."""
+        domain, positions = self.motions.moved(state.q), self.motions.at(state.q)
+        dirichlet = HarmonicSolver(domain).dirichlet(self.coordinates.rim)
+        coordinates = Coordinates(dirichlet)
+        coordinates.solves = self.coordinates.solves
+        loops = [self.coordinates.rim[loop] for loop in self.loops]
+        fields = plan_fields(dirichlet, positions, loops, self.marks, self.moving_holes)
+        problem = replace(self, domain=domain, coordinates=coordinates, motions=Motions(domain, positions, fields))
+        rim = coordinates.extend(self.rim.at(state.x).points)
+        u = (state.f - rim)[coordinates.inside]
+        return problem, problem.state(u, state.x, np.zeros(problem.motions.count))
+
+    def continued(self, earlier: SpanProblem, state: State) -> tuple[SpanProblem, State | None]:
+        """This rim over the plan that an earlier problem has reached, and its last state carried over to it."""
+        x = self.rim.adopted(earlier.rim, state.x)
+        if x is None or not np.array_equal(self.domain.faces, earlier.domain.faces):
+            return self, None
+        problem = replace(earlier, rim=self.rim)
+        problem.coordinates.solves = 0
+        return problem, problem.state(state.u, x, state.q)
+
+    def lifted(self, state: State, d: Array) -> State:
+        """The state with u changed by d (I, 3)."""
+        f = state.f.copy()
+        f[self.coordinates.inside] += d
+        return State(state.u + d, state.x, state.q, f, state.weights, 0.5 * float(state.weights @ self.squares(f)))
+
+    def squares(self, f: Array) -> Array:
+        """(E,) squared edge lengths."""
+        i, j = self.domain.edges.T
+        d = f[j] - f[i]
+        return np.einsum("ij,ij->i", d, d)
+
+    def limit(self, state: State, step: Step) -> float:
+        """The largest multiple of the step that keeps the rim in order and the plan near; at most 1."""
+        furthest = float(np.abs(step.q).max(initial=0.0))
+        return min(1.0, self.rim.limit(state.x, step.x), _MODULUS_STEP / max(furthest, 1e-300))

@@ -1,0 +1,182 @@
+"""From a wish, one number, to the surface that has it: which start, which knob, and what to do where there is none."""
+
+from __future__ import annotations
+
+from dataclasses import KW_ONLY, dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import ConditionError, Progress
+from .descent import Descent, Knob, descend, with_volume
+from .knobs import Crown, HeldVolume, MeanCurvature, PastTheLargest
+from .problem import SpanProblem, State
+from .setting import Lines
+
+Array = NDArray[np.float64]
+
+# Volumes up to this multiple of a half sphere's are tried for the largest H.
+_FULLEST = 1.6
+# The part of the way that the volumes tried for the largest H may be wrong by, and how many are tried.
+_GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
+_TRIES = 14
+# Tolerance of those.
+_ROUGH = 1e-4
+# A mean curvature within this part of the largest counts as the largest.
+_AT_LARGEST = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Wish:
+    """name: "mean_curvature", "height", "volume"; heights over the mean height of the outer line."""
+
+    name: str
+    number: float
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """The end of a search. largest: of H, where a larger one was asked for. slope: dk/dV of the knob, to go on."""
+
+    descent: Descent
+    largest: float | None = None
+    slope: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """Searches on one problem."""
+
+    problem: SpanProblem
+    lines: Lines
+    _: KW_ONLY
+    tolerance: float
+    limit: int
+    progress: Progress | None = None
+    slope: float | None = None
+
+    def __call__(self, wish: Wish, start: State | None) -> Found:
+        """The surface with the wanted number, from `start` or from the flattest."""
+        way = {"mean_curvature": self._by_curvature, "height": self._by_height, "volume": self._by_volume}[wish.name]
+        return way(wish.number, start)
+
+    def _descend(self, state: State, knob: Knob, tolerance: float | None = None) -> Descent:
+        return descend(
+            self.problem,
+            state,
+            knob,
+            tolerance=tolerance or self.tolerance,
+            limit=self.limit,
+            progress=self.progress,
+        )
+
+    # --- mean curvature ------------------------------------------------------------------------
+
+    def _by_curvature(self, H: float, start: State | None) -> Found:
+        direct = self._descend(start or self.problem.start(), MeanCurvature(H))
+        if direct.end in ("converged", "cancelled") or H == 0.0:
+            return Found(direct)
+        return self._near_largest(H)
+
+    def _near_largest(self, H: float) -> Found:
+        """Where plain minimisation runs away: by way of the largest H that the lines allow."""
+        up = float(np.sign(H))
+        best = self._largest(up)
+        if best.end == "cancelled":
+            return Found(best)
+        largest = up * best.mean_curvature
+        if up * H > largest * (1.0 + _AT_LARGEST) or not largest > 0.0:
+            return Found(self._restarted(best, HeldVolume(best.volume)), largest=best.mean_curvature)
+        flatter = self._held(best, best.volume * (1.0 - np.sqrt(max(1.0 - up * H / largest, 1e-6))))
+        slope = (best.mean_curvature - flatter.mean_curvature) / (best.volume - flatter.volume)
+        knob = PastTheLargest(H, size=self.lines.size, slope=slope)
+        return Found(self._restarted(flatter, knob), slope=knob.slope)
+
+    def _largest(self, up: float) -> Descent:
+        """The surface of the largest H, up = 1, or the smallest: golden section over V, each solve from the last."""
+        low, high = 0.0, up * _FULLEST * 2.0 / 3.0 * self.lines.area**1.5 / np.sqrt(np.pi)
+        inner = [high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)]
+        found = [self._volume_from_film(inner[0])]
+        found.append(self._held(found[0], inner[1]))
+        for _ in range(_TRIES):
+            left, right = (up * each.mean_curvature for each in found)
+            if "cancelled" in (found[0].end, found[1].end):
+                return found[-1]
+            if left >= right:
+                high, inner[1], found[1] = inner[1], inner[0], found[0]
+                inner[0] = high - _GOLDEN * (high - low)
+                found[0] = self._held(found[1], inner[0])
+            else:
+                low, inner[0], found[0] = inner[0], inner[1], found[1]
+                inner[1] = low + _GOLDEN * (high - low)
+                found[1] = self._held(found[0], inner[1])
+        return max(found, key=lambda each: up * each.mean_curvature)
+
+    def _held(self, near: Descent, volume: float) -> Descent:
+        """The surface of another volume, from one nearby."""
+        search = replace(self, problem=near.problem)
+        state = search._with_volume(near.state, volume)
+        return search._descend(state, HeldVolume(volume), _ROUGH)
+
+    def _restarted(self, near: Descent, knob: Knob) -> Descent:
+        return replace(self, problem=near.problem)._descend(near.state, knob)
+
+    def _volume_from_film(self, volume: float) -> Descent:
+        return self._descend(self._with_volume(self.problem.start(), volume), HeldVolume(volume), _ROUGH)
+
+    # --- volume --------------------------------------------------------------------------------
+
+    def _by_volume(self, volume: float, start: State | None) -> Found:
+        state = start or self.problem.start()
+        cone = volume - self._cone_offset(state)
+        return Found(self._descend(self._with_volume(state, cone), HeldVolume(cone)))
+
+    def _cone_offset(self, state: State) -> float:
+        """By how much the volume over the base differs from that of the cone; it depends on the lines alone."""
+        f, faces = state.f, self.problem.domain.faces
+        a, b, c = (f[faces[:, k]] for k in range(3))
+        area = 0.5 * np.cross(b - a, c - a)[:, 2]
+        height = (a + b + c)[:, 2] / 3.0 - self._base
+        return float(area @ height) - self.problem.volume.of(f)
+
+    def _with_volume(self, state: State, volume: float) -> State:
+        """The state, blown up from inside to a volume."""
+        forces = self.problem.volume.first(state.f)
+        blown = with_volume(self.problem, state, self.problem.coordinates.lift(forces), volume)
+        if blown is None:
+            raise ConditionError(f"The lines enclose no surface of volume {volume:.4g}; choose a smaller one.")
+        return blown
+
+    # --- height --------------------------------------------------------------------------------
+
+    @property
+    def _base(self) -> float:
+        """The mean height of the outer line, in the frame of the search."""
+        return self.lines.base - float(self.lines.centre[2])
+
+    def _by_height(self, height: float, start: State | None) -> Found:
+        up = -1.0 if height < 0.0 else 1.0
+        wanted = self._base + height
+        rim = np.concatenate([line[:, 2] - self.lines.centre[2] for line in self.lines.loops])
+        highest = up * float((up * rim).max())
+        if up * (wanted - highest) <= 0.0 and not np.isclose(wanted, highest, rtol=0.0, atol=1e-9 * self.lines.size):
+            raise ConditionError(
+                f"The lines themselves reach {abs(highest - self._base):.4g} {'above' if up > 0 else 'below'} their "
+                f"mean height, so no surface on them ends at {abs(height):.4g}; choose more, or mean curvature 0."
+            )
+        state = start or self._film(wanted, up)
+        size = self.lines.size
+        knob = Crown(wanted, unit=max(abs(height), 1e-6 * size), size=size, up=up, slope=self.slope)
+        descent = self._descend(state, knob)
+        return Found(descent, slope=knob.slope)
+
+    def _film(self, wanted: float, up: float) -> State:
+        """The harmonic surface under even pressure, Δu = -const, that just reaches the wanted height."""
+        state = self.problem.start()
+        pressed = np.zeros_like(state.f)
+        pressed[:, 2] = up * self.problem.domain.vertex_areas
+        film = self.problem.coordinates.lift(pressed)
+        room = up * (wanted - state.f[self.problem.coordinates.inside, 2])
+        reach = up * film[:, 2]
+        stretch = float(np.min(np.maximum(room, 0.0)[reach > 0.0] / reach[reach > 0.0]))
+        return self.problem.lifted(state, stretch * film)

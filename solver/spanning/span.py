@@ -1,0 +1,197 @@
+"""The result of `span_outline`: a surface of constant mean curvature on its lines, as plain arrays."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..domain.domain import Domain
+from ..errors import ConditionError
+from ..gauss.boundary_data import Conditions
+from ..gauss.conditions import fixed_at, mirror
+from ..gauss.harmonic import HarmonicSolver
+from ..gauss.sphere import normalize
+from ..surface import convert, notebook
+from ..surface.cmc_surface import CmcSurface
+from ..surface.polygon_mesh import PolygonMesh
+from ..surface.solve import CmcSolver
+from .descent import Iterate
+from .normals import rim_normals, start_normals
+from .problem import SpanProblem, State
+from .search import Found
+from .setting import Lines
+from .verdict import SpanStatus, judged, largest_sentence
+
+if TYPE_CHECKING:
+    import trimesh
+
+Array = NDArray[np.float64]
+Mirrors = Sequence[tuple[ArrayLike, ArrayLike]]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Span:
+    """A surface that spans its lines.
+
+    points (V, 3), normals (V, 3): unit, on the side from which the faces (F, 3) run counter-clockwise; the normals are
+    a harmonic map whose boundary values are those of the surface. domain: the plan's, with its moduli adapted: the
+    surface is conformal to it. positions: (V, 2|3) of that plan. mean_curvature: H, with its sign. curve_parameters:
+    the numbers of the rim's vertices. history: one line for each step.
+    """
+
+    points: Array
+    normals: Array
+    faces: NDArray[np.int32]
+    domain: Domain
+    positions: Array
+    mean_curvature: float
+    curve_parameters: Array
+    status: SpanStatus
+    message: str
+    history: list[Iterate]
+    conditions: Conditions = field(repr=False)
+    kept: Found = field(repr=False)
+
+    @property
+    def ok(self) -> bool:
+        """Whether this is the surface that was asked for."""
+        return self.status is SpanStatus.CONVERGED
+
+    @property
+    def g(self) -> Array | None:
+        """The parallel surface of constant Gauss curvature, f - N / 2H; None where H = 0."""
+        return None if self.mean_curvature == 0.0 else self.points - 0.5 / self.mean_curvature * self.normals
+
+    @property
+    def f_minus(self) -> Array | None:
+        """The twin, f - N / H, of mean curvature H with the normals -N; None where H = 0."""
+        return None if self.mean_curvature == 0.0 else self.points - 1.0 / self.mean_curvature * self.normals
+
+    def harmonic(self, solver: CmcSolver | None = None) -> CmcSurface:
+        """The paper's surface with the boundary normals of this one, moved to where it is nearest.
+
+        Its rim comes near to the lines; `distance` of the two says how near. Where H < 0 it is reflected in a point, so
+        that its scale 1 / (2 H) is negative. Raises `ConditionError` where H = 0.
+        """
+        if self.mean_curvature == 0.0:
+            raise ConditionError("A surface of mean curvature 0 has no harmonic surface beside it; choose H ≠ 0.")
+        found = self._solved(solver)
+        shift = (self.points - found.f_plus).mean(axis=0)
+        return replace(
+            found,
+            centre=found.centre - shift / found.scale,
+            g=found.g + shift,
+            f_plus=found.f_plus + shift,
+            f_minus=found.f_minus + shift,
+        )
+
+    def distance(self, solver: CmcSolver | None = None) -> float:
+        """The largest distance of a point from that of the paper's surface, see `harmonic`."""
+        return float(np.linalg.norm(self.points - self.harmonic(solver).f_plus, axis=1).max())
+
+    def _solved(self, solver: CmcSolver | None = None) -> CmcSurface:
+        """The surface of the normals, closed, at the scale 1 / (2 H), or 1 where H = 0."""
+        H = self.mean_curvature or 0.5
+        solver = solver or CmcSolver(self.domain)
+        found = solver.solve(
+            self.conditions, initial=self.normals, mean_curvature=abs(H), period_tolerance=np.inf
+        )
+        if H > 0.0:
+            return found
+        return replace(found, g=-found.g, f_plus=-found.f_plus, f_minus=-found.f_minus, scale=-found.scale)
+
+    def sheet(self, name: str = "f+") -> Array:
+        """Points (V, 3) of this surface, "f+", or of "f-", "g" and "gauss", see `CmcSurface.sheet`."""
+        return self.as_surface.sheet(name)
+
+    @cached_property
+    def as_surface(self) -> CmcSurface:
+        """The same with the fields of a `CmcSurface`: f+ is this surface, with its exact rim.
+
+        Where H = 0 its scale is infinite, and f- and g are this surface, too.
+        """
+        solved, points, none = self._solved(), self.points, np.zeros((0, 3))
+        if self.mean_curvature == 0.0:
+            return replace(solved, g=points, f_plus=points, f_minus=points, scale=np.inf, periods=none)
+        scale = solved.scale
+        g = points - scale * self.normals
+        centre = solved.centre - (points - solved.f_plus).mean(axis=0) / scale
+        return replace(solved, centre=centre, g=g, f_plus=points, f_minus=g - scale * self.normals, periods=none)
+
+    def as_mesh(self, sheet: str = "f+", combinatorics: str = "primal") -> PolygonMesh:
+        """A sheet as a mesh of polygons, see `CmcSurface.as_mesh`."""
+        return self.as_surface.as_mesh(sheet, combinatorics)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the triangles as OBJ, PLY, STL or GLB, by the suffix; raises `JobError` where that fails."""
+        convert.save_mesh(path, self.points, self.faces, self.normals)
+
+    def to_trimesh(self) -> trimesh.Trimesh:
+        """The surface as a `trimesh.Trimesh` with its normals."""
+        return convert.to_trimesh(self.points, self.faces, self.normals)
+
+    def __repr__(self) -> str:
+        size = f"{len(self.points)} vertices, {len(self.faces)} faces"
+        return f"Span({size}, H = {self.mean_curvature:.4g}, {self.status.value} after {len(self.history) - 1} steps)"
+
+    def _repr_html_(self) -> str:
+        """Numbers, and a picture where matplotlib is installed."""
+        numbers: dict[str, Any] = {
+            "mean curvature H": f"{self.mean_curvature:.4g}",
+            "vertices, faces": f"{len(self.points)}, {len(self.faces)}",
+            "size": " × ".join(f"{extent:.4g}" for extent in np.ptp(self.points, axis=0)),
+            "status": f"{self.status.value} after {len(self.history) - 1} steps",
+        }
+        return notebook.table("Span", numbers, notebook.picture(self.points, self.faces))
+
+
+def finished(found: Found, lines: Lines, mirrors: Mirrors, wanted: float | None) -> Span:
+    """The span at the end of a search; wanted: the mean curvature asked for, if one was."""
+    descent = found.descent
+    problem, state, H = descent.problem, descent.state, descent.mean_curvature
+    domain = problem.motions.moved(state.q) if state.q.any() else problem.domain
+    status, message = judged(descent, lines.is_drawn)
+    if found.largest is not None and wanted is not None:
+        status, message = SpanStatus.NO_SURFACE, largest_sentence(wanted, found.largest)
+    conditions, start = _conditions(domain, problem, state, H, mirrors)
+    harmonic = HarmonicSolver(domain).solve(conditions, initial=start)
+    return Span(
+        points=state.f + lines.centre,
+        normals=harmonic.normals,
+        faces=domain.faces,
+        domain=domain,
+        positions=problem.motions.at(state.q),
+        mean_curvature=H,
+        curve_parameters=state.x,
+        status=status,
+        message=message,
+        history=descent.history,
+        conditions=conditions,
+        kept=found,
+    )
+
+
+def _conditions(
+    domain: Domain, problem: SpanProblem, state: State, H: float, mirrors: Mirrors
+) -> tuple[Conditions, Array]:
+    """The normals along the lines, and the mirrors; and a start (V, 3) for the harmonic map."""
+    rim = problem.coordinates.rim
+    N = np.zeros((len(rim), 3))
+    tangents, on_line = problem.rim.tangents(state.x), problem.rim.on_line
+    for loop, marks in zip(problem.loops, problem.marks, strict=True):
+        N[loop] = rim_normals(domain, state.f, H, rim[loop], tangents[loop], marks, on_line[loop])
+    conditions = Conditions(up=np.array([0.0, 0.0, 1.0]))
+    for edges, normal in mirrors:
+        across = mirror(domain, edges, normal)
+        n, ends = across.mirror_normals[0], on_line & np.isin(rim, domain.edges[across.mirrors])
+        N[ends] = normalize(N[ends] - np.outer(N[ends] @ n, n))
+        conditions = conditions + across
+    if on_line.any():
+        conditions = conditions + fixed_at(domain, rim[on_line], N[on_line])
+    return conditions, start_normals(domain, state.f, rim[on_line], N[on_line])
