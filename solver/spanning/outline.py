@@ -13,7 +13,7 @@ from ..domain.shape import DomainLike, as_domain
 from ..errors import ConditionError, Progress, check_choice
 from ..gauss.frames import area_vectors, in_space
 from ..gauss.options import with_options
-from ..linalg import check_number
+from ..limits import COUNT, NUMBERS, TOLERANCE, check_number
 from ..surface.solve import CmcSolver
 from .problem import SpanProblem
 from .search import Search, Wish
@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 # Ends of a search that another plan may do away with.
 _UNLIKE = (SpanStatus.UNLIKE, SpanStatus.STALLED, SpanStatus.NOT_CONFORMAL, SpanStatus.ITERATION_LIMIT)
 
-NUMBERS = ("mean_curvature", "rise", "height", "volume")
+KNOBS = ("mean_curvature", "rise", "height", "volume")
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,15 +51,15 @@ class SpanOptions:
     def __post_init__(self) -> None:
         check_choice(self.holes, ("adapt", "keep"), "treatment of holes")
         check_choice(self.corners, ("sharp", "round"), "treatment of corners")
-        check_number(self.tolerance, "tolerance", positive=True)
-        check_number(self.max_iterations, "largest number of iterations", 1)
+        check_number(self.tolerance, "tolerance", TOLERANCE)
+        check_number(self.max_iterations, "largest number of iterations", COUNT)
         name, number = self.wish
-        check_number(number, name.replace("_", " "), -np.inf)
+        check_number(number, name.replace("_", " "), NUMBERS)
 
     @property
     def wish(self) -> tuple[str, float]:
         """The one number that is given, and its value; without any, mean curvature 0."""
-        given = {name: getattr(self, name) for name in NUMBERS if getattr(self, name) is not None}
+        given = {name: getattr(self, name) for name in KNOBS if getattr(self, name) is not None}
         if len(given) > 1:
             raise ConditionError(f"Give one of {' and '.join(given)}, not both: one number chooses the surface.")
         return next(iter(given.items()), ("mean_curvature", 0.0))
