@@ -35,7 +35,7 @@ def as_numbers(values: ArrayLike, what: str, error: type[CmcError]) -> Array:
     """The values as a float64 array; raises `error`, naming `what`, where they are ragged or not numbers."""
     try:
         return np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):  # the last: whole numbers of hundreds of digits
         raise error(f"{what} must be numbers in a regular array.") from None
 
 

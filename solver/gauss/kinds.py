@@ -94,7 +94,7 @@ def build(
 
     against, up: what a lean is measured against (see `binormal`); kinds that do not lean pass over them.
     """
-    if kind not in KINDS:
+    if not isinstance(kind, str) or kind not in KINDS:
         raise ConditionError(f"There is no boundary condition {kind!r}; choose one of {', '.join(KINDS)}.")
     known = {parameter.name for parameter in KINDS[kind].parameters}
     unknown = sorted(set(parameters) - known)
