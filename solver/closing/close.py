@@ -25,6 +25,7 @@ from ..surface.solve import CmcSolver
 from ..symmetry.sides import Side
 from .closing_conditions import ClosingConditions
 from .closing_map import ClosingMap, Place
+from .holes import together
 from .moduli import Moduli
 from .newton_steps import ClosingSteps, Step, boundary_tangents
 
@@ -73,7 +74,7 @@ class PeriodOptions:
 
     _: KW_ONLY
     by: str = "normals"
-    moduli: Moduli | None = None
+    moduli: Moduli | Sequence[Moduli] | None = None
     weight: float = 1.0
     coplanar: Sequence[Sequence[Side]] = ()
     positions: ArrayLike | None = None
@@ -156,7 +157,7 @@ def close_periods(domain: DomainLike, conditions: Conditions, options: PeriodOpt
     (V, 2|3) of the plan; with them only the tilts change, each normal turning about the boundary's tangent. initial:
     (V, 3) normals to start from. method: a name in `METHODS`; "critical" and "saddle" follow maps that are not
     minimisers. tolerance: of the periods, as sums along loops, as a part of the size of f+. progress(step, gap) is
-    called at every step; False cancels. `moduli`, `hole` and `tube` make moduli.
+    called at every step; False cancels. `hole`, `tube` and `tubes` make moduli; several holes are given as a list.
 
     Not closing is a status, with the nearest surface. Raises `ConditionError` where nothing is open, on unknown names,
     and where nothing may change.
@@ -165,8 +166,9 @@ def close_periods(domain: DomainLike, conditions: Conditions, options: PeriodOpt
     check_conditions(conditions)
     if not conditions.vertices.size and options.by != "moduli":
         raise ConditionError("No normals are prescribed that could change; close by moduli.")
+    moduli = Moduli.none(domain) if options.moduli is None else together(options.moduli)
     closing = ClosingConditions.of(domain, conditions, options.coplanar)
-    closing_map = ClosingMap(conditions, closing, options.moduli or Moduli.none(domain), options.method)
+    closing_map = ClosingMap(conditions, closing, moduli, options.method)
     axes = None if options.positions is None else boundary_tangents(domain, options.positions, closing_map.fixed)
     steps = ClosingSteps(closing_map, options.by, options.weight, axes)
     return _result(closing_map, _search(steps, options), options.mean_curvature)

@@ -11,6 +11,7 @@ The conditions on the boundary stay; a twist therefore turns the hole against it
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -33,32 +34,62 @@ def hole(domain: DomainLike, positions: ArrayLike, loop: int, motions: tuple[str
     """A hole of a plan that moves: `motions` of x, y (parts of the plan's size), twist (radians), size (logarithm).
 
     positions: (V, 2|3) of the plan, loop: the index of the hole in `domain.boundary_loops`. It moves by at most half
-    the plan's size and turns by at most half a turn. Raises `ConditionError` on an unknown loop or motion.
+    the plan's size and turns by at most half a turn. `close_periods` takes a list of several holes, too. Raises
+    `ConditionError` on an unknown loop or motion.
     """
-    return MovingHoles(as_domain(domain), positions, [loop], motions).moduli()
+    return MovingHoles(as_domain(domain), positions, [loop], [motions]).moduli()
+
+
+def together(given: Moduli | Sequence[Moduli]) -> Moduli:
+    """Several moving holes of one plan as one `Moduli`. Raises `ConditionError` on others than holes."""
+    if isinstance(given, Moduli):
+        return given
+    several = list(given)
+    holes = [one.moving for one in several if isinstance(one, HoleModuli)]
+    if not holes or len(holes) < len(several):
+        raise ConditionError(
+            "Several moduli must be a list of holes, each made by `hole`; parts that stretch are one, made by `tubes`."
+        )
+    first = holes[0]
+    if any(one.domain is not first.domain or not np.array_equal(one.points, first.points) for one in holes):
+        raise ConditionError("The holes are of different plans; make them with the same domain and positions.")
+    loops = [loop for one in holes for loop in one.loops]
+    return MovingHoles(first.domain, first.points, loops, [names for one in holes for names in one.motions]).moduli()
 
 
 class MovingHoles:
-    """Holes of a plan that move by the same `motions`; q (m,) lists them hole by hole.
+    """Holes of a plan that move, each by its own `motions`; q (m,) lists them hole by hole.
 
-    size: of the plan, the unit of x and y. names: of the numbers, "x", or "hole 1 x" where several holes move.
+    motions: names for each hole, or one list for all. size: of the plan, the unit of x and y. names: of the numbers,
+    "x", or "hole 1 x" where several holes move; numbers: those of the holes in these names.
     """
 
     def __init__(
-        self, domain: Domain, positions: ArrayLike, loops: Sequence[int], motions: Sequence[str] = ("x", "y", "twist")
+        self,
+        domain: Domain,
+        positions: ArrayLike,
+        loops: Sequence[int],
+        motions: Sequence[str] | Sequence[Sequence[str]] = ("x", "y", "twist"),
+        numbers: Sequence[int] | None = None,
     ) -> None:
-        for name in motions:
+        each = [[str(one) for one in motions]] * len(loops) if _is_one(motions) else [list(names) for names in motions]
+        for name in [name for names in each for name in names]:
             check_choice(name, MOTIONS, "motion of a hole")
+        twice = [loop for loop in loops if list(loops).count(loop) > 1]
+        if twice:
+            raise ConditionError(f"The hole at loop {twice[0]} is given twice; give each once, with all its motions.")
         wrong = [loop for loop in loops if loop not in range(len(domain.boundary_loops))]
         if wrong:
             raise ConditionError(f"There is no boundary loop {wrong[0]}; the plan has {len(domain.boundary_loops)}.")
         self.domain = domain
         self.points = in_space(domain, positions)
         self.size = float(np.linalg.norm(np.ptp(self.points, axis=0)))
-        self.motions = tuple(motions)
-        self.names = self.motions
-        if len(loops) > 1:
-            self.names = tuple(f"hole {k} {name}" for k in range(1, len(loops) + 1) for name in motions)
+        self.loops = tuple(int(loop) for loop in loops)
+        self.motions = tuple(tuple(names) for names in each)
+        numbers = numbers or range(1, len(loops) + 1)
+        self.names = tuple(f"hole {k} {name}" for k, names in zip(numbers, each, strict=True) for name in names)
+        if len(loops) == 1:
+            self.names = self.motions[0]
         self._centres = [self.points[domain.boundary_loops[loop]].mean(axis=0) for loop in loops]
         self._shares = _shares(domain, loops)
         self._ahead = area_vectors(self.points, domain.faces)
@@ -66,9 +97,9 @@ class MovingHoles:
     def positions(self, q: ArrayLike) -> Array:
         """(V, 3) of the plan whose holes have moved. Raises `MeshError` where faces turn over."""
         now = self.points.copy()
-        numbers = np.asarray(q, dtype=np.float64).reshape(len(self._centres), len(self.motions))
-        for share, centre, row in zip(self._shares.T, self._centres, numbers.tolist(), strict=True):
-            goal, wanted = self.points, dict(zip(self.motions, row, strict=True))
+        numbers = iter(np.asarray(q, dtype=np.float64).tolist())
+        for share, centre, names in zip(self._shares.T, self._centres, self.motions, strict=True):
+            goal, wanted = self.points, {name: next(numbers) for name in names}
             for name in sorted(wanted, key=list(_MOTIONS).index):
                 goal = _MOTIONS[name][0](goal, centre, self.size, wanted[name])
             now += share[:, None] * (goal - self.points)
@@ -85,8 +116,20 @@ class MovingHoles:
             now = self.positions(q)
             return np.linalg.norm(now[j] - now[i], axis=1)
 
-        ranges = tuple(_MOTIONS[name][1] for name in self.motions) * len(self._centres)
-        return Moduli(self.names, self.domain, lengths, ranges)
+        ranges = tuple(_MOTIONS[name][1] for names in self.motions for name in names)
+        return HoleModuli(self.names, self.domain, lengths, ranges, self)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class HoleModuli(Moduli):
+    """Moduli of moving holes."""
+
+    moving: MovingHoles
+
+
+def _is_one(motions: Sequence[str] | Sequence[Sequence[str]]) -> bool:
+    """Whether these are the motions of one hole, not one list for each."""
+    return all(isinstance(one, str) for one in motions)
 
 
 def _shares(domain: Domain, loops: Sequence[int]) -> Array:

@@ -19,6 +19,7 @@ Int = NDArray[np.integer]
 
 # Directions count as opposite when their weighted sum is shorter than this part of their weights.
 _OPPOSITE = 1e-6
+# Products of three larger coordinates have no double.
 
 
 def boundary_edges(domain: DomainLike, edges: ArrayLike) -> Int:
@@ -28,7 +29,11 @@ def boundary_edges(domain: DomainLike, edges: ArrayLike) -> Int:
     """
     if is_names(edges):
         edges = side_edges(domain, cast("str | Sequence[str]", edges))
-    domain, given = as_domain(domain), np.asarray(edges)
+    domain = as_domain(domain)
+    try:
+        given = np.asarray(edges)
+    except ValueError:
+        raise ConditionError("Edges must be indices (K,) or vertex pairs (K, 2), not ragged lists.") from None
     if given.size == 0:
         return np.zeros(0, dtype=np.int64)
     if not np.issubdtype(given.dtype, np.integer) or not (given.ndim == 1 or given.shape[1:] == (2,)):
@@ -202,7 +207,14 @@ def unit(normals: ArrayLike, owners: Int, noun: str) -> Array:
         raise ConditionError(
             f"Normals must have shape (3,) or ({len(owners)}, 3), one for each {noun}, not {given.shape}."
         )
-    return unit_rows(np.broadcast_to(given, (len(owners), 3)), noun, "has a normal that is zero or not finite", owners)
+    rows = scaled_rows(np.broadcast_to(given, (len(owners), 3)))
+    return unit_rows(rows, noun, "has a normal that is zero or not finite", owners)
+
+
+def scaled_rows(vectors: Array) -> Array:
+    """Rows times powers of two that bring their largest parts to about one, so that their squares have a double."""
+    _, exponent = np.frexp(np.abs(vectors).max(axis=-1, keepdims=True, initial=0.0))
+    return np.ldexp(vectors, -exponent)
 
 
 def unit_rows(vectors: Array, noun: str, complaint: str, owners: Iterable[int] | None = None) -> Array:

@@ -49,9 +49,8 @@ def _indices(given: ArrayLike, count: int, noun: str, what: str) -> Int:
         raise ConditionError(f"{what} must be indices (n,), not lists of several lengths.") from None
     if indices.ndim != 1 or (indices.size and not np.issubdtype(indices.dtype, np.integer)):
         raise ConditionError(f"{what} must be indices (n,), not {indices.dtype} {indices.shape}.")
-    indices = indices.astype(np.int64)
     check_range(indices, count, noun)
-    return indices
+    return indices.astype(np.int64)
 
 
 def mirror(domain: DomainLike, edges: ArrayLike, plane_normal: ArrayLike, winding: float = 0) -> Conditions:
@@ -77,6 +76,12 @@ def mirror(domain: DomainLike, edges: ArrayLike, plane_normal: ArrayLike, windin
     check_number(winding, "winding", TURNS)
     if not float(winding).is_integer():
         raise ConditionError(f"The winding must be a whole number of turns, not {winding!r}.")
+    if abs(winding) > max(len(chosen), 1):
+        raise ConditionError(
+            f"A winding of {float(min(abs(winding), 1e300)):g} turns is too much for {len(chosen)} edges, which show "
+            "one each at most; take fewer turns, or a finer mesh.",
+            edges=chosen,
+        )
     turns = np.full(len(chosen), int(winding), dtype=np.int64)
     return Conditions(mirrors=chosen, mirror_normals=normals, windings=turns)
 

@@ -5,13 +5,24 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..domain.domain import Domain
 from ..domain.shape import DomainLike, Shape, as_domain, is_names
-from ..errors import ConditionError, check_choice
+from ..errors import ConditionError, check_choice, plural
 from ..limits import check_number
 from ..linalg import as_numbers
 from .boundary_data import Conditions
 from .drawn_normals import drawn_normals
-from .frames import EdgeFrames, Frames, boundary_edges, edge_frames, in_space, loop_angles, unit_rows, vertex_frames
+from .frames import (
+    EdgeFrames,
+    Frames,
+    boundary_edges,
+    edge_frames,
+    in_space,
+    loop_angles,
+    scaled_rows,
+    unit_rows,
+    vertex_frames,
+)
 from .held import TURNS
 from .horizon import against_horizon, level_at_vertices, upwards
 
@@ -67,16 +78,25 @@ def binormal(
 
 def _upwards(up: ArrayLike) -> Array:
     given = as_numbers(up, "The upward direction", ConditionError)
-    length = np.linalg.norm(given)
-    if given.shape != (3,) or not (np.isfinite(length) and length > 0.0):
+    if given.shape != (3,) or not np.isfinite(given).all() or not given.any():
         raise ConditionError(f"The upward direction must be one vector (3,) with a length, not {up}.")
-    return given / length
+    given = scaled_rows(given)
+    return given / np.linalg.norm(given)
 
 
 def _tilts(tilt: ArrayLike | None, edges: Int) -> Array:
     tilts = as_numbers(0.0 if tilt is None else tilt, "Tilts", ConditionError)
-    if tilts.shape not in ((), edges.shape) or not np.isfinite(tilts).all():
-        raise ConditionError(f"The tilt must be a finite angle, or {len(edges)} of them, one for each edge.")
+    if tilts.shape not in ((), edges.shape):
+        raise ConditionError(
+            f"The tilt must be one angle, or {len(edges)} of them, one for each edge, not an array {tilts.shape}."
+        )
+    bad = np.flatnonzero(~np.isfinite(tilts))
+    if bad.size:
+        where = f" of {plural('edge', edges[bad])}" if tilts.ndim else ""
+        raise ConditionError(
+            f"The tilt{where} is {tilts.flat[bad[0]]}; it must be a finite angle.",
+            edges=edges[bad] if tilts.ndim else edges,
+        )
     _check_radians(tilts, "tilt")
     return np.broadcast_to(tilts, edges.shape)
 
@@ -87,7 +107,7 @@ def twisted(
     """The outward conormal turned by m θ around the boundary tangent (paper, Fig. 3), towards the surface normal.
 
     θ = 2π × arc length along the loop from its first listed vertex, as a part of the loop's length. `m`, the number of
-    turns, is required. With a shape: `twisted(shape, "outer", m=1)`.
+    turns, is required, up to half the number of the loop's edges. With a shape: `twisted(shape, "outer", m=1)`.
     """
     domain, positions, edges, turns = placed(domain, positions, edges, m)
     if turns is None:
@@ -96,6 +116,7 @@ def twisted(
     count = np.float64(turns)  # pyright: ignore[reportArgumentType]
     chosen = boundary_edges(domain, edges)
     domain = as_domain(domain)
+    _check_turns(domain, chosen, float(count))
     along = edge_frames(domain, positions, chosen)
     frames = vertex_frames(domain, chosen, along)
     angles, middles = loop_angles(domain)
@@ -137,6 +158,17 @@ def placed(
     if edges is None:
         raise ConditionError("The edges are missing; pass boundary edges, or names of a shape's sides.")
     return given, positions, edges, parameter
+
+
+def _check_turns(domain: Domain, edges: Int, turns: float) -> None:
+    """Raise `ConditionError` on more turns than the edges of a loop can show: half a turn from one to the next."""
+    for loop in domain.boundary_loop_edges:
+        if 2.0 * abs(turns) > len(loop) and np.isin(loop, edges).any():
+            raise ConditionError(
+                f"{turns:g} turns are too many for a loop of {len(loop)} edges, which shows {len(loop) // 2} at most; "
+                "take fewer turns, or a finer mesh.",
+                edges=loop,
+            )
 
 
 def _check_radians(angles: Array, name: str, most: float = np.pi) -> None:

@@ -17,7 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import JobError, MeshError
+from ..notes import Note
 from .clean import clean
+from .far_places import far_bytes, is_far, rounding_note
 from .obj import MeshData, obj_text, read_obj
 from .polygons import triangulate_polygons
 from .whole_files import write_bytes
@@ -107,7 +109,8 @@ def _read_by_trimesh(file: Path) -> MeshData:
     try:
         with warnings.catch_warnings():  # numpy's about text that is no number; what comes of it is checked
             warnings.simplefilter("ignore")
-            loaded: Any = trimesh.load(file, force="mesh", process=False)
+            scene: Any = trimesh.load_scene(file, process=False)
+            loaded = scene.to_mesh()
         positions = np.asarray(loaded.vertices, dtype=np.float64).reshape(-1, 3)
         faces = np.asarray(loaded.faces, dtype=np.int64).reshape(-1, 3)
     except OSError:
@@ -115,7 +118,24 @@ def _read_by_trimesh(file: Path) -> MeshData:
     except Exception as error:  # a broken file surfaces as whatever its parser stumbled over
         why = "it is damaged, or of another format; export it again"
         raise MeshError(f"{file} cannot be read as {file.suffix[1:].upper()}: {why}.") from error
-    return MeshData(positions, list(faces))
+    rounded: list[Any] = [note for part in scene.geometry.values() if (note := _rounding(file, part)) is not None]
+    return MeshData(positions, list(faces), notes=rounded[:1])
+
+
+def _rounding(file: Path, part: Any) -> Note | None:
+    """A warning where a mesh of the file is in single precision and its points are rounded so that it shows."""
+    data = part.metadata.get("_ply_raw", {}).get("vertex", {}).get("properties", {})
+    is_text = file.suffix.lower() == ".stl" and not _is_binary_stl(file)
+    if is_text or any(np.dtype(data[axis]).itemsize > 4 for axis in "xyz" if axis in data):
+        return None
+    return rounding_note(file.name, np.asarray(part.vertices, dtype=np.float64))
+
+
+def _is_binary_stl(file: Path) -> bool:
+    """Whether the size of an STL is that of a binary one with the number of faces in its header."""
+    with open(file, "rb") as stream:
+        count = int.from_bytes(stream.read(84)[80:], "little")
+    return file.stat().st_size == 84 + 50 * count
 
 
 def _trimesh_bytes(mesh: MeshData, normals: Array | None, suffix: str) -> bytes:
@@ -134,7 +154,10 @@ def _trimesh_bytes(mesh: MeshData, normals: Array | None, suffix: str) -> bytes:
     options: dict[str, Any] = {} if normals is None else {"vertex_normals": normals}
     if suffix == ".glb":  # a shell is seen from below, too
         options["visual"] = TextureVisuals(uv=uv, material=PBRMaterial(name="shell", doubleSided=True))
-    data = trimesh.Trimesh(positions, triangles, process=False, **options).export(file_type=suffix[1:])
+    made = trimesh.Trimesh(positions, triangles, process=False, **options)
+    if is_far(positions):
+        return far_bytes(made, suffix)
+    data = made.export(file_type=suffix[1:])
     return data if isinstance(data, bytes) else str(data).encode()
 
 

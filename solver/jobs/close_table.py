@@ -39,8 +39,21 @@ def read_close(root: Table) -> ClosingOptions:
         raise table.fail(str(error)) from error
 
 
-def _motions(table: Table) -> tuple[str, ...]:
-    names = table.texts("move")
+def _motions(table: Table) -> tuple[str, ...] | dict[int, tuple[str, ...]]:
+    """The motions of all holes, or those of each: `move = { 1 = ["x", "y"], 2 = ["size"] }`."""
+    if not isinstance(table.data["move"], dict):
+        return _names(table, "move")
+    each = table.table("move")
+    numbers = [key for key in each.data if key.isascii() and key.isdecimal() and len(key) < 10]
+    motions = {int(key): _names(each, key) for key in numbers}
+    for key in each.data:
+        if key not in numbers:
+            raise each.fail(f'the keys are numbers of holes, 1 being the one with the longest rim, not "{key}".')
+    return motions
+
+
+def _names(table: Table, key: str) -> tuple[str, ...]:
+    names = table.texts(key)
     for name in names:
         if name not in MOTIONS:
             raise table.fail(f'there is no motion "{name}" of a hole{suggestion(name, MOTIONS)}')

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -47,21 +48,25 @@ class ClosingOptions:
     """How to close the gaps around the holes of a plan.
 
     by: of `WAYS`. weight: with "both", of the motions of holes (see `close_periods`): the larger, the less they move.
-    move: with "hole" and "both", of `holes.MOTIONS`. holes: numbers of the moving ones, 1 has the longest rim; None:
-    all. max_steps: of Newton's method. Raises `JobError` on unknown ways and motions, and on numbers out of range.
+    move: with "hole" and "both", of `holes.MOTIONS`, or a number of a hole → its own ones. holes: numbers of the moving
+    ones, 1 has the longest rim; None: all, or those in `move`. max_steps: of Newton's method. Raises `JobError` on
+    unknown ways and motions, and on numbers out of range.
     """
 
     by: str = "normals"
     weight: float = 1.0
-    move: tuple[str, ...] = ("x", "y", "twist")
+    move: tuple[str, ...] | Mapping[int, tuple[str, ...]] = ("x", "y", "twist")
     holes: tuple[int, ...] | None = None
     max_steps: int = 12
 
     def __post_init__(self) -> None:
         check_choice(self.by, WAYS, "way to close", JobError)
-        for name in self.move:
+        each = list(self.move.values()) if isinstance(self.move, Mapping) else [self.move]
+        for name in [name for names in each for name in names]:
             check_choice(name, MOTIONS, "motion of a hole", JobError)
-        if self.by in MOVING and not self.move:
+        if isinstance(self.move, Mapping) and self.holes is not None:
+            raise JobError("The motions of each hole name the holes already; leave the numbers of holes out.")
+        if self.by in MOVING and not (each and all(each)):
             raise JobError(f"The holes need a motion: one or more of {', '.join(MOTIONS)}.")
         check_number(self.weight, "weight", POSITIVE, JobError)
         check_number(self.max_steps, "limit of steps", COUNT, JobError)
@@ -188,15 +193,17 @@ def _moving(plan: Plan, domain: Domain, options: ClosingOptions) -> MovingHoles 
     if plan.lengths is not None:
         raise JobError("Holes move on the drawing, but this plan has its own edge lengths; close by the normals.")
     loops = hole_loops(domain)
-    numbers = options.holes or tuple(range(1, len(loops) + 1))
+    move = options.move
+    numbers = tuple(move) if isinstance(move, Mapping) else options.holes or tuple(range(1, len(loops) + 1))
     wrong = [number for number in numbers if not 1 <= number <= len(loops)]
     if wrong or not loops:
         count = f"{len(loops)} hole{'s' * (len(loops) != 1)}"
         raise JobError(f"The plan has {count}" + (f"; there is no hole {wrong[0]}." if wrong else " that could move."))
+    motions = [move[n] for n in numbers] if isinstance(move, Mapping) else [move] * len(numbers)
     vertices, weights = rim_weights(plan.positions, domain.edges[domain.boundary_edges])
     if abs(plan_plane(plan.positions, domain.faces, vertices, weights).normal[2]) < _LEVEL:
         raise JobError("Holes can only move horizontally, and this plan is too steep; close by the normals.")
-    return MovingHoles(domain, plan.positions, [loops[number - 1] for number in numbers], options.move)
+    return MovingHoles(domain, plan.positions, [loops[n - 1] for n in numbers], motions, numbers)
 
 
 def _with_message(shell: Shell, closed: ClosedShell) -> Shell:

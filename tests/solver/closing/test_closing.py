@@ -16,7 +16,7 @@ from solver import (
     shapes,
 )
 from solver.closing.close import ClosingStatus, close_periods
-from solver.closing.holes import hole
+from solver.closing.holes import MovingHoles, hole, together
 from solver.closing.moduli import tube, tubes
 from solver.closing.newton_steps import boundary_product
 from solver.domain.topology import Homology
@@ -239,6 +239,46 @@ def test_several_tubes_that_are_stretched():
     assert_allclose(moduli.clipped(np.array([9.0, -9.0])), np.log([20, 0.05]))
     with pytest.raises(ConditionError, match="'high' has faces of another"):
         tubes(shape.domain, corners, parts | {"high": (np.flatnonzero(corners[:, :, 1].max(axis=1) > 0.9), (0, 1))})
+
+
+def test_several_holes_move_each_in_its_own_way():
+    """Nine numbers close the nine sums around three holes; the mesh of the moved plan has the lengths of the result."""
+    shape, rim = courtyard(0.16, "three holes")
+    plan = shape.domain, shape.positions
+    closing = close_periods(shape, rim, by="moduli", moduli=[hole(*plan, loop) for loop in (1, 2, 3)])
+    assert closing.ok, closing.message
+    assert closing.names == tuple(f"hole {k} {name}" for k in (1, 2, 3) for name in ("x", "y", "twist"))
+    moved = MovingHoles(*plan, [1, 2, 3]).positions(closing.moduli)
+    i, j = shape.domain.edges.T
+    assert_allclose(closing.domain.edge_lengths, np.linalg.norm(moved[j] - moved[i], axis=1), rtol=1e-12)
+
+
+def test_several_holes_are_the_sum_of_their_motions():
+    shape, rim = courtyard(0.16, "three holes")
+    plan = shape.domain, shape.positions
+    one, other = hole(*plan, 2, ("size",)), hole(*plan, 3, ("y", "x"))
+    both = together([one, other])
+    assert both.names == ("hole 1 size", "hole 2 y", "hole 2 x")
+    assert both.ranges == (*one.ranges, *other.ranges)
+    assert_allclose(both.lengths(np.array([0.1, 0, 0])), one.lengths(np.array([0.1])), rtol=1e-14)
+    assert_allclose(both.lengths(np.array([0, 0.02, 0.01])), other.lengths(np.array([0.02, 0.01])), rtol=1e-14)
+    again = close_periods(shape, rim, by="both", moduli=(one, other))
+    assert again.closed and again.names == both.names
+
+
+def test_moduli_that_do_not_go_together_are_refused():
+    shape, rim = courtyard(0.2, "three holes")
+    plan = shape.domain, shape.positions
+    every = np.arange(len(shape.domain.faces))
+    stretch = tube(shape.domain, shape.positions[shape.domain.faces], every, (1, 0))
+    for moduli, message in (
+        ([], "must be a list of holes"),
+        ([hole(*plan, 1), stretch], "parts that stretch are one, made by `tubes`"),
+        ([hole(*plan, 1), hole(*plan, 1, ("size",))], "loop 1 is given twice"),
+        ([hole(*plan, 1), hole(shape.domain, 2 * shape.positions, 2)], "of different plans"),
+    ):
+        with pytest.raises(ConditionError, match=message):
+            close_periods(shape, rim, by="moduli", moduli=moduli)
 
 
 def test_a_hole_that_moves_too_far_turns_faces_over():

@@ -126,6 +126,9 @@ def test_one_hole_of_two_moves(tmp_path):
     assert job.close is not None and job.close.holes == (1,) and job.close.weight == 0.5
     assert main([str(path)]) == OK
     assert set(written(tmp_path)["closing"]["moved"]) == {"x", "y", "twist"}
+    each = job_file(tmp_path, '[close]\nby = "both"\nmove = { 2 = ["x"], 1 = ["y", "size"] }\n', TWO)
+    assert main([str(each)]) == OK
+    assert set(written(tmp_path)["closing"]["moved"]) == {"hole 2 x", "hole 1 y", "hole 1 size"}
     both = job_file(tmp_path, '[close]\nby = "both"\n', TWO)
     assert main([str(both)]) == OK
     assert set(written(tmp_path)["closing"]["moved"]) == {f"hole {k} {q}" for k in (1, 2) for q in ("x", "y", "twist")}
@@ -154,6 +157,11 @@ def test_the_plan_with_the_moved_hole_gives_the_closed_shell(tmp_path):
     ('by = "normals"\nmove = ["x"]', r'"move" goes with by = "hole" or "both", not with "normals"'),
     ('by = "hole"\nmove = ["up"]', r'there is no motion "up" of a hole; known are x, y'),
     ('by = "hole"\nmove = []', r"The holes need a motion"),
+    ('by = "hole"\nmove = {}', r"The holes need a motion"),
+    ('by = "hole"\nmove = { 1 = [] }', r"The holes need a motion"),
+    ('by = "hole"\nmove = { 1 = ["up"] }', r'\[move\]: there is no motion "up" of a hole'),
+    ('by = "hole"\nmove = { first = ["x"] }', r'\[move\]: the keys are numbers of holes, .* not "first"'),
+    ('by = "hole"\nholes = [1]\nmove = { 1 = ["x"] }', r"name the holes already"),
     ('by = "both"\nweight = 0', r"weight must be a positive number, not 0"),
     ("max_steps = 0", r"limit of steps must be 1 or more"),
 ])  # fmt: skip
