@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from ...solver.measure.summary import percent
-from ..properties.units import length_text
+from ..properties.units import length_text, vector_text
 
 
 def gap_sentence(report: Mapping) -> str:
@@ -29,12 +28,6 @@ def gap_text(hole: Mapping) -> str:
     return f"{length_text(hole['length'])} ({percent(hole['relative'])} of its size)"
 
 
-def vector_text(vector: Sequence[float], length: float) -> str:
-    """The components, with the decimals that give the length three digits."""
-    decimals = max(0, 2 - math.floor(math.log10(length))) if length > 0.0 else 0
-    return "({}, {}, {})".format(*(f"{round(x, decimals) + 0.0:.{decimals}f}" for x in vector))
-
-
 def gap_rows(report: Mapping) -> list[tuple[str, str]]:
     """The gap of each hole, and its vector."""
     rows = []
@@ -44,7 +37,7 @@ def gap_rows(report: Mapping) -> list[tuple[str, str]]:
             rows.append((name, "Closed"))
             continue
         rows.append((name, f"{length_text(hole['length'])} ({percent(hole['relative'])})"))
-        rows.append(("", vector_text(hole["period"], hole["length"])))
+        rows.append(("", vector_text(hole["period"])))
     return rows
 
 
