@@ -17,7 +17,7 @@ def gap_sentence(report: Mapping) -> str:
     where = "around the hole" if len(holes) == 1 else f"around {len(holes)} holes"
     words = [f"The shell is open by {gap_text(widest)} {where}."]
     if report.get("closing"):
-        words.insert(0, report["closing"]["message"])
+        words.insert(0, report["message"])  # that of the closing
     else:
         words.append("Close Gaps, below, closes it; Repeat by Gaps repeats the shell across the gap.")
     return " ".join(words)
