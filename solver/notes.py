@@ -44,16 +44,21 @@ class Note(str):
     """A warning: a sentence, and `code`, one of `CODES`."""
 
     code: str
+    text: str
 
     def __new__(cls, code: str, text: str) -> Note:
         if code not in CODES:
             raise CmcError(f'There is no warning "{code}"; known are {", ".join(CODES)}.')
         note = super().__new__(cls, text)
-        note.code = code
+        note.code, note.text = code, text
         return note
 
     def __getnewargs__(self) -> tuple[str, str]:  # for copies and pickles
-        return self.code, str(self)
+        return self.code, self.text
+
+    def written(self, write: Callable[[float, int], str]) -> Note:
+        """The note with its lengths as `write` gives them, see `Sentence`."""
+        return Note(self.code, self.text.written(write)) if isinstance(self.text, Sentence) else self
 
 
 def as_asked(notes: Iterable[Note]) -> bool:
@@ -72,7 +77,7 @@ class Sentence(str):
     power: int
 
     def __new__(cls, template: str, *lengths: float, power: int = 1) -> Sentence:
-        sentence = super().__new__(cls, template.format(*(f"{length:.3g}" for length in lengths)))
+        sentence = super().__new__(cls, template.format(*(f"{length:.4g}" for length in lengths)))
         sentence.template, sentence.lengths, sentence.power = template, lengths, power
         return sentence
 

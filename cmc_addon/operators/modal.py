@@ -62,14 +62,8 @@ class ModalOperator:
         except StopIteration as end:
             return end.value
         except CmcError as error:
-            self.report({"ERROR"}, self._explained(error, self.about(context) if error.vertices else None))
+            self.report({"ERROR"}, _explained(error, self.about(context) if error.vertices else None))
             return {"CANCELLED"}
-
-    def _explained(self, error: CmcError, ob: bpy.types.Object | None) -> str:
-        """The error, and the button that helps where parts of the mesh only touch."""
-        if not error.vertices or ob is None or ob.cmc.role != "NONE" or ob.type != "MESH" or not contacts(ob.data):
-            return str(error)
-        return f"{error} Weld, in the panel Plan, joins them."
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if bpy.app.background:  # timers never fire there
@@ -135,7 +129,7 @@ class ModalOperator:
     def _fail(self, context: bpy.types.Context, error: CmcError) -> set[str]:
         self._cleanup(context)
         about = by_uid(self._about)
-        self.report({"ERROR"}, self._explained(error, about))
+        self.report({"ERROR"}, _explained(error, about))
         highlight_bridge.show(context, about, error)
         return {"CANCELLED"}
 
@@ -150,6 +144,13 @@ class ModalOperator:
         context.window_manager.cmc.running = False
         context.window_manager.cmc.message = ""
         redraw()
+
+
+def _explained(error: CmcError, ob: bpy.types.Object | None) -> str:
+    """The error, and the button that helps where parts of the mesh only touch."""
+    if not error.vertices or ob is None or ob.cmc.role != "NONE" or ob.type != "MESH" or not contacts(ob.data):
+        return str(error)
+    return f"{error} Weld, in the panel Plan, joins them."
 
 
 def _status(context: bpy.types.Context, text: str | None) -> None:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from ...solver.measure.summary import percent
-from ..properties.units import length_text
+from ..properties.units import length_text, vector_text
 
 
 def gap_sentence(report: Mapping) -> str:
@@ -18,7 +17,7 @@ def gap_sentence(report: Mapping) -> str:
     where = "around the hole" if len(holes) == 1 else f"around {len(holes)} holes"
     words = [f"The shell is open by {gap_text(widest)} {where}."]
     if report.get("closing"):
-        words.insert(0, report["closing"]["message"])
+        words.insert(0, report["message"])  # that of the closing
     else:
         words.append("Close Gaps, below, closes it; Repeat by Gaps repeats the shell across the gap.")
     return " ".join(words)
@@ -27,12 +26,6 @@ def gap_sentence(report: Mapping) -> str:
 def gap_text(hole: Mapping) -> str:
     """A gap as a length, and as a part of the shell's size."""
     return f"{length_text(hole['length'])} ({percent(hole['relative'])} of its size)"
-
-
-def vector_text(vector: Sequence[float], length: float) -> str:
-    """The components, with the decimals that give the length three digits."""
-    decimals = max(0, 2 - math.floor(math.log10(length))) if length > 0.0 else 0
-    return "({}, {}, {})".format(*(f"{round(x, decimals) + 0.0:.{decimals}f}" for x in vector))
 
 
 def gap_rows(report: Mapping) -> list[tuple[str, str]]:
@@ -44,7 +37,7 @@ def gap_rows(report: Mapping) -> list[tuple[str, str]]:
             rows.append((name, "Closed"))
             continue
         rows.append((name, f"{length_text(hole['length'])} ({percent(hole['relative'])})"))
-        rows.append(("", vector_text(hole["period"], hole["length"])))
+        rows.append(("", vector_text(hole["period"])))
     return rows
 
 

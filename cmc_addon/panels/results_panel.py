@@ -150,7 +150,7 @@ class CMC_PT_solver(ResultPanel, bpy.types.Panel):
             ("Accuracy", f"{report['residual']:.1e}"),
             ("Steps", str(report["iterations"])),
             ("Faces", str(report["faces"])),
-            ("Closing Error", f"{report['closure_error']:.1e}"),
+            ("Closing Error", percent(report["closure_error"] / (shown_sheet(report)["span"] or 1.0))),
         ]
         numbers(self.layout, rows)
         if report["converged"] and report.get("index") is None and not is_design(report):

@@ -6,14 +6,14 @@ import bpy
 
 from ...solver.catalogue.module_presets import PRESETS
 from ...solver.errors import CmcError
-from ...solver.measure.summary import percent
+from ...solver.measure.summary import NOISE
 from ..bridges.mesh_cache import mirror_corners
 from ..properties.libraries import keeps_changes
 from ..properties.links import plan_to_solve
 from ..properties.registration import registration
 from ..properties.reports import complete_report, last_report
 from ..properties.symmetry_settings import COMPLETE_SETTINGS, draw_complete
-from ..properties.units import length_text
+from ..properties.units import length_text, part_text
 from ..tasks.complete import counts
 from .results_panel import numbers, paragraph
 from .tab import TALL, Tab, hint, properties_column
@@ -62,8 +62,7 @@ def plane_rows(report: dict | None, name: str) -> list[tuple[str, str]]:
     for plane in [] if report is None else report.get("planes", []):
         if plane["name"] == name or plane["name"].rpartition(" ")[0] == name:
             rows.append(("Plane At", length_text(plane["offset"])))
-            off = length_text(plane["error"], digits=2)
-            rows.append(("Off Plane", f"{off} ({percent(plane['relative'])})"))
+            rows.append(("Off Plane", part_text(plane["error"], plane["relative"])))
     return rows
 
 
@@ -144,10 +143,9 @@ def wanted_of(plan: bpy.types.Object) -> SimpleNamespace:
 def completed_rows(report: dict | None) -> list[tuple[str, str]]:
     if report is None:
         return []
-    gap = length_text(report["largest_gap"], digits=2)
-    apart = f"{gap} apart ({percent(report['relative_gap'])})"
-    rows = [("Made", f"{report['copies']:,} copies"), ("Seams", apart)]
-    if report.get("largest_offset"):
+    seams = part_text(report["largest_gap"], report["relative_gap"], " apart")
+    rows = [("Made", f"{report['copies']:,} copies"), ("Seams", "Closed" if seams == "None" else seams)]
+    if report.get("relative_offset", 0.0) > NOISE:
         rows.append(("Off Plane", length_text(report["largest_offset"], digits=2)))
     return rows
 

@@ -17,6 +17,7 @@ from ...solver.fitting.targets import (
     TiltBounds,
     Volume,
 )
+from ...solver.measure.summary import NOISE
 from .units import length_text
 
 NAMES = {
@@ -36,14 +37,12 @@ NAMES = {
 
 _POWERS = {target.label: 1 for target in (RimOnCurve, Crown, Anchors, NearSurface, Closed)}
 _POWERS |= {Area.label: 2, Volume.label: 3}
-# Less than this part of the shell's size is the noise of rounding.
-_NOISE = 1e-6
 
 
 def goal_text(label: str, off: float, size: float) -> str:
     """A distance with its unit, or "None" where it is noise on a shell of this size."""
     power = _POWERS.get(label, 0)
-    if off <= _NOISE * size**power:
+    if off <= NOISE * size**power:
         return "None"
     if label == TiltBounds.label:
         return f"{math.degrees(off):.2g}°"

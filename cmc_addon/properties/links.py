@@ -28,10 +28,14 @@ def plan_of(ob: bpy.types.Object | None) -> bpy.types.Object:
 
 def result_of(plan: bpy.types.Object, role: str) -> bpy.types.Object | None:
     """The result of a plan in this role; None unless it is the plan's own and in a scene."""
+    result = _linked(plan, role)
+    return result if result is not None and result.users_scene else None
+
+
+def _linked(plan: bpy.types.Object, role: str) -> bpy.types.Object | None:
+    """The same, in a scene or not: `users_scene` looks through all objects of all scenes."""
     result = getattr(plan.cmc, role.lower())
-    if result is None or not _is_own(plan, role, result) or not result.users_scene:
-        return None
-    return result
+    return result if result is not None and _is_own(plan, role, result) else None
 
 
 def results_of(plan: bpy.types.Object, roles: Iterable[str] = ROLES) -> dict[str, bpy.types.Object]:
@@ -73,7 +77,7 @@ def seen_results(context: bpy.types.Context, plan: bpy.types.Object) -> Iterator
         yield active
     roles = (plan.cmc.latest, *COMPLETED_ROLES, "FIT", plan.cmc.sheet, *DESIGN_ROLES, *ROLES)
     for role in dict.fromkeys(role for role in roles if role):
-        ob = _of_role(plan, role)
+        ob = _first_copy(plan, role) or _linked(plan, role)
         if ob is not None and ob != active and _is_seen(context, ob):
             yield ob
 
@@ -88,7 +92,8 @@ def shown_shell(context: bpy.types.Context) -> bpy.types.Object | None:
     if plan is None:
         return context.object if is_orphan(context.object) else None
     seen = (ob for ob in seen_results(context, plan) if ob.cmc.role not in _IMAGES)
-    hidden = (_of_role(plan, role) for role in (plan.cmc.latest, plan.cmc.sheet, *DESIGN_ROLES) if role)
+    roles = [role for role in (plan.cmc.latest, plan.cmc.sheet, *DESIGN_ROLES) if role]
+    hidden = (_first_copy(plan, role) or result_of(plan, role) for role in roles)
     return next(seen, None) or next((ob for ob in hidden if ob is not None), None)
 
 
@@ -103,12 +108,10 @@ _IMAGES = ("G", "GAUSS")
 """Roles of results that are no shells."""
 
 
-def _of_role(plan: bpy.types.Object, role: str) -> bpy.types.Object | None:
-    """The result in this role; of instances the first."""
+def _first_copy(plan: bpy.types.Object, role: str) -> bpy.types.Object | None:
+    """The first of the instances of a repeated shell."""
     copies = copies_of(plan) if role in COMPLETED_ROLES else None
-    if copies is not None and copies.objects:
-        return copies.objects[0]
-    return result_of(plan, role)
+    return copies.objects[0] if copies is not None and copies.objects else None
 
 
 def _is_seen(context: bpy.types.Context, ob: bpy.types.Object) -> bool:

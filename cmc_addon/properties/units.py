@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+from typing import TypeVar
+
 import bpy
+
+from ...solver.measure.summary import NOISE, percent
+from ...solver.notes import Note, Sentence
 
 _FOOT = 0.3048
 _IMPERIAL = {2: "sq ft", 3: "cu ft"}
@@ -24,6 +31,29 @@ def length_text(value: float, power: int = 1, digits: int = 4) -> str:
         return f"{value / _FOOT**power:.{digits}g} {_IMPERIAL[power]}"
     kind = {1: "LENGTH", 2: "AREA", 3: "VOLUME"}[power]
     return bpy.utils.units.to_string(units.system, kind, value, precision=digits, split_unit=False)
+
+
+S = TypeVar("S", bound=str)
+
+
+def in_scene_units(text: S) -> S:
+    """A sentence or a warning of the solver with its lengths in the units of the scene."""
+    return text.written(length_text) if isinstance(text, (Sentence, Note)) else text  # type: ignore[return-value]
+
+
+def part_text(length: float, part: float, words: str = "") -> str:
+    """A length with the part of the shell's size that it is, or "None" where it is noise; words: after the length."""
+    return "None" if part < NOISE else f"{length_text(length, digits=2)}{words} ({percent(part)})"
+
+
+def vector_text(vector: Sequence[float]) -> str:
+    """A vector in metres or feet, with the decimals that give its length three digits."""
+    units = bpy.context.scene.unit_settings
+    size, unit = {"METRIC": (1.0, " m"), "IMPERIAL": (_FOOT, " ft")}.get(units.system, (units.scale_length, ""))
+    numbers = [x * units.scale_length / size for x in vector]
+    length = math.hypot(*numbers)
+    decimals = max(0, 2 - math.floor(math.log10(length))) if length > 0.0 else 0
+    return "({}, {}, {}){}".format(*(f"{round(x, decimals) + 0.0:.{decimals}f}" for x in numbers), unit)
 
 
 def per_length() -> str:

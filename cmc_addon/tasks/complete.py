@@ -27,6 +27,7 @@ from ..properties.attributes import ATTRIBUTES, DEVIATION
 from ..properties.links import result_of
 from ..properties.stored import ROLES
 from ..properties.symmetry_settings import COMPLETE_SETTINGS
+from ..properties.units import in_scene_units
 from ..results import colours
 from ..results.instances import delete_instances, write_instances
 from ..results.measures import Measured
@@ -57,7 +58,7 @@ class CompleteResult(ShellResult):
 
     @property
     def message(self) -> str:
-        return self.completed.summary()
+        return in_scene_units(self.completed.summary())
 
     def measures(self, task: SolveTask) -> Measured:
         """The measures at the vertices of the welded mesh: those of the shell, at every copy."""

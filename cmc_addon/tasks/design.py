@@ -11,6 +11,7 @@ import time
 from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from types import SimpleNamespace
 
 import bpy
@@ -73,7 +74,8 @@ class DesignResult(Result):
     def message(self) -> str:
         """How near the shell is to its target, and what to change where that is not near enough."""
         if not self.converged:
-            unmet = [text.written(length_text) if isinstance(text, Sentence) else text for text in self.fit.unmet]
+            write = partial(length_text, digits=2)
+            unmet = [text.written(write) if isinstance(text, Sentence) else text for text in self.fit.unmet]
             return " ".join([self.fit.status.sentence, *unmet])
         if self.deviation is not None:
             mean, most = (length_text(float(off), digits=2) for off in (self.deviation.mean(), self.deviation.max()))

@@ -30,6 +30,7 @@ from ..properties.links import result_of, results_of, wanted_roles
 from ..properties.made import made_here
 from ..properties.settings import SETTINGS, SIDES, SIZE_PROPERTY, fitted_settings
 from ..properties.stored import ROLES
+from ..properties.units import in_scene_units
 from ..results import colours
 from ..results.measures import Measured, polygon_measures, sheet_measures
 from ..results.objects import Writer, delete_result, hide_completed, show_wanted, write_report
@@ -76,7 +77,7 @@ class SolveResult(Result):
 
     @property
     def message(self) -> str:
-        return self.shell.message
+        return in_scene_units(self.shell.message)
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,7 +183,7 @@ class SolveTask(Task[SolveResult]):
     def write_results(self, context: bpy.types.Context, plan: bpy.types.Object, result: SolveResult) -> list[Note]:
         """Write into a plan that has at least the polygons of this task; its settings stay."""
         shell, wanted = result.shell, wanted_roles(self.settings)
-        warnings = [*self.warnings, *shell.warnings]
+        warnings = [*self.warnings, *map(in_scene_units, shell.warnings)]
         writer = Writer(context, plan, plan_depsgraph(context, self.settings), self.mesh, result.cut)
         for role, sheet in ROLES.items():
             existing = result_of(plan, role)

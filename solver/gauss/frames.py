@@ -19,7 +19,6 @@ Int = NDArray[np.integer]
 
 # Directions count as opposite when their weighted sum is shorter than this part of their weights.
 _OPPOSITE = 1e-6
-# Products of three larger coordinates have no double.
 
 
 def boundary_edges(domain: DomainLike, edges: ArrayLike) -> Int:

@@ -162,6 +162,7 @@ def completed_report(completed: Completed, *, welded: bool = True) -> dict[str, 
         "largest_gap": completed.largest_gap,
         "relative_gap": completed.relative_gap,
         "largest_offset": completed.largest_offset,
+        "relative_offset": completed.relative_offset,
         "lattice": to_plain(completed.lattice),
     }
     if welded:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import CmcError, MeshError, Status, check_choice, listed
+from ..notes import Sentence
 from ..surface.cmc_surface import SHEETS
 from .arrays import Array
 from .planes import PlaneReport
@@ -220,13 +221,16 @@ def _with_solve(surface: CmcSurface, sheet: str, sheets: dict[str, SheetReport],
 def _sentence(surface: CmcSurface, shown: SheetReport, scale: float) -> str:
     """How even the curvature of the shown sheet is, where the map converged; and how long the gap is, at that scale."""
     H = shown.mean_curvature
-    gap = f"{Status.GAP.sentence} The gap is {scale * surface.gap:.4g} long."
+    gap = f"{Status.GAP.sentence} The gap is {{}} long."
     if surface.harmonic.status is not Status.CONVERGED or H is None:
-        return f"{surface.outcome} {gap}" if surface.is_open else surface.outcome
-    if H.is_off:
-        off = f"Curvature is off by {how_far(H.relative_l2)}."
-        return f"{gap} {off}" if surface.is_open else off
-    return f"{gap if surface.is_open else 'Done.'} Curvature is even to {percent(max(H.relative_l2, _EVEN))}."
+        words, even = surface.outcome, ""
+    elif H.is_off:
+        words, even = "", f"Curvature is off by {how_far(H.relative_l2)}."
+    else:
+        words, even = "Done.", f"Curvature is even to {percent(max(H.relative_l2, _EVEN))}."
+    if not surface.is_open:
+        return f"{words} {even}".strip()
+    return Sentence(f"{gap} {even}" if even else f"{words} {gap}", scale * surface.gap)
 
 
 def to_plain(value: Any) -> Any:

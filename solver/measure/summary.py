@@ -56,6 +56,10 @@ def number(value: float, unit: str, power: int = 1) -> str:
     return f"{value:.4g}{suffix}"
 
 
+NOISE = 1e-6
+"""A length that is less than this part of the shell's size is noise of rounding and of the solve's tolerance."""
+
+
 def percent(part: float) -> str:
     """A part as a percentage of two digits, without powers of ten and the digits of rounding errors."""
     value = 100.0 * abs(part)

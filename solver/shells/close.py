@@ -16,7 +16,7 @@ from ..errors import JobError, Progress, check_choice
 from ..limits import COUNT, POSITIVE, check_number
 from ..measure.report import to_plain
 from ..measure.summary import percent
-from ..notes import Note
+from ..notes import Note, Sentence
 from ..surface.placement import plan_plane, rim_weights
 from ..surface.solve import CmcSolver
 from .form import place_and_measure, solve_plan
@@ -111,12 +111,15 @@ class ClosedShell:
             mean = np.sqrt(np.mean(turned**2))
             words.append(f"Normals along the boundary turned by {turned.max():.1f}° at most (RMS {mean:.1f}°).")
         kinds = {"twist": "{:+.2g}°", "size": "× {:.3g}"}
-        motions = [
-            f"{name} {kinds.get(name.rpartition(' ')[2], '{:+.3g}').format(q)}" for name, q in self.moved.items() if q
-        ]
+        motions, lengths = [], []
+        for name, q in self.moved.items():
+            form = kinds.get(name.rpartition(" ")[2])
+            if q:
+                motions.append(f"{name} {'{}' if form is None else form.format(q)}")
+                lengths += [q] if form is None else []
         if motions:
             words.append(f"Holes moved: {', '.join(motions)}.")
-        return " ".join(words)
+        return Sentence(" ".join(words), *lengths)
 
 
 def close_plan(

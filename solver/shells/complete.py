@@ -11,8 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import JobError
+from ..measure.summary import NOISE, percent
+from ..notes import Sentence
 from ..symmetry.complete import MOST_COPIES, complete
 from ..symmetry.completion import Completion
+from ..symmetry.sides import surface_size
 from .form import placed_normals
 from .plan import Plan
 from .plan_sides import plan_sides
@@ -118,6 +121,11 @@ class Completed:
         apart = [offset.distance for offset in self.completion.offsets]
         return self.shell.similarity.scale * max(apart, default=0.0)
 
+    @property
+    def relative_offset(self) -> float:
+        """The same as a part of the shell's size."""
+        return self.largest_offset / (self.shell.similarity.scale * surface_size(self.shell.surface))
+
     def polygons(self, plan: Plan, *, triangles: bool = False) -> Polygons:
         """The faces of the welded mesh as the plan was drawn, or its triangles."""
         assert plan.polygons is not None and plan.triangle_polygons is not None
@@ -130,7 +138,10 @@ class Completed:
         """Copies, faces and the gap in a sentence."""
         count, relative = self.copy_count, self.relative_gap
         copies = f"{count} {'copy' if count == 1 else 'copies'}, {self.face_count} triangles"
-        return f"{copies}; seams were up to {self.largest_gap:.2g} apart ({100 * relative:.2g} % of the shell's size)."
+        if relative < NOISE:
+            return f"{copies}; the seams meet."
+        text = f"{copies}; seams were up to {{}} apart ({percent(relative)} of the shell's size)."
+        return Sentence(text, self.largest_gap)
 
 
 @dataclass(frozen=True, eq=False)

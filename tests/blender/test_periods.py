@@ -71,8 +71,11 @@ def test_solve_reports_the_gap_and_the_buttons(plan, addon):
     assert f"{100 * hole['relative']:.2g} %" in sentence
     rows = dict(text.gap_rows(reported))
     assert f"{hole['length']:.4g}"[:4] in rows["Hole 1"]
-    assert text.vector_text([6.67e-5, -2.309, -2.7e-9], 2.309) == "(0.00, -2.31, 0.00)"
-    assert text.vector_text([0.0123, 123.4, 0.0], 123.4) == "(0, 123, 0)"
+    units = addon.cmc_addon.properties.units
+    assert units.vector_text([6.67e-5, -2.309, -2.7e-9]) == "(0.00, -2.31, 0.00) m"
+    assert units.vector_text([0.0123, 123.4, 0.0]) == "(0, 123, 0) m"
+    bpy.context.scene.unit_settings.system = "NONE"
+    assert units.vector_text([0.0123, 123.4, 0.0]) == "(0, 123, 0)"
 
 
 def test_the_arrow_leads_from_one_end_of_the_gap_to_the_other(plan, addon):

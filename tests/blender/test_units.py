@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
+from itertools import pairwise
 
 import bpy
 import numpy as np
 import pytest
+
+from .sidebar import draw
 
 FINISHED = {"FINISHED"}
 SCENES = [("METRIC", 0.001), ("METRIC", 0.01), ("IMPERIAL", 0.0254), ("METRIC", 1.0)]
@@ -87,3 +91,100 @@ def test_panel_texts_are_in_the_units_of_the_scene(addon, system, scale, H, area
     assert rows["H"] == H and rows["Span"].startswith(span)
     assert rows["Area"] == area
     assert dict(panel.check_rows(report))["Overhang"] == "None"
+
+
+# --- every panel ---------------------------------------------------------------------------
+
+def annulus():
+    bpy.ops.cmc.add_plan(shape="ANNULUS", columns=32)
+    bpy.ops.cmc.solve()
+
+
+def tube():
+    bpy.ops.cmc.add_plan(shape="CYLINDER", columns=32)
+    bpy.ops.cmc.solve()
+    bpy.ops.cmc.tile_periods()
+
+
+def honeycomb():
+    bpy.ops.cmc.add_module(module="HONEYCOMB", edges=8)
+    bpy.ops.cmc.solve()
+    bpy.ops.cmc.complete()
+
+
+def hall():
+    bpy.ops.cmc.add_plan(columns=12)
+    bpy.ops.cmc.solve()
+    bpy.ops.cmc.fit_outline(limit_tilt=True)
+
+
+def missed():
+    """A fit to a height that no shell over this plan has."""
+    bpy.ops.cmc.add_plan(columns=12)
+    bpy.ops.cmc.fit_outline(fit_rise=1.9)
+
+
+def nearest():
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=8, y_subdivisions=8, size=metres(8.0))
+    plan = bpy.context.object
+    for vertex in plan.data.vertices:
+        vertex.co.z = metres(2.0) - (vertex.co.x**2 + vertex.co.y**2) / metres(20.0)
+    bpy.ops.cmc.approximate_surface()
+
+
+def metres(length: float) -> float:
+    return length / bpy.context.scene.unit_settings.scale_length
+
+
+MADE = [hall, missed, nearest, annulus, tube, honeycomb]
+
+
+def numbers_of(texts) -> dict[str, str]:
+    """The rows of all panels, name and value."""
+    return {name: value for name, value in pairwise(texts) if re.search(r"\d", value)}
+
+
+@pytest.mark.parametrize("make", MADE, ids=lambda make: make.__name__)
+@pytest.mark.parametrize(("system", "scale", "unit"), [
+    ("METRIC", 0.001, r"(µm|mm|cm|m|km)[²³]?\b|1/m"), ("IMPERIAL", 0.0254, r"\d['\"]|sq ft|cu ft|\bft\b|1/ft"),
+])
+def test_every_length_has_the_unit_of_the_scene(make, system, scale, unit, capfd):
+    """In rows, sentences and reports; and none is in metres where the scene is in inches, nor a power of ten."""
+    set_units(system, scale)
+    make()
+    rows = numbers_of([text.replace("\u00a0", " ") for text in draw().texts])
+    lengths = {name: value for name, value in rows.items() if name in names()}
+    assert len(lengths) > 3
+    for name, value in lengths.items():
+        assert re.search(unit, value), (name, value)
+    said = " ".join([*draw().texts, capfd.readouterr().out])
+    assert not re.search(r"\d(?:e[-+]\d+)\s*(?:long|apart|off|m\b|%)", said), said
+    for words in ("is {} long", "up to {} apart", "stays up to {} off", "is {} off at most", "missed by {}"):
+        for found in re.findall(words.format(r"([\d.]+\S*(?: \S+)?)"), said):
+            assert re.search(unit, found), (words, found)
+
+
+def names() -> set[str]:
+    """The names of rows that are lengths, areas and curvatures."""
+    return {
+        "Span", "Rise", "Area", "Radius 1/H", "H", "Rim", "Off Outline", "At Most", "Fitted", "Off Line", "Deviation",
+        "Off Surface", "Plane At", "Gap", "Hole 1", "Automatic",
+    }
+
+
+def test_noise_is_none():
+    """Off Plane 0 m (1.1e-08 %), Seams 0 m apart: lengths below the accuracy of the solve are not numbers."""
+    honeycomb()
+    rows = dict(pairwise(draw().texts))
+    assert rows["Off Plane"] == "None"
+    tube()
+    rows = dict(pairwise(draw().texts))
+    assert rows["Seams"] == "Closed"
+
+
+def test_motions_of_holes_are_lengths(capfd):
+    set_units("METRIC", 0.001)
+    annulus()
+    assert bpy.ops.cmc.close_periods(close_by="HOLE") == FINISHED
+    moved = capfd.readouterr().out.partition("Holes moved: ")[2]
+    assert re.match(r"\S*( \d)? ?x -?[\d.]+ (m|cm|mm)\b", moved), moved

@@ -63,7 +63,7 @@ def tell(hands):
     bpy.ops.ed.undo_push(message="Plan")
     yield 0.5
 
-    yield from hands.click(*(yield from hands.find("cmc.live")))
+    yield from hands.click_button("cmc.live")
     yield from hands.wait_for(lambda: plan().cmc.f_plus is not None and at_rest(), "the shell is there by itself")
     yield from hands.picture("on")
     flat = points(plan().cmc.f_plus)

@@ -111,7 +111,7 @@ def solve(hands):
 
 def drag(hands):
     """Live on, the angle dragged: the shell moves before the mouse is let go. Undo and redo of that alone."""
-    yield from hands.click(*(yield from hands.find("cmc.live")))
+    yield from hands.click_button("cmc.live")
     assert plan().cmc.live
     before, angle = shell(), group().tilt
     x, y = yield from hands.find_field("groups[1].tilt")
@@ -138,7 +138,7 @@ def drag(hands):
     yield from hands.press("Z", ctrl=True, shift=True)
     yield from hands.wait_for(lambda: math.isclose(group().tilt, dragged, abs_tol=1e-6), "the angle is redone")
     yield from hands.wait_for(lambda: near(shell(), after), "and the shell")
-    yield from hands.click(*(yield from hands.find("cmc.live")))
+    yield from hands.click_button("cmc.live")
     assert not plan().cmc.live
 
 
