@@ -45,7 +45,7 @@ class GaussMap(Target):
 
     def distance(self, shape: Shape) -> float:
         """Root mean square of |N - N_φ|."""
-        return float(np.sqrt(2.0 * self.partials(shape).value))
+        return float(np.sqrt(max(2.0 * self.partials(shape).value, 0.0)))  # rounding may be negative
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +66,7 @@ class SmoothRim(Target):
         return graph_laplacian(domain.edges[domain.boundary_edges], lengths.sum() / lengths, domain.vertex_count)
 
     def distance(self, shape: Shape) -> float:
-        return float(np.sqrt(2.0 * self.partials(shape).value))
+        return float(np.sqrt(max(2.0 * self.partials(shape).value, 0.0)))  # rounding may be negative
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +88,7 @@ class MinimalChange(Target):
         return Curvature(stiffness=_diagonal(at_rim))
 
     def distance(self, shape: Shape) -> float:
-        return float(np.sqrt(2.0 * self.partials(shape).value))
+        return float(np.sqrt(max(2.0 * self.partials(shape).value, 0.0)))  # rounding may be negative
 
 
 @dataclass(frozen=True, eq=False)

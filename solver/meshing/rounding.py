@@ -13,6 +13,7 @@ import numpy as np
 from .outline import Loop, crossing_pairs, following_of, inside
 
 CORNER = np.radians(23.5)  # between the turns of regular polygons of 15 and of 16 sides
+_LEAST = 1e-9  # radius, in edge lengths; a smaller one is a corner
 _STEP = np.radians(2.0)  # the step of an arc before resampling: off by 1.5e-4 of its radius
 
 
@@ -44,6 +45,7 @@ def round_corners(loops: list[Loop], radius: float) -> list[Curve]:
     Where an arc would run into or around another part of the plan (a column in a corner), its radius is halved until
     it does not. Radius 0 keeps the corners.
     """
+    radius = radius if radius > _LEAST else 0.0
     radii = [np.where(np.abs(turning(loop.points)) > CORNER, radius, 0.0) for loop in loops]
     for _ in range(16):
         rounded = [_round_loop(loop, r) for loop, r in zip(loops, radii, strict=True)]
