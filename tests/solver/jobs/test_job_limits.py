@@ -71,8 +71,8 @@ def test_what_is_out_of_range_is_named(tmp_path: Path, name: str):
 
 
 FAR = {
-    "a low fit": ("[fit]\nheight = 1e-12", "height, for a plan 2.83 wide, must be a positive number"),
-    "a flat fit": ("[fit]\nmean_curvature = 1e-15", "mean curvature, for a plan 2.83 wide, must be"),
+    "a low fit": ("[fit]\nheight = 1e-12", "height, for a plan 2.8. wide, must be a positive number"),
+    "a flat fit": ("[fit]\nmean_curvature = 1e-15", "mean curvature, for a plan 2.8. wide, must be"),
     "a far anchor": ("[[fit.anchors]]\nvertex = 0\nplace = [1e9, 0, 0]", "100 times the plan's size"),
 }
 
