@@ -16,11 +16,10 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 
-# The rooms of each half, from the ground up. `errors`, `notes`, `limits`, `linalg` are files; `__init__` and
-# `__main__` are last.
+# The rooms of each half, from the ground up. Those before `io` are files; `__init__` and `__main__` are last.
 SOLVER = (
-    "errors", "notes", "limits", "linalg", "io", "meshing", "domain", "gauss", "surface", "measure", "symmetry",
-    "closing", "fitting", "catalogue", "shells", "jobs",
+    "errors", "notes", "limits", "signatures", "linalg", "io", "meshing", "domain", "gauss", "surface", "measure",
+    "symmetry", "closing", "fitting", "catalogue", "shells", "jobs",
 )
 ADDON = (
     "properties", "bridges", "drawing", "background", "results", "tasks", "operators", "live", "headless", "panels",

@@ -17,6 +17,7 @@ from ..limits import MOST_VERTICES, POSITIVE, Range, shown
 from ..meshing.mesher import mesh_plan
 from ..meshing.outline import check_loops, signed_area
 from ..meshing.triangulate import triangulate
+from ..signatures import checked
 
 __all__ = [
     "annulus",
@@ -38,6 +39,7 @@ def __dir__() -> list[str]:
 _ROW = np.sqrt(0.75)  # height of an equilateral triangle
 
 
+@checked
 def disc(n: int) -> Shape:
     """The unit disc with about n vertices: a centre and R rings of 6, 12, …, 6 R, so n is 3 R (R + 1) + 1.
 
@@ -52,6 +54,7 @@ def disc(n: int) -> Shape:
     return _planar(np.concatenate(points), np.concatenate(faces), [("outer", 6 * rings)])
 
 
+@checked
 def annulus(inner: float, outer: float, n: int) -> Shape:
     """The ring between two radii with about n vertices, on circles one row apart. Sides "outer", "inner".
 
@@ -73,6 +76,7 @@ def annulus(inner: float, outer: float, n: int) -> Shape:
     return _planar(points, faces, [("outer", counts[0])], inner=walls[1])
 
 
+@checked
 def polygon(
     outline: np.ndarray,
     holes: Sequence[np.ndarray] = (),
@@ -101,6 +105,7 @@ def polygon(
     return Shape(domain, mesh.positions, sides)
 
 
+@checked
 def strip(width: float, height: float, columns: int) -> Shape:
     """A rectangle [0, width] × [0, height] of near-equilateral triangles in an even number of rows.
 
@@ -138,6 +143,7 @@ def strip(width: float, height: float, columns: int) -> Shape:
 rectangle = strip
 
 
+@checked
 def cylinder(circumference: float, height: float, columns: int) -> Shape:
     """A strip whose left and right side are glued: flat, with two loops. Sides "bottom" (y = 0) and "top".
 
@@ -155,6 +161,7 @@ def cylinder(circumference: float, height: float, columns: int) -> Shape:
     return Shape(domain, positions, {"bottom": bottom, "top": top[::-1]})
 
 
+@checked
 def torus(a: float, b: float, columns: int) -> Shape:
     """The flat torus: a rectangle a × b with opposite sides glued. No boundary; `positions` are the unrolled (x, y)."""
     _check_lengths(a, b, "A torus")
@@ -165,6 +172,7 @@ def torus(a: float, b: float, columns: int) -> Shape:
     return Shape(domain, positions, {})
 
 
+@checked
 def sphere(n: int) -> Shape:
     """The unit sphere with about n vertices: an icosahedron whose faces are divided f² times, n = 10 f² + 2."""
     _check_count(n, 12, "A sphere", "vertices")

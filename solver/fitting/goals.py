@@ -12,6 +12,7 @@ from ..domain.domain import Domain
 from ..errors import ConditionError, Progress, check_choice
 from ..limits import COUNT, POSITIVE, Range, check_number
 from ..linalg import as_numbers
+from ..signatures import check_fields
 from ..surface.cmc_surface import SHEETS
 from ..surface.solve import CmcSolver
 from .curves import Curve
@@ -94,6 +95,7 @@ class OutlineOptions:
             raise ConditionError("There is nothing to fit to: give anchors, or let the rim lie on the curve.")
         name, number = self.height_parameter
         check_number(number, HEIGHT_PARAMETERS[name].label.lower(), POSITIVE)
+        check_fields(self)
 
     @property
     def height_parameter(self) -> tuple[str, float]:

@@ -18,6 +18,7 @@ from ..gauss.methods import METHODS
 from ..measure.curvature import vertex_mean_curvature
 from ..measure.planes import PlaneReport, measure_plane
 from ..measure.report import Report, report
+from ..signatures import checked
 from ..surface.cmc_surface import SHEETS, CmcSurface
 from ..surface.placement import ALIKE, PlacementError, Plane, Similarity, place, plan_frame
 from ..surface.solve import CmcSolver
@@ -39,6 +40,7 @@ _OVERHANG = 0.01
 _LEAN = 5.0
 
 
+@checked
 def form(
     plan: Plan | Shape,
     settings: Settings | None = None,
