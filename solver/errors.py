@@ -42,6 +42,10 @@ class ConditionError(CmcError):
     """The boundary conditions contradict each other, or do not fit the domain."""
 
 
+class ArgumentError(ConditionError, TypeError):
+    """An argument is of another type than the call takes."""
+
+
 class JobError(CmcError):
     """A job file, a mesh file or a setting cannot be used."""
 

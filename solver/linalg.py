@@ -34,6 +34,14 @@ class Factor(Protocol):
         ...
 
 
+def as_array(values: ArrayLike, what: str, error: type[CmcError]) -> NDArray[Any]:
+    """The values as an array of their own type; raises `error`, naming `what`, where they are ragged."""
+    try:
+        return np.asarray(values)
+    except ValueError:
+        raise error(f"{what} must be a regular array.") from None
+
+
 def as_numbers(values: ArrayLike, what: str, error: type[CmcError]) -> Array:
     """The values as a float64 array; raises `error`, naming `what`, where they are ragged, no numbers or too large."""
     try:

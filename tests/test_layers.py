@@ -19,8 +19,8 @@ ROOT = Path(__file__).parent.parent
 # The rooms of each half, from the ground up. Those before `io` are files; `__init__` and `__main__` are last.
 SOLVER = (
     "interrupts", "version",
-    "errors", "notes", "limits", "linalg", "io", "meshing", "domain", "gauss", "surface", "measure", "symmetry",
-    "closing", "spanning", "fitting", "catalogue", "shells", "jobs",
+    "errors", "notes", "limits", "signatures", "linalg", "io", "meshing", "domain", "gauss", "surface", "measure",
+    "symmetry", "closing", "spanning", "fitting", "catalogue", "shells", "jobs",
 )
 ADDON = (
     "properties", "bridges", "drawing", "background", "results", "tasks", "operators", "live", "headless", "panels",

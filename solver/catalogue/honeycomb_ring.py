@@ -16,6 +16,7 @@ from ..domain.topology import Homology
 from ..errors import MeshError, Progress
 from ..gauss import conditions as ways
 from ..gauss.boundary_data import Conditions
+from ..signatures import checked
 from ..surface.cmc_surface import CmcSurface
 from ..surface.solve import solve_cmc
 from ..symmetry.complete import complete
@@ -75,6 +76,7 @@ class Ring:
         return f"{self.piece.message} The ring consists of {len(self.completion.copies)} copies."
 
 
+@checked
 def ring(
     length: float = 2.4,
     *,

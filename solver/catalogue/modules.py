@@ -17,6 +17,7 @@ from ..domain.shape import Shape
 from ..errors import MeshError
 from ..limits import COUNT, Range, check_number
 from ..meshing.mesher import mesh_plan
+from ..signatures import checked
 
 Array = NDArray[np.float64]
 
@@ -54,6 +55,7 @@ class Module:
         return f"Module({self.shape!r})"
 
 
+@checked
 def node(tubes: int, length: float, *, depth: float = 1.0, bend: float = 1.0, max_edge: float) -> Module:
     """A quarter of half a tube from a node of `tubes` equal ones in a plane: 3 make honeycombs, 4 and 6 other grids.
 
@@ -83,6 +85,7 @@ def node(tubes: int, length: float, *, depth: float = 1.0, bend: float = 1.0, ma
     return Module(_shape(outline, max_edge, straight, "floor"), normals)
 
 
+@checked
 def pentagon(length: float, spoke: float, *, depth: float = 1.0, bend: float = 1.0, max_edge: float) -> Module:
     """Half the upper half of a node of a ring: half a tube of the ring, and a quarter of the spoke that leaves it.
 
@@ -114,6 +117,7 @@ def pentagon(length: float, spoke: float, *, depth: float = 1.0, bend: float = 1
     return Module(_shape(outline, max_edge, straight, floor_of), normals)
 
 
+@checked
 def capital(radius: float, *, oculus: float = 0.0, eighth: bool = False, bay: float = 1.0, max_edge: float) -> Module:
     """A quarter of a bay of a grid of columns: half a bay square, without the quarter disc of a column.
 
@@ -151,6 +155,7 @@ def capital(radius: float, *, oculus: float = 0.0, eighth: bool = False, bay: fl
     return Module(_shape(outline, max_edge, straight, arc_of), normals)
 
 
+@checked
 def vault(openings: int, foot: float | Sequence[float], *, length: float = 1.0, max_edge: float) -> Module:
     """A shell that touches walls and stands on a floor (paper, Fig. 9): a polygon whose corners are cut out by arcs.
 

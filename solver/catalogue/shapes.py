@@ -19,6 +19,7 @@ from ..meshing.outline import check_loops, signed_area
 from ..meshing.rounding import rounded_sentence
 from ..meshing.triangulate import triangulate
 from ..notes import Note
+from ..signatures import checked
 
 __all__ = [
     "annulus",
@@ -40,6 +41,7 @@ def __dir__() -> list[str]:
 _ROW = np.sqrt(0.75)  # height of an equilateral triangle
 
 
+@checked
 def disc(n: int) -> Shape:
     """The unit disc with about n vertices: a centre and R rings of 6, 12, …, 6 R, so n is 3 R (R + 1) + 1.
 
@@ -54,6 +56,7 @@ def disc(n: int) -> Shape:
     return _planar(np.concatenate(points), np.concatenate(faces), [("outer", 6 * rings)])
 
 
+@checked
 def annulus(inner: float, outer: float, n: int) -> Shape:
     """The ring between two radii with about n vertices, on circles one row apart. Sides "outer", "inner".
 
@@ -75,6 +78,7 @@ def annulus(inner: float, outer: float, n: int) -> Shape:
     return _planar(points, faces, [("outer", counts[0])], inner=walls[1])
 
 
+@checked
 def polygon(
     outline: np.ndarray,
     holes: Sequence[np.ndarray] = (),
@@ -112,6 +116,7 @@ def _rounding_notes(radii: np.ndarray, wanted: float | None) -> tuple[Note, ...]
     return () if text is None or as_wanted else (Note("rounded", text),)
 
 
+@checked
 def strip(width: float, height: float, columns: int) -> Shape:
     """A rectangle [0, width] × [0, height] of near-equilateral triangles in an even number of rows.
 
@@ -149,6 +154,7 @@ def strip(width: float, height: float, columns: int) -> Shape:
 rectangle = strip
 
 
+@checked
 def cylinder(circumference: float, height: float, columns: int) -> Shape:
     """A strip whose left and right side are glued: flat, with two loops. Sides "bottom" (y = 0) and "top".
 
@@ -166,6 +172,7 @@ def cylinder(circumference: float, height: float, columns: int) -> Shape:
     return Shape(domain, positions, {"bottom": bottom, "top": top[::-1]})
 
 
+@checked
 def torus(a: float, b: float, columns: int) -> Shape:
     """The flat torus: a rectangle a × b with opposite sides glued. No boundary; `positions` are the unrolled (x, y)."""
     _check_lengths(a, b, "A torus")
@@ -176,6 +183,7 @@ def torus(a: float, b: float, columns: int) -> Shape:
     return Shape(domain, positions, {})
 
 
+@checked
 def sphere(n: int) -> Shape:
     """The unit sphere with about n vertices: an icosahedron whose faces are divided f² times, n = 10 f² + 2."""
     _check_count(n, 12, "A sphere", "vertices")

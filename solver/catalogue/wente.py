@@ -24,6 +24,7 @@ from ..gauss.modes import flat_axis
 from ..gauss.sphere import exp
 from ..limits import POSITIVE, Range, check_number
 from ..linalg import as_numbers
+from ..signatures import checked
 from ..surface.cmc_surface import CmcSurface
 from ..surface.solve import CmcSolver
 from ..symmetry.sides import Side
@@ -100,6 +101,7 @@ class Bubble:
         return f"A piece of a cylinder that closes at the height {self.height:.6g}; the torus {ending}{twice}."
 
 
+@checked
 def wente(
     angle: float,
     columns: int,
@@ -143,6 +145,7 @@ def wente(
     return Bubble(float(angle), domain, positions, held, sides, surface, first, closing, count, covers)
 
 
+@checked
 def wente_start(points: ArrayLike, angle: float, height: float, push: float = 1.5) -> Array:
     """N (V, 3) of a start on the whole cylinder, of unrolled points (x, y) in [0, 2π) × [0, height].
 
@@ -150,7 +153,10 @@ def wente_start(points: ArrayLike, angle: float, height: float, push: float = 1.
     of index 1 on meshes without its symmetries; a push of 0.6 is too little.
     """
     check_angle(angle)
-    x, y = as_numbers(points, "Points of a cylinder", ConditionError)[:, :2].T
+    flat = as_numbers(points, "Points of a cylinder", ConditionError)
+    if flat.ndim != 2 or flat.shape[1] < 2:
+        raise ConditionError(f"Points of a cylinder must have shape (V, 2), not {flat.shape}.")
+    x, y = flat[:, :2].T
     turn = (angle - 2.0 * np.pi) * y / height
     arc = np.column_stack([np.cos(turn), np.sin(turn), np.zeros_like(turn)])
     return exp(arc, np.outer(push * np.sin(np.pi * y / height) * np.sin(x), AXIS))

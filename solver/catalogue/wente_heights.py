@@ -16,6 +16,7 @@ from scipy.optimize import root_scalar
 from scipy.special import ellipe, ellipk, elliprf, elliprj
 
 from ..errors import ConditionError
+from ..signatures import checked
 
 # Distance of the parameter from the ends of its range, as a part of it: angles of 0.001° and 180°.
 _END = 1e-10
@@ -27,6 +28,7 @@ _RESOLVED = 0.1
 _FEWEST = 8
 
 
+@checked
 def wente_height(angle: float) -> float:
     """Height h of the cylinder of circumference 2π that closes with normals `angle` apart (radians) on its ends.
 

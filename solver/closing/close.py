@@ -20,6 +20,7 @@ from ..gauss.boundary_data import Conditions, check_conditions
 from ..gauss.methods import METHODS
 from ..gauss.options import with_options
 from ..limits import COUNT, POSITIVE, TOLERANCE, Range, check_number
+from ..signatures import check_fields
 from ..surface.cmc_surface import CmcSurface
 from ..surface.solve import CmcSolver
 from ..symmetry.sides import Side
@@ -94,6 +95,7 @@ class PeriodOptions:
         if (self.moduli is None) != (self.by == "normals"):
             verb = "needs" if self.moduli is None else "does not take"
             raise ConditionError(f'Closing by "{self.by}" {verb} moduli.')
+        check_fields(self)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

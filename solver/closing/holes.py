@@ -23,6 +23,7 @@ from ..errors import ConditionError, MeshError, check_choice, plural
 from ..gauss.dirichlet import Dirichlet
 from ..gauss.frames import area_vectors, in_space
 from ..gauss.sphere import dot
+from ..signatures import checked
 from .moduli import Moduli
 
 Array = NDArray[np.float64]
@@ -30,6 +31,7 @@ Array = NDArray[np.float64]
 MOTIONS = ("x", "y", "twist", "size")
 
 
+@checked
 def hole(domain: DomainLike, positions: ArrayLike, loop: int, motions: tuple[str, ...] = ("x", "y", "twist")) -> Moduli:
     """A hole of a plan that moves: `motions` of x, y (parts of the plan's size), twist (radians), size (logarithm).
 

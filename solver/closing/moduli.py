@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 from ..domain.domain import Domain
 from ..domain.shape import DomainLike, as_domain
 from ..errors import ConditionError, plural
-from ..linalg import as_numbers
+from ..linalg import as_array, as_numbers
+from ..signatures import checked
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -64,6 +65,7 @@ class Moduli:
         return np.clip(q, low, high)
 
 
+@checked
 def tube(
     domain: DomainLike,
     corners: ArrayLike,
@@ -84,6 +86,13 @@ def tube(
     return tubes(domain, corners, {name: (faces, axis, beyond)}, stretch)
 
 
+def _faces(given: ArrayLike, name: str, count: int) -> Int:
+    faces = as_array(given, f"Faces of tube {name!r}", ConditionError)
+    if faces.ndim != 1 or faces.dtype.kind not in "iu" or faces.min(initial=0) < 0 or faces.max(initial=0) >= count:
+        raise ConditionError(f"Faces of tube {name!r} must be indices from 0 to {count - 1}.")
+    return faces.astype(np.int64)
+
+
 def tubes(
     domain: DomainLike,
     corners: ArrayLike,
@@ -98,7 +107,10 @@ def tubes(
     taken = np.zeros(len(domain.faces), dtype=bool)
     chosen = []
     for name, (faces, axis, *beyond) in parts.items():
-        part, along = np.asarray(faces, dtype=np.int64), np.asarray(axis, dtype=np.float64)
+        part = _faces(faces, name, len(domain.faces))
+        along = as_numbers(axis, f"The axis of tube {name!r}", ConditionError)
+        if along.shape != flat.shape[2:] or not np.linalg.norm(along) > 0.0:
+            raise ConditionError(f"The axis of tube {name!r} must be a vector {flat.shape[2:]}, not {along.tolist()}.")
         if taken[part].any():
             raise ConditionError(f"Tube {name!r} has faces of another tube; give each face to one tube.")
         taken[part] = True

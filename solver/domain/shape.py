@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +32,7 @@ class Shape:
         return f"Shape({domain}; sides: {', '.join(self.sides) or 'none'})"
 
 
-DomainLike = Domain | Shape
+DomainLike = Annotated[Domain | Shape, "as_domain checks it"]
 
 
 def as_domain(given: DomainLike) -> Domain:

@@ -15,6 +15,7 @@ from scipy.optimize import minimize
 from ..domain.shape import DomainLike, as_domain
 from ..errors import CmcError, ConditionError, Progress, Status, check_choice
 from ..gauss.boundary_data import Conditions
+from ..signatures import checked
 from ..surface import convert, notebook
 from ..surface.adjoint import AdjointSolver
 from ..surface.cmc_surface import CmcSurface
@@ -99,10 +100,12 @@ class Fit:
         N = self.surface.normals
         return -N if (sheet or self.sheet) == "f-" else N
 
+    @checked
     def save(self, path: str | os.PathLike[str], sheet: str | None = None) -> None:
         """Write a sheet's triangles as OBJ, PLY, STL or GLB, by the suffix; raises `JobError` where that fails."""
         convert.save_mesh(path, self.points(sheet), self.surface.faces, self.normals(sheet))
 
+    @checked
     def to_trimesh(self, sheet: str | None = None) -> trimesh.Trimesh:
         """A sheet in its place as a `trimesh.Trimesh` with its normals."""
         return convert.to_trimesh(self.points(sheet), self.surface.faces, self.normals(sheet))
@@ -138,6 +141,7 @@ class Start:
     response: Response | None = None
 
 
+@checked
 def fit(
     domain: DomainLike,
     targets: Sequence[Target],

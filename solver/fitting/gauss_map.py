@@ -18,6 +18,7 @@ from ..gauss.frames import in_space
 from ..gauss.options import with_options
 from ..gauss.sphere import inner
 from ..limits import COUNT, check_number
+from ..signatures import check_fields
 from ..surface.placement import procrustes
 from ..surface.solve import CmcSolver
 from .closest_point import Triangles
@@ -63,6 +64,7 @@ class GaussMapOptions:
         check_number(self.likeness, "likeness")
         check_number(self.near, "weight of nearness")
         check_number(self.max_evaluations, "largest number of evaluations", COUNT)
+        check_fields(self)
 
 
 @with_options(GaussMapOptions)

@@ -10,10 +10,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
 from ..errors import ConditionError, Progress, check_choice
-from ..limits import COUNT, POSITIVE, check_number
+from ..limits import COUNT, POSITIVE, Range, check_number
 from ..linalg import as_numbers, out_of_range
 from ..meshing.rounding import CORNER
 from ..notes import Sentence
+from ..signatures import check_fields
 from ..surface.cmc_surface import SHEETS
 from ..surface.solve import CmcSolver
 from .curves import Curve
@@ -36,6 +37,11 @@ _TILT_WEIGHT = 0.1
 _RISE = 0.5
 # The way out where the rim stays off its curve.
 _LESS = {"mean_curvature": "smaller mean curvature", "volume": "smaller volume"}
+# Distance of an anchor from the plan at most, by the size.
+_FARTHEST = 100.0
+# Least and largest of these, by the size to that power.
+_PARTS = (1e-7, 1e4)
+_POWERS = {"rise": 1, "height": 1, "volume": 3, "mean_curvature": -1}
 # Weight of the squared relative error of the height parameter against the squared distance of the rim by the size.
 _HEIGHT_WEIGHT = 0.01
 # Weight of the periods: more than all the rest, since nobody can build a shell that does not close.
@@ -91,6 +97,7 @@ class OutlineOptions:
             raise ConditionError("There is nothing to fit to: give anchors, or let the rim lie on the curve.")
         name, number = self.height_parameter
         check_number(number, HEIGHT_PARAMETERS[name].label.lower(), POSITIVE)
+        check_fields(self)
 
     @property
     def height_parameter(self) -> tuple[str, float]:
@@ -141,17 +148,19 @@ class Goals:
         height_parameter, number = options.height_parameter
         if height_parameter == "rise":
             number *= 0.5 * float(extent.min())
+        size = float(np.linalg.norm(extent))
+        _check_size(height_parameter, number, size)
         curves = [Curve(each - [0.0, 0.0, base], closed=True) for each in lines]
         return cls(
             options=options,
             loops=[(loop.astype(np.int64), curve) for loop, curve in zip(domain.boundary_loops, curves, strict=True)],
             outer=curves[outer],
             base=base,
-            size=float(np.linalg.norm(extent)),
+            size=size,
             radius=float(np.sqrt(abs(_area(line)) / np.pi)),
             height_parameter=height_parameter,
             number=float(number),
-            supports=_supports(domain, options.anchors, base),
+            supports=_supports(domain, options.anchors, base, line, size),
         )
 
     def targets(self, smooth: float, strictness: float) -> list[Target]:
@@ -214,13 +223,20 @@ class Goals:
             sentences.append(Sentence(text, off))
         return sentences
 
-
     def _way_to_the_curve(self) -> str:
         less = _LESS.get(self.height_parameter, "flatter shell")
         if any(curve.turns.max() > CORNER for _, curve in self.loops):
             return f"round its corners, or choose a {less}"
         sizes = ", or other sizes of the holes" if len(self.loops) > 1 else ""
         return f"choose a {less}{sizes}"
+
+
+def _check_size(name: str, number: float, size: float) -> None:
+    """Raise `ConditionError` on a height, volume or H (`HEIGHT_PARAMETERS`) far from those of a plan of this size."""
+    low, high = (size ** _POWERS[name] * part for part in _PARTS)
+    low, high = min(low, high), max(low, high)
+    what = "height that this rise makes" if name == "rise" else HEIGHT_PARAMETERS[name].label.lower()
+    check_number(number, f"{what}, for a plan {size:.3g} wide,", Range(low, high))
 
 
 def _check_bounds(tilt: tuple[float, float]) -> None:
@@ -276,7 +292,9 @@ def _area(line: Array) -> float:
     return 0.5 * float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
 
 
-def _supports(domain: Domain, anchors: tuple[ArrayLike, ArrayLike, ArrayLike] | None, base: float) -> Supports | None:
+def _supports(
+    domain: Domain, anchors: tuple[ArrayLike, ArrayLike, ArrayLike] | None, base: float, line: Array, size: float
+) -> Supports | None:
     if anchors is None:
         return None
     numbers = [as_numbers(part, "Vertices, places and weights of anchors", ConditionError) for part in anchors]
@@ -290,6 +308,8 @@ def _supports(domain: Domain, anchors: tuple[ArrayLike, ArrayLike, ArrayLike] | 
         raise ConditionError(f"There is no vertex {bad[0]:g} to anchor.", vertices=bad)
     if not (np.isfinite(places).all() and np.isfinite(weights).all() and (weights > 0.0).all()):
         raise ConditionError("Places of anchors must be finite, and their weights positive.")
+    if np.linalg.norm(places - line.mean(axis=0), axis=1).max(initial=0.0) > _FARTHEST * size:
+        raise ConditionError(f"An anchor lies {_FARTHEST:g} times the plan's size away from it; move it nearer.")
     return Supports(vertices.astype(np.int64), places.astype(np.float64) - [0.0, 0.0, base], weights.astype(np.float64))
 
 

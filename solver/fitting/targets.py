@@ -46,7 +46,7 @@ class GaussMap(Target):
 
     def distance(self, shape: Shape) -> float:
         """Root mean square of |N - N_φ|."""
-        return float(np.sqrt(2.0 * self.partials(shape).value))
+        return float(np.sqrt(max(2.0 * self.partials(shape).value, 0.0)))  # rounding may be negative
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +89,7 @@ class MinimalChange(Target):
         return Curvature(stiffness=_diagonal(at_rim))
 
     def distance(self, shape: Shape) -> float:
-        return float(np.sqrt(2.0 * self.partials(shape).value))
+        return float(np.sqrt(max(2.0 * self.partials(shape).value, 0.0)))  # rounding may be negative
 
 
 @dataclass(frozen=True, eq=False)

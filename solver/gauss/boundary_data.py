@@ -71,7 +71,8 @@ class Conditions:
             object.__setattr__(self, "behind_normals", self.edge_normals)
 
     def __add__(self, other: Conditions) -> Conditions:
-        check_conditions(other)
+        if not isinstance(other, Conditions):
+            return NotImplemented
         names = [item.name for item in fields(self) if item.name not in ("up", "is_balanced")]
         joined = {name: np.concatenate([getattr(self, name), getattr(other, name)]) for name in names}
         # conditions on one surface share their area vector; a sum would only change its length

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..domain.domain import Domain
 from ..domain.shape import DomainLike, as_domain, is_names, side_edges
 from ..errors import ConditionError, listed, plural
-from ..linalg import as_numbers, out_of_range, sum_rows
+from ..linalg import as_array, as_numbers, out_of_range, sum_rows
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -28,11 +28,7 @@ def boundary_edges(domain: DomainLike, edges: ArrayLike) -> Int:
     """
     if is_names(edges):
         edges = side_edges(domain, cast("str | Sequence[str]", edges))
-    domain = as_domain(domain)
-    try:
-        given = np.asarray(edges)
-    except ValueError:
-        raise ConditionError("Edges must be indices (K,) or vertex pairs (K, 2), not ragged lists.") from None
+    domain, given = as_domain(domain), as_array(edges, "Edges", ConditionError)
     if given.size == 0:
         return np.zeros(0, dtype=np.int64)
     if not np.issubdtype(given.dtype, np.integer) or not (given.ndim == 1 or given.shape[1:] == (2,)):

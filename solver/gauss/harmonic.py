@@ -17,6 +17,7 @@ from ..domain.shape import DomainLike, as_domain
 from ..domain.sites import SiteGraph
 from ..errors import ConditionError, Status, check_choice
 from ..linalg import Factor, ReusedFactor, as_numbers
+from ..signatures import checked
 from . import sphere
 from .admissible import Admissible, resolved
 from .balance import imbalance
@@ -93,6 +94,7 @@ class HarmonicSolver:
     copied: the copy factors again.
     """
 
+    @checked
     def __init__(self, domain: DomainLike, sites: str = "vertices", energy: str = "cotan") -> None:
         self.domain = as_domain(domain)
         self.graph = SiteGraph.of(self.domain, sites)

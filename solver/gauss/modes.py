@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import ConditionError, Progress, Status
+from ..linalg import as_numbers
+from ..signatures import checked
 from .admissible import resolved
 from .boundary_data import Conditions
 from .harmonic import HarmonicMap, HarmonicSolver
@@ -62,6 +64,7 @@ class Modes:
         return f"Modes(index {self.index}, nullity {self.nullity}, lowest λ: {lowest}{more})"
 
 
+@checked
 def saddle(
     solver: HarmonicSolver,
     conditions: Conditions,
@@ -106,10 +109,11 @@ def flat_axis(normals: Array) -> Array | None:
     return axis if np.abs(normals @ axis).max() <= _FLAT else None
 
 
+@checked
 def modes_of(
     solver: HarmonicSolver,
     conditions: Conditions,
-    normals: Array,
+    normals: ArrayLike,
     *,
     count: int = 4,
     null: Fields | None = None,
@@ -122,7 +126,7 @@ def modes_of(
     these, or along free rotations, are null whatever the sign of their λ.
     """
     problem = problem_of(solver, conditions)
-    point = problem.at(np.asarray(normals, dtype=np.float64))
+    point = problem.at(_map(solver, normals))
     system, gauge = _second_order(problem, point, null)
     values, vectors = system.lowest(max(count, system.below(tolerance)), np.zeros((len(system.gradient), 0)))
     known = np.sum((gauge.T @ (system.K @ vectors)) ** 2, axis=0) > 0.5
@@ -140,7 +144,7 @@ def modes_of(
 def index_of(
     solver: HarmonicSolver,
     conditions: Conditions,
-    normals: Array,
+    normals: ArrayLike,
     *,
     null: Fields | None = None,
     tolerance: float = _NULL,
@@ -150,7 +154,7 @@ def index_of(
     Raises `ArithmeticError` where a mode has |λ| equal to the tolerance to all digits.
     """
     problem = problem_of(solver, conditions)
-    system, gauge = _second_order(problem, problem.at(normals), null)
+    system, gauge = _second_order(problem, problem.at(_map(solver, normals)), null)
     if np.abs(np.linalg.eigvalsh(gauge.T @ (system.H @ gauge))).max(initial=0.0) < tolerance:
         gauge = gauge[:, :0]  # null by themselves; a border would be filled by the factorisation
     index, above = (system.below(shift, gauge) for shift in (-tolerance, tolerance))
@@ -164,6 +168,13 @@ def _second_order(problem: EnergyProblem, point: Point, null: Fields | None) -> 
     null = null or drifts(problem, N)
     fields = turns if null is None else np.concatenate([turns, null(N)])
     return system, system.orthonormal(system.coordinates(fields))
+
+
+def _map(solver: HarmonicSolver, normals: ArrayLike) -> Array:
+    given = as_numbers(normals, "The normals of a map", ConditionError)
+    if given.shape != (solver.graph.count, 3):
+        raise ConditionError(f"A map has {solver.graph.count} normals (S, 3) here, not shape {given.shape}.")
+    return given
 
 
 def problem_of(solver: HarmonicSolver, conditions: Conditions) -> EnergyProblem:

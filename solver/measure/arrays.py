@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import MeshError, plural
+from ..linalg import as_array, as_numbers
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.integer]
@@ -22,7 +23,7 @@ def range_text(values: Array) -> str:
 
 def points_in_space(points: ArrayLike, what: str = "vertices") -> Array:
     """Return points as (n, 3) float64; plane points (n, 2) get z = 0. Raises `MeshError` on another shape."""
-    array = np.asarray(points, dtype=np.float64)
+    array = as_numbers(points, what.capitalize(), MeshError)
     if array.ndim != 2 or array.shape[1] not in (2, 3):
         raise MeshError(f"{what} have shape {array.shape}; give one row of two or three coordinates a point.")
     if array.shape[1] == 2:
@@ -32,7 +33,7 @@ def points_in_space(points: ArrayLike, what: str = "vertices") -> Array:
 
 def triangles_of(faces: ArrayLike, count: int) -> Indices:
     """Return faces as (F, 3) integers in [0, count). Raises `MeshError` naming the faces that are not."""
-    array = np.asarray(faces)
+    array = as_array(faces, "Faces", MeshError)
     if array.size == 0:
         return np.zeros((0, 3), dtype=np.int32)
     if array.ndim != 2 or array.shape[1] != 3 or not np.issubdtype(array.dtype, np.integer):

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import MeshError
+from ..linalg import as_numbers
 from .arrays import (
     Array,
     Indices,
@@ -62,7 +63,7 @@ class _Form(NamedTuple):
 def _second_form(vertices: ArrayLike, faces: ArrayLike, normals: ArrayLike) -> _Form:
     points = points_in_space(vertices)
     triangles: Indices = triangles_of(faces, len(points))
-    gauss = np.asarray(normals, dtype=np.float64)
+    gauss = as_numbers(normals, "Normals", MeshError)
     if gauss.shape != points.shape:
         raise MeshError(f"{len(points)} vertices, but normals of shape {gauss.shape}; give one a vertex.")
     u, v = edge_vectors(points, triangles)

@@ -7,9 +7,12 @@ from numpy.typing import ArrayLike
 
 from ..domain.shape import DomainLike, as_domain
 from ..errors import MeshError
+from ..linalg import as_numbers
+from ..signatures import checked
 from .arrays import Array, dot, double_areas, edge_vectors, points_in_space, triangles_of
 
 
+@checked
 def conformal_distortion(domain: DomainLike, vertices: ArrayLike, faces: ArrayLike | None = None) -> Array:
     """Quasi-conformal distortion Q = σ₁ / σ₂ >= 1 of each face: the ratio of the map's singular values.
 
@@ -26,7 +29,7 @@ def distortion_of_layout(layout: ArrayLike, vertices: ArrayLike, faces: ArrayLik
     """As `conformal_distortion`, from the planar corners (F, 3, 2) of each face instead of a domain."""
     points = points_in_space(vertices)
     triangles = triangles_of(faces, len(points))
-    corners = np.asarray(layout, dtype=np.float64)
+    corners = as_numbers(layout, "The layout", MeshError)
     if corners.shape != (len(triangles), 3, 2):
         raise MeshError(f"{len(triangles)} faces, but a layout of shape {corners.shape}; give (faces, 3, 2).")
     u, v = edge_vectors(points, triangles)

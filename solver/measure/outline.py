@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from scipy.spatial import KDTree
 
 from ..errors import MeshError
+from ..linalg import as_array, as_numbers
 from .arrays import Array
 
 if TYPE_CHECKING:
@@ -41,10 +42,15 @@ def outline_segments(domain: Domain, outline: ArrayLike | Sequence[ArrayLike]) -
     return starts, ends
 
 
+def _is_line(given: ArrayLike) -> bool:
+    """Whether this is a line, and no point."""
+    return as_array(given, "The outline", MeshError).ndim == 2
+
+
 def _polylines(domain: Domain, outline: ArrayLike | Sequence[ArrayLike]) -> list[Array]:
-    if isinstance(outline, (list, tuple)) and len(outline) and np.ndim(outline[0]) == 2:
-        return [np.asarray(loop, dtype=np.float64) for loop in outline]
-    points = np.asarray(outline, dtype=np.float64)
+    if isinstance(outline, (list, tuple)) and outline and _is_line(outline[0]):
+        return [as_numbers(loop, "The outline", MeshError) for loop in outline]
+    points = as_numbers(outline, "The outline", MeshError)  # pyright: ignore[reportArgumentType]
     if points.ndim != 2 or len(points) != domain.vertex_count:
         raise MeshError(
             f"The outline has shape {points.shape}; give the drawn position of each of the "

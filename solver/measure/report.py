@@ -7,21 +7,20 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from enum import Enum
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import CmcError, MeshError, Status, check_choice, listed
+from ..linalg import as_numbers
 from ..notes import Sentence
-from ..surface.cmc_surface import SHEETS
+from ..signatures import checked
+from ..surface.cmc_surface import SHEETS, CmcSurface
 from .arrays import Array
 from .planes import PlaneReport
 from .sheet import SheetReport, measure_sheet
 from .summary import count, how_far, measure_lines, number, percent, size_line
-
-if TYPE_CHECKING:
-    from ..surface.cmc_surface import CmcSurface
 
 # Largest deviation of placed points from a similarity image of the sheet, as a fraction of its size; single
 # precision far from the origin leaves about 1e-5.
@@ -112,6 +111,7 @@ class Report:
         return f"{degree}, {count(self.index, 'unstable mode')}{null}."
 
 
+@checked
 def report(
     surface: CmcSurface,
     outline: ArrayLike | Sequence[ArrayLike] | None = None,
@@ -167,7 +167,7 @@ def _placed(surface: CmcSurface, sheet: str, positions: ArrayLike | Mapping[str,
         given = {sheet: positions}
     if sheet not in given:
         raise MeshError(f"The placed positions of {sheet} are missing; they are the sheet that is shown.")
-    placed = {name: np.asarray(points, dtype=np.float64) for name, points in given.items()}
+    placed = {name: as_numbers(points, "Positions", MeshError) for name, points in given.items()}
     for name, points in placed.items():
         expected = np.shape(surface.sheet(name))
         if points.shape != expected:

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..errors import MeshError
+from ..linalg import as_numbers
 from ..surface.placement import span
 from .arrays import Array, Indices, face_areas_in_space, weighted_l2, weighted_mean
 from .curvature import gauss_curvature_of, mean_curvature_of
@@ -140,6 +142,14 @@ class SheetReport:
         return f"SheetReport({self.name}{point}: area {self.area:.4g}, span {self.span:.4g}, rise {self.rise:.4g})"
 
 
+def _vertical(up: ArrayLike) -> Array:
+    given = as_numbers(up, "The vertical", MeshError)
+    length = np.linalg.norm(given)
+    if given.shape != (3,) or not 0.0 < length < np.inf:
+        raise MeshError(f"The vertical must be a vector (3,) with a length, not {given.tolist()}.")
+    return given / length
+
+
 def measure_sheet(
     name: str,
     domain: Domain,
@@ -162,7 +172,7 @@ def measure_sheet(
     sides = boundary_sides(domain, faces)
     measurable = not degenerate and bool(areas.any())
     inside = np.logical_not(np.isin(faces, sides).any(axis=1))
-    vertical = np.asarray(up, dtype=np.float64) / np.linalg.norm(up)
+    vertical = _vertical(up)
     return SheetReport(
         name=name,
         degenerate=not measurable,

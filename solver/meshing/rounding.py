@@ -21,6 +21,8 @@ from .outline import Loop, crossing_pairs, following_of, inside
 CORNER = np.radians(23.5)  # between the turns of regular polygons of 15 and of 16 sides
 AUTOMATIC = 0.1  # the automatic radius, as a part of the size of the loop
 _OF_EDGE = 0.25  # the part of an edge that an arc of automatic radius takes at most
+
+_LEAST = 1e-9  # radius, in edge lengths; a smaller one is a corner
 _STEP = np.radians(2.0)  # the step of an arc before resampling: off by 1.5e-4 of its radius
 
 
@@ -84,7 +86,8 @@ def round_corners(loops: list[Loop], radius: float | None) -> list[Curve]:
     if radius is None:
         radii = [automatic_radii(loop.points) for loop in loops]
     else:
-        radii = [np.where(np.abs(turning(loop.points)) > CORNER, radius, 0.0) for loop in loops]
+        least = radius if radius > _LEAST else 0.0
+        radii = [np.where(np.abs(turning(loop.points)) > CORNER, least, 0.0) for loop in loops]
     for _ in range(16):
         rounded = [_round_loop(loop, r) for loop, r in zip(loops, radii, strict=True)]
         curves = [curve for curve, _ in rounded]

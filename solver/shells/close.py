@@ -17,6 +17,7 @@ from ..limits import COUNT, POSITIVE, check_number
 from ..measure.report import to_plain
 from ..measure.summary import percent
 from ..notes import Note, Sentence
+from ..signatures import check_fields
 from ..surface.placement import plan_plane, rim_weights
 from ..surface.solve import CmcSolver
 from .form import place_and_measure, solve_plan
@@ -70,6 +71,7 @@ class ClosingOptions:
             raise JobError(f"The holes need a motion: one or more of {', '.join(MOTIONS)}.")
         check_number(self.weight, "weight", POSITIVE, JobError)
         check_number(self.max_steps, "limit of steps", COUNT, JobError)
+        check_fields(self)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -17,6 +17,7 @@ from ..measure.curvature import vertex_mean_curvature
 from ..measure.planes import PlaneReport, measure_plane
 from ..measure.report import report
 from ..notes import Note
+from ..signatures import checked
 from ..surface.cmc_surface import SHEETS, CmcSurface
 from ..surface.placement import ALIKE, PlacementError, Plane, Similarity, place, plan_frame
 from ..surface.solve import CmcSolver
@@ -34,6 +35,7 @@ Array = NDArray[np.float64]
 __all__ = ["Group", "Plan", "Settings", "Shell", "count_modes", "form"]
 
 
+@checked
 def form(
     plan: Plan | Shape,
     settings: Settings | None = None,

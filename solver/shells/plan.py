@@ -21,7 +21,8 @@ from ..io.mesh_files import read_mesh
 from ..io.obj import MeshData
 from ..io.polygons import triangulate_polygons
 from ..limits import NOT_NEGATIVE, check_number
-from ..linalg import as_numbers
+from ..linalg import as_array, as_numbers
+from ..signatures import check_fields, checked
 from ..surface.cmc_surface import COMBINATORICS, SHEETS
 from ..surface.options import SolveOptions
 from ..surface.placement import PlacementError, Rule
@@ -61,11 +62,13 @@ class Group:
     goes_on: bool | None = None
 
     def __post_init__(self) -> None:
-        if is_names(self.edges) or (np.size(self.edges) and np.ndim(self.edges) != 2):
+        given = as_array(self.edges, f'The edges of group "{self.name}"', ConditionError)
+        if is_names(self.edges) or (given.size and given.ndim != 2):
             raise ConditionError(
                 f'Group "{self.name}": the edges of a group are vertex pairs (K, 2), such as '
                 "shape.domain.edges[shape.sides[name]]; Plan.from_shape takes names of sides."
             )
+        check_fields(self)
 
     def __repr__(self) -> str:
         parameters = "".join(f", {name}={value}" for name, value in self.parameters.items())
@@ -96,11 +99,13 @@ class Plan:
     vertex_numbers: NDArray[np.integer] | None = None
 
     def __post_init__(self) -> None:
+        check_fields(self)
         self.positions = as_numbers(self.positions, "The positions of a plan", MeshError)
         if self.positions.ndim == 2 and self.positions.shape[1] == 2:
             self.positions = np.column_stack([self.positions, np.zeros(len(self.positions))])
 
     @classmethod
+    @checked
     def from_shape(cls, shape: Shape, sides: Mapping[str, Condition] | None = None) -> Plan:
         """The plan of a ready-made shape. sides: name of a side → kind of its group, or kind and parameters.
 
@@ -139,6 +144,7 @@ class Plan:
         return f"Plan({len(self.positions)} vertices, {len(self.triangles)} triangles, groups: {groups or 'none'})"
 
 
+@checked
 def read_plan(file: str | os.PathLike[str], *, up: str | None = None) -> Plan:
     """The plan in a mesh file (OBJ, PLY, STL, GLB); named polylines of an OBJ along its boundary become its groups.
 
@@ -210,6 +216,7 @@ class Settings:
         energy_on(self.energy, self.sites)
         SolveOptions(**self.solve_options())
         self.rule()
+        check_fields(self)
 
     def __repr__(self) -> str:
         """The settings that differ from the default."""

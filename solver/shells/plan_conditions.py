@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from ..gauss import conditions as boundary
 from ..gauss.boundary_data import Conditions
 from ..gauss.frames import boundary_edges, moving_average
 from ..gauss.mirrors import MirrorSides
+from ..linalg import as_array
 from .plan import Group, Plan, Settings
 
 Array = NDArray[np.float64]
@@ -88,7 +89,10 @@ def _group_edges(group: Group, domain: Domain) -> NDArray[np.integer]:
 
 def _condition_key(group: Group) -> object:
     """Equal for groups with the same condition."""
-    return group.kind, tuple(sorted((name, str(np.asarray(v).tolist())) for name, v in group.parameters.items()))
+    what = f'A parameter of group "{group.name}"'
+    given: Mapping[str, Any] = group.parameters
+    arrays = {name: as_array(value, what, ConditionError) for name, value in given.items()}
+    return group.kind, tuple(sorted((name, str(array.tolist())) for name, array in arrays.items()))
 
 
 def _build(

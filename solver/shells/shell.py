@@ -14,6 +14,7 @@ from ..errors import CmcError, Status
 from ..fitting.fit import Fit
 from ..measure.report import Report
 from ..notes import Note
+from ..signatures import checked
 from ..surface import convert, notebook
 from ..surface.cmc_surface import CmcSurface
 from ..surface.placement import Similarity
@@ -66,10 +67,12 @@ class Shell:
             raise CmcError(f'The shell has no sheet "{name}"; it has {", ".join(self.placed)}.')
         return self.placed[name]
 
+    @checked
     def save(self, path: str | os.PathLike[str], sheet: str | None = None) -> None:
         """Write a sheet's triangles as OBJ, PLY, STL or GLB, by the suffix; raises `JobError` where that fails."""
         convert.save_mesh(path, self.points(sheet), self.faces, self.normals[sheet or self.report.sheet])
 
+    @checked
     def to_trimesh(self, sheet: str | None = None) -> trimesh.Trimesh:
         """A sheet as a `trimesh.Trimesh` with its normals."""
         return convert.to_trimesh(self.points(sheet), self.faces, self.normals[sheet or self.report.sheet])

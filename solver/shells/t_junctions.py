@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from ..errors import MeshError, plural
+from ..linalg import as_array
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -17,7 +18,7 @@ _NEAR = 1e-6
 
 def rim_of(triangles: Int, count: int) -> Int:
     """Edges (n, 2) that one triangle has, of triangles that may be no surface; none where they are no triangles."""
-    corners = np.asarray(triangles)
+    corners = as_array(triangles, "Triangles", MeshError)
     is_list = corners.ndim == 2 and corners.shape[1] == 3 and len(corners) > 0
     if not is_list or corners.min() < 0 or corners.max() >= count:
         return np.zeros((0, 2), dtype=np.int64)

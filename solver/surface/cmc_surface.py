@@ -15,6 +15,7 @@ from ..domain.domain import Domain
 from ..domain.sites import SiteGraph
 from ..errors import Status, check_choice
 from ..gauss.harmonic import HarmonicMap
+from ..signatures import checked
 from . import convert, notebook
 from .averaging import AVERAGINGS
 from .conjugate import Conjugate
@@ -150,23 +151,28 @@ class CmcSurface:
         check_choice(name, ("f+", "f-", "g", "gauss"), "sheet")
         return -self.normals if name == "f-" else self.normals
 
+    @checked
     def save(self, path: str | os.PathLike[str], sheet: str = "f+", combinatorics: str = "primal") -> None:
         """Write a sheet as OBJ, PLY, STL or GLB, by the suffix of `path`; see `as_mesh` and `convert.save_mesh`."""
         mesh = self.as_mesh(sheet, combinatorics)
         convert.save_mesh(path, mesh.vertices, mesh.polygons, -mesh.normals if sheet == "f-" else mesh.normals)
 
+    @checked
     def to_trimesh(self, sheet: str = "f+") -> trimesh.Trimesh:
         """A sheet as a `trimesh.Trimesh` with its normals."""
         return convert.to_trimesh(self.sheet(sheet), self.faces, self.sheet_normals(sheet))
 
+    @checked
     def to_pyvista(self, sheet: str = "f+") -> Any:
         """A sheet as a `pyvista.PolyData` with its normals; raises `CmcError` where pyvista is not installed."""
         return convert.to_pyvista(self.sheet(sheet), self.faces, self.sheet_normals(sheet))
 
+    @checked
     def to_meshio(self, sheet: str = "f+") -> Any:
         """A sheet as a `meshio.Mesh` with its normals; raises `CmcError` where meshio is not installed."""
         return convert.to_meshio(self.sheet(sheet), self.faces, self.sheet_normals(sheet))
 
+    @checked
     def as_mesh(self, sheet: str, combinatorics: str = "primal") -> PolygonMesh:
         """A sheet as a mesh with the triangles of the domain, or one of the other `COMBINATORICS` (paper, Fig. 5).
 

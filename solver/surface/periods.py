@@ -17,6 +17,7 @@ from ..domain.domain import Domain
 from ..domain.sites import SiteGraph
 from ..domain.topology import Homology
 from ..gauss.dirichlet import Dirichlet
+from ..signatures import checked
 from .cmc_surface import CmcSurface
 
 Array = NDArray[np.float64]
@@ -24,6 +25,7 @@ Int = NDArray[np.integer]
 Factored = Callable[[Int], Dirichlet]
 
 
+@checked
 def periods(surface: CmcSurface) -> Array:
     """Period vectors (k, 3) at the scale of the surface, one for each loop that cannot be contracted.
 

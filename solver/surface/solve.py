@@ -18,6 +18,7 @@ from ..gauss.boundary_data import Conditions, check_conditions
 from ..gauss.harmonic import HarmonicMap, HarmonicSolver
 from ..gauss.modes import index_of
 from ..gauss.options import with_options
+from ..signatures import checked
 from .averaging import AVERAGINGS, Averaging
 from .cmc_surface import CmcSurface
 from .conjugate import Conjugate, Conjugation
@@ -36,6 +37,7 @@ class CmcSolver:
     sites, energy, delaunay: see `solve_cmc`. A copy or a pickle has the domain and these three, and factors anew.
     """
 
+    @checked
     def __init__(
         self, domain: DomainLike, sites: str = "vertices", energy: str = "cotan", delaunay: bool = False
     ) -> None:
@@ -85,11 +87,12 @@ class CmcSolver:
         conjugate = self.conjugation.conjugate(harmonic.normals, self.harmonic.energy, planes)
         return self._surface(harmonic, conjugate, options)
 
+    @checked
     def index(self, conditions: Conditions, normals: ArrayLike) -> tuple[int, int]:
         """Numbers of unstable and of null modes of a map (S, 3) that is critical under these conditions."""
         if self._carried:
             conditions = conditions.carried(self._carried.edges)
-        return index_of(self.harmonic, conditions, np.asarray(normals, dtype=np.float64))
+        return index_of(self.harmonic, conditions, normals)
 
     def _check_on_rim(self, conditions: Conditions) -> None:
         """Fixed sites must lie on the boundary: elsewhere the conjugate would not close around them."""

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..linalg import as_numbers
+from ..signatures import checked
 from ..surface.cmc_surface import CmcSurface
 from ..surface.placement import Similarity
 from .arrangement import arrange
@@ -37,6 +38,7 @@ class TooManyError(SymmetryError):
     """More copies than allowed."""
 
 
+@checked
 def complete(
     surface: CmcSurface,
     sides: Sequence[Side] = (),

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ..domain.domain import Domain
 from ..domain.gluing import glued_domain
 from ..errors import ConditionError
+from ..signatures import checked
 from .completion import Completion
 
 Array = NDArray[np.float64]
@@ -45,6 +46,7 @@ class GluedMap:
         return f"The normals of {len(self.members)} copies agree along their sides."
 
 
+@checked
 def whole(completion: Completion) -> GluedMap:
     """The domain of the copies of a completion, and the Gauss map on it (paper, Appendix G).
 

@@ -20,6 +20,7 @@ from ..domain.shape import is_names
 from ..errors import CmcError, ConditionError, check_choice
 from ..gauss.frames import boundary_edges
 from ..linalg import as_numbers
+from ..signatures import checked
 from ..surface.cmc_surface import CmcSurface
 
 Array = NDArray[np.float64]
@@ -156,6 +157,7 @@ class SidePlane:
         )
 
 
+@checked
 def side_plane(surface: CmcSurface, side: Side) -> SidePlane:
     """The plane in which a side of a solved surface lies, and how far the side is from it.
 

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..domain.gluing import Glued
+from ..signatures import checked
 from ..surface import convert
 from ..surface.cmc_surface import CmcSurface
 from ..surface.polygon_mesh import PolygonMesh
@@ -65,6 +66,7 @@ class CompletedMesh:
         copies = int(self.copies.max(initial=-1)) + 1
         return f"CompletedMesh({len(self.vertices)} vertices, {len(self.faces)} faces, {copies} copies)"
 
+    @checked
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the mesh as OBJ, PLY, STL or GLB, by the suffix of `path`; see `convert.save_mesh`."""
         convert.save_mesh(path, self.vertices, self.faces, self.normals)

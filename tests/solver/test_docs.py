@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect
 import re
-import tomllib
 from dataclasses import fields
 from pathlib import Path
 
@@ -16,7 +15,6 @@ from solver.errors import Status
 from solver.gauss.conditions import KINDS
 from solver.gauss.energies import ENERGIES
 from solver.gauss.methods import METHODS
-from solver.jobs import job
 from solver.jobs.close_table import KEYS as CLOSE_KEYS
 from solver.jobs.complete_table import KEYS as COMPLETE_KEYS
 from solver.jobs.fit_table import ANCHOR_KEYS
@@ -54,15 +52,6 @@ def test_python_examples_run(page, tmp_path, monkeypatch, capsys):
 def test_there_are_examples():
     assert len(blocks(ROOT / "docs" / "how-to" / "from-python.md", "python")) >= 8
     assert blocks(ROOT / "README.md", "python") and blocks(ROOT / "README.md", "toml")
-
-
-@pytest.mark.parametrize("page", PAGES, ids=IDS)
-def test_job_examples_load(page, tmp_path):
-    """Jobs with a mesh are loaded from the folder of the plan of that name."""
-    for example in blocks(page, "toml"):
-        data = tomllib.loads(example)
-        loaded = job.make_job(data, ROOT / "assets" / "job.toml" if "mesh" in data else tmp_path / "job.toml")
-        assert len(loaded.plan.triangles)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=IDS)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from solver.errors import CmcError, JobError
-from solver.jobs.job import load_job
+from solver.jobs.job import load_job, run_job
 from tests.solver.job_files import job
 
 FLOOR = '[[conditions]]\nside = "outer"\nkind = "plane"\n[complete]\nmesh = "a.obj"\n'
@@ -67,6 +68,26 @@ def test_what_is_out_of_range_is_named(tmp_path: Path, name: str):
     text, message = BEYOND[name]
     with pytest.raises(JobError, match=message):
         load_job(job(tmp_path, text))
+
+
+FAR = {
+    "a low fit": ("[fit]\nheight = 1e-12", "height, for a plan 2.8. wide, must be a positive number"),
+    "a flat fit": ("[fit]\nmean_curvature = 1e-15", "mean curvature, for a plan 2.8. wide, must be"),
+    "a far anchor": ("[[fit.anchors]]\nvertex = 0\nplace = [1e9, 0, 0]", "100 times the plan's size"),
+}
+
+
+@pytest.mark.parametrize("name", FAR)
+def test_a_fit_far_from_its_plan_is_refused(tmp_path: Path, name: str):
+    text, message = FAR[name]
+    with pytest.raises(CmcError, match=message):
+        run_job(load_job(job(tmp_path, DISC + text)))
+
+
+def test_a_corner_radius_of_nothing_leaves_the_corners(tmp_path: Path):
+    square = '[shape]\nkind = "polygon"\noutline = [[0, 0], [1, 0], [1, 1], [0, 1]]\nmax_edge = 0.3\n'
+    plans = [load_job(job(tmp_path, square + f"corner_radius = {radius}")).plan for radius in ("0", "1e-15")]
+    assert np.array_equal(plans[0].positions, plans[1].positions)
 
 
 BLAMED = [
