@@ -31,6 +31,8 @@ _CLOSED = 1e-3
 _TILT_MET = 0.01
 _TILT_WEIGHT = 0.1
 _RISE = 0.5
+# Parts of the outline's size below which, and above whose inverse, a height is a mistake.
+_EXTREME = 1e-6
 # The way out where the rim stays off its curve.
 _LESS = {"mean_curvature": "smaller mean curvature", "volume": "smaller volume"}
 # Weight of the squared relative error of the height parameter against the squared distance of the rim by the size.
@@ -138,6 +140,7 @@ class Goals:
         height_parameter, number = options.height_parameter
         if height_parameter == "rise":
             number *= 0.5 * float(extent.min())
+        _check_size(height_parameter, float(number), float(np.linalg.norm(extent)))
         curves = [Curve(each - [0.0, 0.0, base], closed=True) for each in lines]
         return cls(
             options=options,
@@ -235,6 +238,19 @@ def _lines(domain: Domain, points: Array, given: ArrayLike | Sequence[ArrayLike]
     if len(given) != len(lines):
         raise ConditionError(f"The plan has {len(lines)} boundary loops, so {len(given)} curves do not fit it.")
     return [_as_curve(line) for line in given], outer
+
+
+def _check_size(height_parameter: str, number: float, size: float) -> None:
+    """Raise `ConditionError` on a height, volume or H that no shell over an outline of this size can have."""
+    power = {"volume": 3, "mean_curvature": -1}.get(height_parameter, 1)
+    least, most = sorted(size**power * _EXTREME**end for end in (power, -power))
+    if not least <= number <= most:
+        label = HEIGHT_PARAMETERS[height_parameter].label.lower()
+        what = "height" if height_parameter == "rise" else label
+        raise ConditionError(
+            f"The {what} {number:.3g} does not go with an outline that measures {size:.3g}; choose one between "
+            f"{least:.3g} and {most:.3g}."
+        )
 
 
 def _are_lines(given: Sequence[ArrayLike]) -> bool:
