@@ -82,7 +82,7 @@ def _of(name: str, result: Result) -> Outcome:
         if not np.isfinite(np.asarray(numbers, dtype=np.float64)).all():
             return Outcome(name, "NaN", what)
     codes = {getattr(note, "code", "") for note in result.warnings}
-    if result.off > OFF and "curvature" not in codes:
+    if result.off > OFF and not codes & {"curvature", "not-cmc"}:
         return Outcome(
             name, "H off in silence", f"by {100 * result.off:.0f} %; warnings: {' | '.join(result.warnings)}"
         )
