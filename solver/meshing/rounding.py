@@ -13,8 +13,8 @@ import numpy as np
 from .outline import Loop, crossing_pairs, following_of, inside
 
 CORNER = np.radians(23.5)  # between the turns of regular polygons of 15 and of 16 sides
-_LEAST = 1e-3  # a corner with less radius than this, in edge lengths, stays a corner
 _STEP = np.radians(2.0)  # the step of an arc before resampling: off by 1.5e-4 of its radius
+_LEAST = 1e-3  # a corner with less radius than this, in edge lengths, stays a corner
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,6 @@ def round_corners(loops: list[Loop], radius: float) -> list[Curve]:
             return curves
         for loop, corner in in_the_way:
             radii[loop][corner] = 0.5 * rounded[loop][2][corner]
-        radii = [np.where(of < _LEAST, 0.0, of) for of in radii]
     return [_round_loop(loop, np.zeros(len(loop.points)))[0] for loop in loops]
 
 
@@ -84,6 +83,7 @@ def _misplaced(loops: list[Loop], curves: list[Curve], radii: list[np.ndarray]) 
 def _round_loop(loop: Loop, radii: np.ndarray) -> tuple[Curve, np.ndarray, np.ndarray]:
     """The rounded loop, the corner whose arc each of its points lies on (or -1), and the radii reached."""
     points, turn = loop.points, turning(loop.points)
+    radii = np.where(radii < _LEAST, 0.0, radii)
     corners = np.nonzero(radii > 0)[0].tolist()
     sharp = (np.abs(turn) > CORNER) & (radii == 0)
     if not len(corners):
