@@ -52,7 +52,8 @@ def make_case(name: str, folder: Path) -> Case:
 def judge(name: str) -> Outcome:
     """Run a case in a folder of its own. Limits of time and memory are the worker's."""
     with tempfile.TemporaryDirectory(prefix="cmc-fuzz-") as folder, warnings.catch_warnings(record=True) as stray:
-        case = make_case(name, Path(folder))
+        with np.errstate(all="ignore"):
+            case = make_case(name, Path(folder))
         warnings.simplefilter("always")
         try:
             result = case.run()
