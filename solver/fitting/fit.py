@@ -36,6 +36,8 @@ _RUN = 25
 _RUN_GAIN = 10.0
 # A small value: gains are parts of the value plus this, so that a nearly perfect fit ends.
 _ENOUGH = 1e-5
+# The farthest that one run may take the logarithm of the scale, and the shift in sizes.
+_FAR = 20.0
 
 
 class FitStatus(Enum):
@@ -201,7 +203,11 @@ def _run(
     goes_on = True
 
     def moved(y: Array) -> tuple[float, Array]:
-        value, gradient = objective(x + unit * model.forth(y)) if y.any() else (here, slope)
+        step = unit * model.forth(y)
+        if not np.abs(step[-4:]).max() < _FAR:  # uphill from here on, or the scale overflows
+            wall = (here + _ENOUGH) / unit**2
+            return wall * (1.0 + y @ y), 2.0 * wall * y
+        value, gradient = objective(x + step) if y.any() else (here, slope)
         return (value + _ENOUGH) / unit**2, model.back(gradient) / unit
 
     def each_step(intermediate_result: Any) -> None:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
 from ..errors import ConditionError, Progress, check_choice
-from ..limits import COUNT, POSITIVE, Range, check_number
+from ..limits import COUNT, POSITIVE, check_number
 from ..linalg import as_numbers, out_of_range
 from ..meshing.rounding import CORNER
 from ..notes import Sentence
@@ -35,13 +35,12 @@ _CLOSED = 1e-3
 _TILT_MET = 0.01
 _TILT_WEIGHT = 0.1
 _RISE = 0.5
+# Parts of the outline's size below which, and above whose inverse, a height is a mistake.
+_EXTREME = 1e-6
 # The way out where the rim stays off its curve.
 _LESS = {"mean_curvature": "smaller mean curvature", "volume": "smaller volume"}
 # Distance of an anchor from the plan at most, by the size.
 _FARTHEST = 100.0
-# Least and largest of these, by the size to that power.
-_PARTS = (1e-7, 1e4)
-_POWERS = {"rise": 1, "height": 1, "volume": 3, "mean_curvature": -1}
 # Weight of the squared relative error of the height parameter against the squared distance of the rim by the size.
 _HEIGHT_WEIGHT = 0.01
 # Weight of the periods: more than all the rest, since nobody can build a shell that does not close.
@@ -149,7 +148,7 @@ class Goals:
         if height_parameter == "rise":
             number *= 0.5 * float(extent.min())
         size = float(np.linalg.norm(extent))
-        _check_size(height_parameter, number, size)
+        _check_size(height_parameter, float(number), size)
         curves = [Curve(each - [0.0, 0.0, base], closed=True) for each in lines]
         return cls(
             options=options,
@@ -231,14 +230,6 @@ class Goals:
         return f"choose a {less}{sizes}"
 
 
-def _check_size(name: str, number: float, size: float) -> None:
-    """Raise `ConditionError` on a height, volume or H (`HEIGHT_PARAMETERS`) far from those of a plan of this size."""
-    low, high = (size ** _POWERS[name] * part for part in _PARTS)
-    low, high = min(low, high), max(low, high)
-    what = "height that this rise makes" if name == "rise" else HEIGHT_PARAMETERS[name].label.lower()
-    check_number(number, f"{what}, for a plan {size:.3g} wide,", Range(low, high))
-
-
 def _check_bounds(tilt: tuple[float, float]) -> None:
     bounds = as_numbers(tilt, "The bounds on the tilt", ConditionError)
     if bounds.shape != (2,):
@@ -265,6 +256,19 @@ def _lines(domain: Domain, points: Array, given: ArrayLike | Sequence[ArrayLike]
     if len(given) != len(lines):
         raise ConditionError(f"The plan has {len(lines)} boundary loops, so {len(given)} curves do not fit it.")
     return [_as_curve(line) for line in given], outer
+
+
+def _check_size(height_parameter: str, number: float, size: float) -> None:
+    """Raise `ConditionError` on a height, volume or H that no shell over an outline of this size can have."""
+    power = {"volume": 3, "mean_curvature": -1}.get(height_parameter, 1)
+    least, most = sorted(size**power * _EXTREME**end for end in (power, -power))
+    if not least <= number <= most:
+        label = HEIGHT_PARAMETERS[height_parameter].label.lower()
+        what = "height" if height_parameter == "rise" else label
+        raise ConditionError(
+            f"The {what} {number:.3g} does not go with an outline that measures {size:.3g}; choose one between "
+            f"{least:.3g} and {most:.3g}."
+        )
 
 
 def _are_lines(given: Sequence[ArrayLike]) -> bool:

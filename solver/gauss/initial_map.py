@@ -218,7 +218,11 @@ def _grafted(dirichlet: Dirichlet, start: Array, turns: int) -> Array:
     The polar coordinates around p are conformal: ρ = exp(-2πG) with Green's function G, and its conjugate angle.
     """
     source = np.zeros((len(start), 1))
-    centre = int(np.argmax(_depth(dirichlet)))
+    depth = _depth(dirichlet)
+    depth[dirichlet.graph.rings[0]] = 0.0  # the deepest site of a free side has only half a neighbourhood
+    centre = int(np.argmax(depth))
+    if not depth[centre] > 0.0:
+        raise ConditionError("A map of another degree starts from a site inside, and there is none; refine the mesh.")
     source[centre] = 1.0
     green = dirichlet.solve(source, np.zeros((len(dirichlet.fixed), 1)))
     radius = np.exp(-2.0 * np.pi * green)

@@ -27,6 +27,8 @@ Array = NDArray[np.float64]
 _LIFTED = 6.0
 # A pivot off the diagonal is taken where the one on it is smaller by this factor.
 _PIVOT = 1e-3
+# Vectors that Lanczos' method keeps at least: long thin plans have many modes with nearly the same eigenvalue.
+_WIDE = 60
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +122,8 @@ class TangentSystem:
         operator = LinearOperator((n, n), matvec=lifted, dtype=np.float64)  # pyright: ignore[reportCallIssue]
         inverse = LinearOperator((n, n), matvec=self.product_factor.solve, dtype=np.float64)  # pyright: ignore[reportCallIssue]
         start = np.random.default_rng(without.shape[1]).standard_normal(n)
-        values, vectors = eigsh(operator, count, M=self.K, Minv=inverse, which="SA", v0=start, tol=1e-8)  # pyright: ignore[reportArgumentType]
+        wide = min(n, max(2 * count + 1, _WIDE))
+        values, vectors = eigsh(operator, count, M=self.K, Minv=inverse, which="SA", v0=start, tol=1e-8, ncv=wide)  # pyright: ignore[reportArgumentType]
         order = np.argsort(values)
         return values[order], vectors[:, order]
 

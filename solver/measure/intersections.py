@@ -20,6 +20,8 @@ from .height_field import is_graph
 
 # Overlap along an axis, as a fraction of the two triangles' extent, below which they only touch.
 _TOUCHING = 1e-9
+# Pairs after which the search ends: a sheet through itself everywhere has a pair for every two faces.
+_MOST = 200_000
 
 
 def self_intersections(
@@ -27,9 +29,9 @@ def self_intersections(
 ) -> NDArray[np.int32]:
     """Pairs of faces that intersect, (k, 2), i < j, sorted; empty (0, 2) where the mesh is embedded.
 
-    `vertices` (n, 3), `faces` (F, 3), any mixture of sizes; faces with nan or without area intersect nothing.
-    Vertices are the same when their index is. Raises `MeshError` on a bad shape or index, and `Interrupted` as soon as
-    `is_wanted`, called now and then, returns False.
+    Where there are more than 200,000 pairs, those found by then. `vertices` (n, 3), `faces` (F, 3), any mixture of
+    sizes; faces with nan or without area intersect nothing. Vertices are the same when their index is. Raises
+    `MeshError` on a bad shape or index, and `Interrupted` as soon as `is_wanted`, called now and then, returns False.
     """
     points = points_in_space(vertices)
     triangles = triangles_of(faces, len(points))
@@ -53,6 +55,8 @@ def _search(points: Array, triangles: Indices, is_wanted: Callable[[], bool]) ->
             joined = joined[_meets_plane(corners, normals, joined[:, a], joined[:, b], -_TOUCHING)]
         blocks.append(apart[_overlap(corners[apart[:, 0]], corners[apart[:, 1]])])
         blocks.append(joined[_pierce(points, triangles, joined)])
+        if sum(map(len, blocks)) > _MOST:
+            break
     pairs = np.sort(np.concatenate(blocks), axis=1)
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))].astype(np.int32)
 

@@ -24,6 +24,7 @@ _OF_EDGE = 0.25  # the part of an edge that an arc of automatic radius takes at 
 
 _LEAST = 1e-9  # radius, in edge lengths; a smaller one is a corner
 _STEP = np.radians(2.0)  # the step of an arc before resampling: off by 1.5e-4 of its radius
+_LEAST = 1e-3  # a corner with less radius than this, in edge lengths, stays a corner
 
 
 @dataclass(frozen=True)
@@ -125,6 +126,7 @@ def _misplaced(loops: list[Loop], curves: list[Curve], radii: list[np.ndarray]) 
 def _round_loop(loop: Loop, radii: np.ndarray) -> tuple[Curve, np.ndarray]:
     """The rounded loop, and the corner whose arc each of its points lies on (or -1)."""
     points, turn = loop.points, turning(loop.points)
+    radii = np.where(radii < _LEAST, 0.0, radii)
     corners = np.nonzero(radii > 0)[0].tolist()
     sharp = (np.abs(turn) > CORNER) & (radii == 0)
     if not len(corners):

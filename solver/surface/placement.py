@@ -36,6 +36,8 @@ _LEVEL = 1.0 - 1e-11
 ALIKE = 0.25
 # An extent below this fraction of 1/H is none: a point, or a flat rim without rise.
 _NO_EXTENT = 1e-9
+# Parts of the plan's size below which, and above whose inverse, a shell is no longer one over this plan.
+_EXTREME = 1e-6
 # All pairs of up to this many rim points are compared for the largest distance; with more points, this many
 # directions are.
 _SPAN_POINTS = 2000
@@ -224,6 +226,7 @@ def place(
         scale = best if likeness >= alike else sizes[1] / sizes[0]
     else:
         scale = _scale(rule, turned, edge, plane, mean_curvature, name)
+        _check_scale(scale * sizes[0] / sizes[1], rule)
     linear = rotation @ linear
     centre, target = _mean(edge, weights), _mean(drawn, weights)
     translation = target - scale * rotation @ centre
@@ -252,6 +255,14 @@ def _scale(rule: Rule, points: Array, edge: Array, plane: Plane, H: float, name:
     if not extent > _NO_EXTENT / H:
         raise PlacementError(f"{name} has no {rule.size}, so it cannot be sized by it; choose another size.")
     return rule.value / extent
+
+
+def _check_scale(ratio: float, rule: Rule) -> None:
+    if not _EXTREME < ratio < 1.0 / _EXTREME:
+        raise PlacementError(
+            f"With the {SIZES[rule.size].lower()} {rule.value:.3g} the shell is {ratio:.1g} times as large as its "
+            "plan; choose another size."
+        )
 
 
 def span(points: ArrayLike, normal: ArrayLike) -> float:

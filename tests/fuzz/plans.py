@@ -1,13 +1,15 @@
-"""Drawn plans, meshed and formed: the way of most people."""
+"""Drawn plans, meshed, formed and, between mirrors, completed: the way of most people."""
 
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from solver import shapes
+from solver.shells.complete import CopySelection, complete_plan
 from solver.shells.form import form
 from solver.shells.plan import Plan
 
@@ -30,7 +32,13 @@ def case(rng: np.random.Generator, folder: Path) -> Case:
         plan.groups = groups(own, edges, [_outward(shape.positions, pairs) for pairs in edges])
         if own.random() < 0.1:
             plan.positions[:, 2] = own.normal(size=2) @ (shape.positions - shape.positions[0]).T
-        return of_shell(form(plan, settings(own, float(np.ptp(shape.positions, axis=0).max()))))
+        choice = settings(own, float(np.ptp(shape.positions, axis=0).max()))
+        shell = form(plan, choice)
+        result = of_shell(shell)
+        if own.random() < 0.4 and {group.kind for group in plan.groups} & {"mirror", "plane"}:
+            copies = complete_plan(plan, shell, CopySelection(copies=pick(own, [None, 2, 8])), choice.sheet)
+            return replace(result, numbers={**result.numbers, "points of the copies": copies.points})
+        return result
 
     text = f"{name}, {len(outline)} points, {len(holes)} holes, max_edge {max_edge:.3g}, corner_radius {radius:.3g}"
     return Case(text, run)

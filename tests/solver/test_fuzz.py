@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import Counter
 
 import pytest
-from tests.fuzz.found import FOUND, found
 
+from tests.fuzz.found import found
 from tests.fuzz.generators import GENERATORS, cases
 from tests.fuzz.judge import Outcome
 from tests.fuzz.pool import run_all
@@ -29,5 +29,4 @@ def test_what_is_drawn_at_random_ends_in_a_shell_or_a_sentence(name):
 
 def test_what_ended_badly_once_does_not_again():
     outcomes = list(run_all(found(), 1))
-    assert len(outcomes) == len(FOUND.read_text().splitlines()) - FOUND.read_text().count("# ")
-    assert not bad(outcomes)
+    assert outcomes and not bad(outcomes)

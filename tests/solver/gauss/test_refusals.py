@@ -60,6 +60,23 @@ def test_faces_of_another_domain(sites):
             solver.solve(TWISTED + beyond)
 
 
+@pytest.mark.parametrize("sites", SITES)
+def test_wound_starts_beside_free_edges_turn_around_a_site_inside(sites):
+    """The site farthest from the held edges is on the free edge opposite, which nothing surrounds."""
+    strip = shapes.strip(2.0, 1.0, 8)
+    result = HarmonicSolver(strip.domain, sites=sites).solve(
+        conditions.binormal(strip, "bottom", tilt=0.4), degree=1, max_iterations=0
+    )
+    assert np.allclose(np.linalg.norm(result.normals, axis=1), 1.0, rtol=0, atol=1e-12)
+    assert abs(result.degree) > 0.3
+
+
+@pytest.mark.parametrize("length", [1e-300, 1e-160, 1e160, 1e300])
+def test_normals_of_any_length_are_made_unit(length):
+    held = conditions.fixed(DISC, "outer", np.array([0.0, 0.6, 0.8]) * length)
+    np.testing.assert_allclose(held.edge_normals, np.tile([0.0, 0.6, 0.8], (len(held.edges), 1)), rtol=1e-12)
+
+
 def test_sites_inside_are_named():
     domain = DISC.domain
     behind = int(domain.edge_faces[domain.boundary_edges[0], 0])

@@ -115,6 +115,18 @@ def test_a_nodoid_of_several_periods_crosses_itself():
     assert np.diff(np.sort(t)).max() < 0.5
 
 
+def test_the_search_ends_where_everything_crosses(monkeypatch):
+    """Five hundred triangles about one line: each crosses every other."""
+    turns = np.pi * np.arange(500) / 500
+    x, y = np.cos(turns), np.sin(turns)
+    corners = np.stack([[x, y, 0 * x], [-x, -y, 0 * x - 1], [-x, -y, 0 * x + 1]], axis=0).transpose(2, 0, 1)
+    points, faces = corners.reshape(-1, 3), np.arange(1500).reshape(-1, 3)
+    assert len(self_intersections(points, faces)) == 500 * 499 / 2
+    monkeypatch.setattr("solver.measure.intersections._MOST", 1000)
+    monkeypatch.setattr("solver.measure.aabb_tree._BLOCK", 64)
+    assert 1000 < len(self_intersections(points, faces)) < 500 * 499 / 2
+
+
 def test_a_figure_eight_crosses_along_one_line():
     parameters, faces = grid(64, 10, 1.0, 1.0)
     t, z = 2 * np.pi * 0.98 * parameters[:, 0] + 0.6, parameters[:, 1]

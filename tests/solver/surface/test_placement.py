@@ -208,6 +208,14 @@ def test_a_boundary_that_does_not_follow_the_plan_is_matched_in_size_only(factor
     assert_allclose(turned.points(dome() * [-1, -1, 1])[:N], circle(3), atol=1e-12)
 
 
+@pytest.mark.parametrize(
+    "size, value, ratio", [("radius", 1e-300, "5e-301"), ("span", 4e7, "1e.07"), ("mean_curvature", 1e-8, "5e.07")]
+)
+def test_a_size_that_leaves_its_plan_far_behind_is_refused(size, value, ratio):
+    with pytest.raises(PlacementError, match=f"the shell is {ratio} times as large as its plan; choose another size"):
+        place(dome(), np.arange(N), circle(2.0), np.ones(N), Plane(np.zeros(3), E_Z), Rule(size=size, value=value))
+
+
 def test_a_flat_surface_has_no_rise():
     with pytest.raises(PlacementError, match="f- has no rise, so it cannot be sized by it"):
         flat = circle(2)
