@@ -8,6 +8,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import pairwise
 from pathlib import Path
 
 SENTENCE = "Interrupted; what was finished is written, nothing is half written."
@@ -19,17 +20,37 @@ def _leave_quietly() -> None:
         signal.signal(signal.SIGINT, _leave)
 
 
+class Pressed:
+    """Whether Ctrl-C was pressed in a block of `interruptible`."""
+
+    yes = False
+
+
+def check() -> None:
+    """Raise the `KeyboardInterrupt` that others have swallowed, as Blender's operators do."""
+    if Pressed.yes:
+        raise KeyboardInterrupt
+
+
 @contextmanager
 def interruptible() -> Iterator[None]:
     """Let Ctrl-C raise `KeyboardInterrupt` in the block; Blender without a window has a handler of its own."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    Pressed.yes = False
+    before = signal.signal(signal.SIGINT, _press)
     try:
         yield
+        check()
     finally:
+        Pressed.yes = False
         signal.signal(signal.SIGINT, signal.SIG_DFL if before is None else before)
+
+
+def _press(*_: object) -> None:
+    Pressed.yes = True
+    raise KeyboardInterrupt
 
 
 def _leave(*_: object) -> None:
@@ -38,7 +59,9 @@ def _leave(*_: object) -> None:
 
 
 def _is_command() -> bool:
-    """Whether this package is run as `python -m solver` or as the command `cmc`."""
+    """Whether this package is run as `python -m solver`, as the command `cmc` or as `blender --command cmc`."""
+    if any(pair in (("--command", "cmc"), ("-c", "cmc")) for pair in pairwise(sys.argv)):
+        return True
     started = sys.orig_argv
     as_module = "-m" in started and started[started.index("-m") + 1 :][:1] == [__package__]
     return as_module or Path(sys.argv[0] if sys.argv else "").stem == "cmc"

@@ -24,6 +24,7 @@ from pathlib import Path
 
 import bpy
 
+from ...solver import interrupts
 from ...solver.errors import CmcError, JobError
 from ...solver.io.whole_files import Outbox, remove_stale
 from ...solver.jobs.job import Job
@@ -168,6 +169,7 @@ class FileRun:
             writing = True
             files = self._write(plan, steps, formed, first, started)
         except Exception as error:
+            interrupts.check()
             return self._fail(place, name, error, code, name, writing)
         finally:
             if "blend" not in self.request.formats:

@@ -16,6 +16,7 @@ import addon_utils
 import bpy
 
 from ...solver.errors import JobError
+from ...solver.interrupts import check
 from ...solver.io.file_checks import check_file
 from ...solver.io.mesh_files import FORMATS, mesh_bytes
 from ...solver.io.whole_files import Outbox
@@ -27,8 +28,9 @@ EXPORTED = tuple(sorted(suffix[1:] for suffix in FORMATS))
 
 @dataclass(frozen=True)
 class Exporting:
-    """What is exported: objects, to a file under a scratch name."""
+    """What is exported: objects, to a file under a scratch name of an outbox."""
 
+    outbox: Outbox
     context: bpy.types.Context
     objects: Sequence[bpy.types.Object]
     file: Path
@@ -39,7 +41,7 @@ def take_export(
     outbox: Outbox, context: bpy.types.Context, objects: Sequence[bpy.types.Object], target: Path
 ) -> None:
     """Export objects as one file, with its material files, to an outbox. Raises `JobError`."""
-    exporting = Exporting(context, objects, outbox.at(target), target)
+    exporting = Exporting(outbox, context, objects, outbox.at(target), target)
     with _selected(context, objects):
         _EXPORTERS.get(target.suffix, _export_arrays)(exporting)
     if not exporting.file.exists():
@@ -64,7 +66,9 @@ def call(operator: Callable[..., set[str]], complaint: str, **arguments: object)
     try:
         finished = operator(**arguments)
     except RuntimeError as error:
+        check()
         raise JobError(f"{complaint}: {str(error).removeprefix('Error: ').strip().splitlines()[-1]}") from error
+    check()
     if "FINISHED" not in finished:
         raise JobError(f"{complaint}.")
 
@@ -99,7 +103,7 @@ def _export_glb(exporting: Exporting) -> None:
     scale = exporting.context.scene.unit_settings.scale_length
     if scale != 1.0:
         check_file(exporting.file, exporting.target)
-        exporting.file.write_bytes(_scaled(exporting.file.read_bytes(), scale))
+        exporting.outbox.write(exporting.target, _scaled(exporting.file.read_bytes(), scale))
 
 
 def _scaled(glb: bytes, scale: float) -> bytes:
@@ -143,7 +147,7 @@ def _export_arrays(exporting: Exporting) -> None:
     """As Export writes it."""
     parts = read_objects(exporting.objects, exporting.context.evaluated_depsgraph_get())
     mesh, normals = joined(parts)
-    exporting.file.write_bytes(mesh_bytes(exporting.target, mesh, normals=normals))
+    exporting.outbox.write(exporting.target, mesh_bytes(exporting.target, mesh, normals=normals))
 
 
 _EXPORTERS: dict[str, Callable[[Exporting], None]] = {".glb": _export_glb, ".obj": _export_obj}

@@ -61,6 +61,8 @@ def failed(input: str, error: Exception, code: int = UNUSABLE, plan: str = "", o
         return Outcome(input, plan, code, str(error), of=of)
     if isinstance(error, MemoryError):
         return Outcome(input, plan, FAILED, "The memory is not enough; take a coarser mesh.", of=of)
+    if isinstance(error, OSError) and error.strerror:
+        return Outcome(input, plan, FAILED, f"{error.filename or 'A file'} cannot be used: {error.strerror}.", of=of)
     kind = type(error).__name__
     text = f"{kind}: {error}".removesuffix(": ").split("\n")[0]
     message = f"An error of the program itself ({text}); please report it with this input and the log."

@@ -18,6 +18,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, TextIO
 
+from ..interrupts import check
 from ..notes import CODES, Note
 from .outcomes import FAILED, Outcome, failed
 
@@ -38,7 +39,9 @@ def in_turn(inputs: Iterable[str], run_one: RunOne) -> Outcomes:
         try:
             yield from run_one(path)
         except Exception as error:
+            check()
             yield failed(path, error)
+        check()
 
 
 def in_processes(inputs: Sequence[str], count: int, command: Sequence[str], argv: Sequence[str]) -> Outcomes:
@@ -117,11 +120,12 @@ class _Worker:
             process.stdin.write(json.dumps(path) + "\n")
             process.stdin.flush()
             for line in process.stdout:
-                data = json.loads(line)
+                data = _answer(line)
                 if data == _END:
                     return
-                yield _outcome(data)
-        except (BrokenPipeError, ValueError):
+                if data is not None:
+                    yield _outcome(data)
+        except BrokenPipeError:
             pass
         if not self.stopped:
             code = 0
@@ -170,6 +174,15 @@ def _closed(process: subprocess.Popen[str]) -> None:
         with suppress(OSError):
             if pipe is not None:
                 pipe.close()
+
+
+def _answer(line: str) -> dict | None:
+    """A line of ours; None for what Blender says before the command begins."""
+    try:
+        data = json.loads(line)
+    except ValueError:
+        return None
+    return data if isinstance(data, dict) and ("end" in data or "formed" in data) else None
 
 
 def _outcome(data: dict) -> Outcome:

@@ -373,3 +373,14 @@ def test_memory_stays_flat(tmp_path):
         assert not [ob for ob in bpy.data.objects if ob.cmc.role != "NONE"]
         grown.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
     assert grown[1] - grown[0] < 30.0
+
+
+def test_the_documented_call(tmp_path, monkeypatch):
+    """Under the name that the package has here."""
+    page = (ROOT / "docs/how-to/headless.md").read_text(encoding="utf-8").split("## From Python")[1]
+    lines = [line[4:] for line in page.splitlines() if line.startswith("    ")]
+    monkeypatch.chdir(tmp_path)
+    plans(tmp_path / "hall.blend", "A")
+    names: dict[str, object] = {}
+    exec("\n".join(lines).replace("bl_ext.user_default.", ""), names)
+    assert names["code"] == 0 and (tmp_path / "out/hall/hall.blend").exists()
