@@ -19,6 +19,7 @@ with such a page::
     text = report(surface).summary("m")
 """
 
+from . import interrupts as interrupts  # first: the others take a second, in which Ctrl-C may come
 from .catalogue import modules, shapes
 from .catalogue.honeycomb_ring import ring
 from .catalogue.wente import wente, wente_start
@@ -55,8 +56,7 @@ from .symmetry.complete import complete
 from .symmetry.completion import Completion
 from .symmetry.glued_map import whole
 from .symmetry.sides import Side, side_plane
-
-__version__ = "0.1.0"
+from .version import __version__ as __version__
 
 __all__ = [
     "ClosingResult",

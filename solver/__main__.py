@@ -4,57 +4,51 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
-from pathlib import Path
+import time
+from collections.abc import Iterator, Sequence
 
-from . import __version__
 from .errors import CmcError, Progress
 from .jobs.job import EXAMPLE, Job, load_job, run_job
+from .jobs.job_files import done_before
+from .jobs.outcomes import EXIT_CODES, FAILED, Outcome, exit_code, failed
+from .jobs.outcomes import UNUSABLE as BAD_JOB
+from .jobs.runs import add_options, command_line
+from .version import PROGRAM
 
-OK, FAILED, BAD_JOB = 0, 1, 2
-
-_EPILOG = f"""\
-exit code: 0 done; 1 the solve failed or did not converge, a goal was not met, or a file could not be written; 2 a job
-or its mesh is unusable
-
-a job:
-
-{EXAMPLE}"""
+_EPILOG = f"{EXIT_CODES}\n\na job:\n\n{EXAMPLE}"
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line and return the exit code; argparse itself exits with 2 on bad arguments."""
-    arguments = _parser().parse_args(argv)
-    return max(run(job, verbose=arguments.verbose, quiet=arguments.quiet) for job in arguments.jobs)
+    worker = [sys.executable, "-m", str(__package__), "--worker"]
+    return command_line(sys.argv[1:] if argv is None else argv, _parser(), _read, worker)
 
 
-def run(job_file: str, *, verbose: bool = False, quiet: bool = False) -> int:
-    """Run one job: results go to stdout, warnings and errors to stderr, a sentence each."""
-    path = str(Path(job_file))
+def _read(arguments: argparse.Namespace):
+    return arguments.jobs_files, lambda path: run(path, resume=arguments.resume, verbose=arguments.verbose)
+
+
+def run(job_file: str, *, resume: bool = False, verbose: bool = False) -> Iterator[Outcome]:
+    """Run one job, which has one outcome. resume: unless an earlier run has finished it."""
+    started = time.time()
     try:
-        job = load_job(path)
+        job = load_job(job_file)
+        made = done_before(job) if resume else None
     except CmcError as error:
-        return _complain(path, error, BAD_JOB)
+        yield failed(job_file, error, BAD_JOB)
+        return
+    files = {name: str(file) for name, file in job.files.items()}
+    if made is not None:
+        yield Outcome(job_file, code=made["code"], files=files, skipped=True)
+        return
     try:
         shell = run_job(job, progress=_shown_steps(job) if verbose else None)
     except CmcError as error:
-        return _complain(path, error, FAILED)
-    except KeyboardInterrupt:
-        return _complain(path, "interrupted.", FAILED)
-    for warning in shell.warnings:
-        print(f"{path}: {warning}", file=sys.stderr)
-    if not quiet:
-        print(shell.summary())
-        for name, file in job.files.items():
-            print(f"{name} → {file}")
-    return OK if shell.ok else FAILED
-
-
-def _complain(path: str, error: object, code: int) -> int:
-    """Print an error after the name of the job, unless the message begins with it."""
-    text = str(error)
-    print(text if text.startswith(path) else f"{path}: {text}", file=sys.stderr)
-    return code
+        yield failed(job_file, error, FAILED)
+        return
+    code = exit_code(shell.ok, shell.warnings)
+    seconds = round(time.time() - started, 3)
+    yield Outcome(job_file, "", code, shell.summary(), shell.warnings, files, seconds, formed=True)
 
 
 def _shown_steps(job: Job) -> Progress:
@@ -70,10 +64,12 @@ def _parser() -> argparse.ArgumentParser:
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("jobs", nargs="+", metavar="job.toml", help="job files; a failing one does not stop the others")
+    parser.add_argument(
+        "jobs_files", nargs="+", metavar="job.toml", help="job files; a failing one does not stop the others"
+    )
     parser.add_argument("-v", "--verbose", action="store_true", help="show every step of the solver on stderr")
-    parser.add_argument("-q", "--quiet", action="store_true", help="print errors and warnings only")
-    parser.add_argument("--version", action="version", version=f"cmc-formfinding {__version__}")
+    parser.add_argument("--version", action="version", version=PROGRAM)
+    add_options(parser)
     return parser
 
 

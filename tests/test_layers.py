@@ -16,8 +16,9 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 
-# The rooms of each half, from the ground up. `errors`, `notes`, `linalg` are files; `__init__` and `__main__` are last.
+# The rooms of each half, from the ground up. Those before `io` are files; `__init__` and `__main__` are last.
 SOLVER = (
+    "interrupts", "version",
     "errors", "notes", "linalg", "io", "meshing", "domain", "gauss", "surface", "measure", "symmetry", "closing",
     "fitting", "catalogue", "shells", "jobs",
 )

@@ -1,36 +1,44 @@
-"""`blender --command cmc …`: solve plans without a window. The bpy module cannot dispatch commands: call `run`."""
+"""`blender --command cmc …`: form shells without a window. The bpy module cannot dispatch commands: call `run`."""
 
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 import tomllib
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import bpy
 
-from ...solver.errors import CmcError, JobError
+from ...solver.errors import JobError
+from ...solver.jobs.outcomes import EXIT_CODES, OK, UNUSABLE
+from ...solver.jobs.runs import add_options, command_line
+from ...solver.jobs.workers import WORKER, RunOne
 from ..properties.settings import SETTINGS, SIZE_PROPERTY, fitted_settings
 from ..properties.stored import CmcObject
-from .batch import OUTPUTS, Done, Request, run_file
+from .batch import OUTPUTS, Request, run_file
 from .batch_files import INPUTS
+from .folders import input_folders
+from .plan_work import GIVEN, TASKS, task_for
 
-OK, FAILED, BAD_ARGUMENTS = 0, 1, 2
-
-_EPILOG = """\
+_EPILOG = f"""\
 examples:
   blender hall.blend --command cmc --output out
   blender --command cmc hall.blend --output out --format blend glb
   blender --command cmc a.blend b.blend canopy.toml --output out --span 12 --ground rim
+  blender --command cmc halls/*.blend --output out --format glb --jobs 4 --resume --log out/log.txt
+  blender --command cmc hall.obj --task fit --fit-rise 0.35
   blender --command cmc plan.obj --condition 'group = "street", tilt = 25' --format obj
 
-Every input gets a folder OUTPUT/<name>/ with <name>.blend and, for each of its plans, a folder with
-shell.glb, shell.obj and report.json. In a .blend, every mesh with boundary groups or results and every mesh
-made by Mesh Plan is a plan. In an OBJ, polylines under a group name (g name, l 1 2 3) are boundary groups.
+Every input gets a folder OUTPUT/<name>/ with <name>.blend and, for each of its plans, a folder with its shell and
+report.json. Folders have the names of inputs and plans; where a name is not one for a file, or two differ in spelling
+only, six digits follow it, and inputs of equal names lie as in their own folders. In a .blend, every mesh with boundary
+groups or results and every mesh made by Mesh Plan is a plan. In an OBJ, polylines under a group name (g name, l 1 2 3)
+are boundary groups.
 
-exit code: 0 all plans were solved; 1 a plan failed, did not converge or has a gap (the others are written all
-the same); 2 bad arguments
+{EXIT_CODES}
 """
 
 
@@ -40,28 +48,36 @@ def run(argv: Sequence[str]) -> int:
     The open file is closed without saving. Messages go to stdout, each error to stderr in one sentence.
     """
     try:
-        arguments = _parser().parse_args(list(argv))
-        inputs = arguments.inputs or [_open_file()]
-        request = _request(arguments, inputs)
+        return command_line(argv, _parser(), _read, _worker_command())
     except SystemExit as left:  # argparse has printed the help or an error
-        return BAD_ARGUMENTS if left.code else OK
-    except CmcError as error:
-        print(f"cmc: {error}", file=sys.stderr)
-        return BAD_ARGUMENTS
-    good = [_print(path, done) for path in inputs for done in run_file(path.resolve(), request)]
-    return OK if all(good) else FAILED
+        return UNUSABLE if left.code else OK
 
 
-def _print(path: Path, done: Done) -> bool:
-    """Print how a plan ended; returns whether it succeeded."""
-    where = f"{path}, {done.plan}" if done.plan != path.name else f"{path}"
-    if done.good:
-        print(f"{where}:\n{done.message}")
-    else:
-        print(f"{where}: {done.message}", file=sys.stderr)
-    for warning in done.warnings:
-        print(f"{where}: {warning}", file=sys.stderr)
-    return done.good
+def _read(arguments: argparse.Namespace) -> tuple[list[str], RunOne]:
+    """The inputs, and what runs one of them. Raises `JobError`."""
+    given = {path.resolve(): path for path in arguments.inputs or [_open_file()]}
+    folders = input_folders(list(given))
+    request = _request(arguments)
+
+    def run_one(path: str):
+        resolved = Path(path).resolve()
+        folder = request.folder / folders[resolved]
+        return (replace(outcome, input=path) for outcome in run_file(resolved, replace(request, folder=folder)))
+
+    return [str(path) for path in given.values()], run_one
+
+
+def _worker_command() -> list[str]:
+    """How to start another process of this command."""
+    if bpy.app.binary_path:
+        return [bpy.app.binary_path, "--command", "cmc", WORKER]
+    package = str(__package__).removesuffix(".cmc_addon.headless")
+    code = (
+        "import sys, importlib, bpy, addon_utils\n"
+        f"addon_utils.enable({package!r}, default_set=True)\n"
+        f"sys.exit(importlib.import_module({__name__!r}).run([{WORKER!r}]))"
+    )
+    return [sys.executable, "-c", code]
 
 
 def _open_file() -> Path:
@@ -71,12 +87,8 @@ def _open_file() -> Path:
     return Path(bpy.data.filepath)
 
 
-def _request(arguments: argparse.Namespace, inputs: Sequence[Path]) -> Request:
-    stems = [path.stem for path in inputs]
-    twice = sorted({stem for stem in stems if stems.count(stem) > 1})
-    if twice:
-        raise JobError(f'Several inputs are called "{twice[0]}"; run them one by one into different folders.')
-    settings = {name: value for name in SETTINGS if (value := getattr(arguments, name)) is not None}
+def _request(arguments: argparse.Namespace) -> Request:
+    settings = {name: value for name in GIVEN if (value := getattr(arguments, name)) is not None}
     sizes = [size for size, name in SIZE_PROPERTY.items() if name is not None and name in settings]
     if sizes and "size" not in settings:
         if len(sizes) > 1:
@@ -85,12 +97,14 @@ def _request(arguments: argparse.Namespace, inputs: Sequence[Path]) -> Request:
     if "energy" in settings and "sites" in settings:
         fitted_settings(settings, settings)
     return Request(
-        output=arguments.output.resolve(),
-        formats=arguments.format,
-        plans=arguments.plan,
+        folder=arguments.output.resolve(),
+        formats=tuple(dict.fromkeys(arguments.format)),
+        plans=tuple(dict.fromkeys(arguments.plan)),
+        task=task_for(arguments.task, settings),
         settings=settings,
         conditions=[_condition(text) for text in arguments.condition],
         up=arguments.up,
+        resume=arguments.resume,
     )
 
 
@@ -129,9 +143,19 @@ def _parser() -> argparse.ArgumentParser:
         metavar="TOML",
         help="for mesh files: a condition as in a job file, angles in degrees",
     )
+    parser.add_argument(
+        "--task",
+        choices=list(TASKS),
+        default="auto",
+        help="; ".join(f"{name}: {text}" for name, text in TASKS.items()),
+    )
     parser.add_argument("--up", choices=("y", "z"), help="up axis of mesh files (default: y for GLB, otherwise z)")
+    add_options(parser)
     settings = parser.add_argument_group("settings", "override those stored with a plan")
     for name in SETTINGS:
+        _add_setting(settings, CmcObject.bl_rna.properties[name])
+    settings = parser.add_argument_group("settings of a task", "override those stored with a plan, and choose the task")
+    for name in [name for name in GIVEN if name not in SETTINGS]:
         _add_setting(settings, CmcObject.bl_rna.properties[name])
     return parser
 
@@ -144,8 +168,19 @@ def _add_setting(group: argparse._ArgumentGroup, rna: bpy.types.Property) -> Non
         group.add_argument(option, type=_identifier, choices=choices, metavar="|".join(choices).lower(), help=text)
     elif rna.type == "BOOLEAN":
         group.add_argument(option, action=argparse.BooleanOptionalAction, default=None, help=text)
+    elif rna.is_array:
+        group.add_argument(option, type=int, nargs=rna.array_length, metavar="N", help=text)
+    elif rna.type == "INT":
+        group.add_argument(option, type=int, metavar="N", help=text)
+    elif rna.unit == "ROTATION":
+        group.add_argument(option, type=_angle, metavar="DEGREES", help=text)
     else:
         group.add_argument(option, type=float, metavar="X", help=text)
+
+
+def _angle(text: str) -> float:
+    """Radians, which properties have."""
+    return math.radians(float(text))
 
 
 def _identifier(text: str) -> str:

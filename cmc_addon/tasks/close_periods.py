@@ -15,7 +15,7 @@ from bpy.app.handlers import persistent
 from numpy.typing import NDArray
 
 from ...solver.errors import Progress
-from ...solver.shells.close import ClosedShell, close_plan, closing_report
+from ...solver.shells.close import ClosedShell, ClosingOptions, close_plan, closing_report
 from ...solver.shells.complete import Completed, CopySelection
 from ...solver.shells.plan import Plan
 from ...solver.shells.tile import tile_plan, tile_times
@@ -50,9 +50,10 @@ class CloseResult(ShellResult):
 
 @dataclass(frozen=True, eq=False)
 class CloseTask(ShellTask[CloseResult]):
-    """Closes the shell of a plan. wanted: `CLOSE_SETTINGS`."""
+    """Closes the shell of a plan. wanted: `CLOSE_SETTINGS`. options: those of a job, in their place."""
 
     wanted: SimpleNamespace
+    options: ClosingOptions | None = None
 
     @classmethod
     def read(cls, context: bpy.types.Context, plan: bpy.types.Object, wanted: SimpleNamespace) -> CloseTask:
@@ -73,7 +74,7 @@ class CloseTask(ShellTask[CloseResult]):
             closed = close_plan(
                 self.solve.plan(prepared),
                 settings,
-                closure_of(self.wanted),
+                self.options or closure_of(self.wanted),
                 solver=prepared.solver,
                 initial=None if self.known is None else self.known.shell.surface.harmonic.normals,
                 progress=progress,

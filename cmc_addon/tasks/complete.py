@@ -128,7 +128,8 @@ class CompleteTask(ShellTask[CompleteResult]):
             write_instances(context, plan, depsgraph, mesh, cut, result.completed, numbers)
         hide_completed(plan, False)
         park(result_of(plan, self.solve.settings.sheet))  # it is one of the copies
-        plan.cmc.complete_report = json.dumps(result.report, ensure_ascii=False)
+        report = {**result.report, "made": self.solve.made(self.wanted)}
+        plan.cmc.complete_report = json.dumps(report, ensure_ascii=False)
         self.store(plan)
         colours.repaint(plan)
         return [*warnings, *result.warnings]

@@ -52,7 +52,8 @@ class CountTask(ShellTask[CountResult]):
         if not self.is_shown(plan):
             return self.solve.write(context, plan, result.solved)
         self.solve.check_unchanged(context, plan)
-        write_reports(context, plan, result.solved, [*self.solve.warnings, *result.solved.shell.warnings])
+        warnings = [*self.solve.warnings, *result.solved.shell.warnings]
+        write_reports(context, plan, result.solved, warnings, self.solve.made())
         return []
 
 

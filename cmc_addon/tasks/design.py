@@ -7,6 +7,7 @@ far, for the screen.
 from __future__ import annotations
 
 import json
+import time
 from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -26,6 +27,7 @@ from ..bridges.mesh_bridge import PlanMesh, read_plan
 from ..bridges.result_bridge import Cut, find_cut
 from ..properties.attributes import USUAL
 from ..properties.links import result_of
+from ..properties.made import made_here
 from ..results import colours
 from ..results.deviation import show_deviation
 from ..results.measures import Measured, sheet_measures
@@ -75,7 +77,7 @@ class DesignTask(Task[DesignResult]):
 
     latest: points (n, 3) in the world and triangles (F, 3) of the best shape so far, set by the work.
     stored: names of the settings to keep with the plan. targets: names of the data-blocks to keep with it, for the
-    pointers of `design_settings`. measured: names of what to measure.
+    pointers of `design_settings`. measured: names of what to measure. started: when the plan was read.
     """
 
     name: str
@@ -87,6 +89,7 @@ class DesignTask(Task[DesignResult]):
     targets: dict[str, tuple[str, str] | None] = field(default_factory=dict)
     latest: tuple[Array, NDArray] | None = None
     measured: tuple[str, ...] = USUAL
+    started: float = field(default_factory=time.time)
 
     @property
     def tolerance(self) -> float:
@@ -182,6 +185,8 @@ class DesignTask(Task[DesignResult]):
         }
         if result.deviation is not None:
             table["deviation"] = {"mean": float(result.deviation.mean()), "max": float(result.deviation.max())}
+        fingerprint = plan_cache.fingerprint(self.mesh)
+        table["made"] = made_here(plan.name, fingerprint, vars(self.settings), [], self.started)
         return table
 
 

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import json
-import os
-import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import bpy
 
 from ...solver.errors import CmcError, JobError, Progress
-from ...solver.io.mesh_files import FORMATS, write_bytes, write_mesh
+from ...solver.io.mesh_files import FORMATS, mesh_bytes
+from ...solver.io.whole_files import Outbox
 from ..bridges.export_bridge import Placed, joined, read_objects
 from ..properties.links import copies_of, result_of
 from ..properties.reports import complete_report, design_report, solve_report
@@ -69,24 +67,14 @@ class ExportTask(Task[list[Path]]):
 
         Raises `JobError`.
         """
-        place = self.path.parent
-        try:
-            place.mkdir(parents=True, exist_ok=True)
-            with TemporaryDirectory(prefix=".export-", dir=place) as scratch:
-                files = self._write(Path(scratch))
-                return [] if progress(1, 1.0) is False else _move(files, place)
-        except OSError as error:
-            raise JobError(f"{self.path} cannot be written: {error.strerror or error}.") from error
-
-    def _write(self, folder: Path) -> list[Path]:
-        files = [folder / self.path.name]
         mesh, normals = joined(self.parts)
         mesh = replace(mesh, positions=self.scale * mesh.positions)
-        write_mesh(files[0], mesh, normals=normals)
-        if self.report is not None:
-            files.append(files[0].with_suffix(".json"))
-            write_bytes(files[1], self.report.encode())
-        return files
+        report = self.path.with_suffix(".json")
+        with Outbox(seal=report) as outbox:
+            outbox.write(self.path, mesh_bytes(self.path, mesh, normals=normals))
+            if self.report is not None:
+                outbox.write(report, self.report.encode())
+            return [] if progress(1, 1.0) is False else outbox.send()
 
     def write(self, context: bpy.types.Context, plan: bpy.types.Object, result: list[Path]) -> list[str]:
         """Keep the choices with the plan."""
@@ -114,27 +102,6 @@ def _is_report(file: Path) -> bool:
     except (OSError, ValueError, RecursionError):
         return False
     return isinstance(found, dict) and {"plan", "objects"} <= found.keys()
-
-
-def _move(files: Sequence[Path], place: Path) -> list[Path]:
-    """Move files to a folder, all or none: if one cannot be moved, those it had before come back."""
-    moved: list[tuple[Path, Path | None]] = []
-    try:
-        for file in files:
-            target, before = place / file.name, None
-            if target.exists():
-                before = file.with_name(f"before-{file.name}")
-                shutil.copy2(target, before)
-            os.replace(file, target)
-            moved.append((target, before))
-    except OSError:
-        for target, before in moved:
-            if before is None:
-                target.unlink(missing_ok=True)
-            else:
-                os.replace(before, target)
-        raise
-    return [target for target, _ in moved]
 
 
 def wanted_objects(context: bpy.types.Context, plan: bpy.types.Object, what: str) -> list[bpy.types.Object]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
@@ -25,6 +26,7 @@ from ..bridges.result_bridge import Cut, find_cut
 from ..properties.attributes import ATTRIBUTES, USUAL
 from ..properties.group_settings import parameter_values
 from ..properties.links import result_of, results_of, wanted_roles
+from ..properties.made import made_here
 from ..properties.settings import SETTINGS, SIDES, SIZE_PROPERTY, fitted_settings
 from ..properties.stored import ROLES
 from ..results import colours
@@ -78,7 +80,7 @@ class SolveResult(Result):
 
 @dataclass(frozen=True, eq=False)
 class SolveTask(Task[SolveResult]):
-    """A solve, without any Blender data. measured: names of the measures."""
+    """A solve, without any Blender data. measured: names of the measures. started: when the plan was read."""
 
     name: str
     mesh: PlanMesh
@@ -86,6 +88,7 @@ class SolveTask(Task[SolveResult]):
     settings: SimpleNamespace
     warnings: list[str]
     measured: tuple[str, ...] = USUAL
+    started: float = field(default_factory=time.time)
 
     @classmethod
     def read(
@@ -117,6 +120,11 @@ class SolveTask(Task[SolveResult]):
     @property
     def tolerance(self) -> float:
         return self.settings.tolerance
+
+    def made(self, more: SimpleNamespace | None = None) -> dict:
+        """The provenance of the report; more: settings of a further task."""
+        settings = vars(self.settings) | vars(more or SimpleNamespace())
+        return made_here(self.name, plan_cache.fingerprint(self.mesh), settings, self.groups, self.started)
 
     def shows(self) -> str:
         return self.settings.sheet
@@ -184,7 +192,7 @@ class SolveTask(Task[SolveResult]):
                     delete_result(existing)
                 continue
             self._write_sheet(writer, role, result)
-        write_reports(context, plan, result, warnings)
+        write_reports(context, plan, result, warnings, self.made())
         show_wanted(plan, wanted)
         hide_completed(plan, True)
         plan.cmc.message = result.message
@@ -226,7 +234,7 @@ def check_unchanged(plan: bpy.types.Object, depsgraph: bpy.types.Depsgraph | Non
 
 
 def write_reports(
-    context: bpy.types.Context, plan: bpy.types.Object, result: SolveResult, warnings: list[str]
+    context: bpy.types.Context, plan: bpy.types.Object, result: SolveResult, warnings: list[str], made: dict
 ) -> None:
     """Put the solver's report on a plan and its results, with names and the scene's unit."""
     report = {
@@ -237,6 +245,7 @@ def write_reports(
         "holes": [gap.to_dict() for gap in hole_gaps(result.shell)],
         **result.more,
         "warnings": warnings,
+        "made": made,
     }
     for ob in results_of(plan).values():
         write_report(ob, report)

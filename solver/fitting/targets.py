@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ..domain.domain import Domain
 from ..gauss.sphere import dot, inner
 from ..linalg import graph_laplacian
+from ..measure.volume import volume_over
 from ..surface.adjoint import boundary_shares
 from .curves import Curve
 from .target import Curvature, Partials, Shape, Target
@@ -225,7 +226,7 @@ class Volume(_Quantity):
             # the area changes by ½ (q - p)^⊥ as its corner opposite p → q moves
             part = np.column_stack([p[:, 1] - q[:, 1], q[:, 0] - p[:, 0]]) * (0.5 * height)[:, None]
             np.add.at(derivative, faces[:, k], np.column_stack([part, area / 3.0]))
-        return float(np.sum(area * height)), derivative
+        return volume_over(shape.points, faces, np.array([0.0, 0.0, 1.0])), derivative
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,6 @@ turned back when written.
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -20,6 +19,7 @@ from ..errors import JobError, MeshError
 from .clean import clean
 from .obj import MeshData, obj_text, read_obj
 from .polygons import triangulate_polygons
+from .whole_files import write_bytes
 
 Array = NDArray[np.float64]
 Int = NDArray[np.int32]
@@ -29,7 +29,7 @@ _WELDED = (".stl", ".glb")
 
 _Y_TO_Z = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 
-__all__ = ["FORMATS", "MeshData", "read_mesh", "triangulate_polygons", "write_bytes", "write_mesh"]
+__all__ = ["FORMATS", "MeshData", "mesh_bytes", "read_mesh", "triangulate_polygons", "write_bytes", "write_mesh"]
 
 
 def read_mesh(path: str | os.PathLike[str], *, up: str | None = None) -> MeshData:
@@ -70,42 +70,21 @@ def write_mesh(
 ) -> None:
     """Write a mesh file: OBJ with all that `mesh` carries, PLY and STL as triangles, GLB with UVs as well.
 
-    normals (V, 3) go into GLB and PLY. The file is written under a temporary name and then moved, so that no reader
-    sees half of it; missing folders are created. Raises `JobError` if that fails.
+    normals (V, 3) go into GLB and PLY. The file is written whole or not at all; missing folders are created. Raises
+    `JobError` if that fails.
     """
-    file = Path(path)
+    write_bytes(path, mesh_bytes(Path(path), mesh, normals=normals, up=up))
+
+
+def mesh_bytes(file: Path, mesh: MeshData, *, normals: Array | None = None, up: str | None = None) -> bytes:
+    """The contents of a mesh file of this name, as `write_mesh` writes it. Raises `JobError` on another format."""
     suffix = _format(file)
     if _up(file, up) == "y":
         mesh = replace(mesh, positions=mesh.positions @ _Y_TO_Z)
         normals = None if normals is None else normals @ _Y_TO_Z
     if suffix == ".obj":
-        write_bytes(file, obj_text(mesh, file.parent).encode("utf-8", "surrogateescape"))
-    else:
-        write_bytes(file, _trimesh_bytes(mesh, normals, suffix))
-
-
-def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
-    """Write a file under a temporary name in the same folder, then move it into place."""
-    file = Path(path)
-    temporary = None
-    try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        handle, temporary = tempfile.mkstemp(prefix=f".{file.name}.", dir=file.parent)
-        with os.fdopen(handle, "wb") as stream:
-            stream.write(data)
-        os.chmod(temporary, 0o666 & ~_umask())
-        os.replace(temporary, file)
-    except (OSError, ValueError) as error:  # ValueError: a null character in the name
-        if temporary is not None:
-            Path(temporary).unlink(missing_ok=True)
-        raise JobError(f"{file} cannot be written: {getattr(error, 'strerror', None) or error}.") from error
-
-
-def _umask() -> int:
-    """The umask of the process; reading it means setting it."""
-    mask = os.umask(0o022)
-    os.umask(mask)
-    return mask
+        return obj_text(mesh, file.parent).encode("utf-8", "surrogateescape")
+    return _trimesh_bytes(mesh, normals, suffix)
 
 
 def _format(file: Path) -> str:

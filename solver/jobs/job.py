@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import inspect
 import os
+import time
 import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, replace
@@ -40,7 +41,8 @@ from ..surface.placement import GROUNDS, SIZES
 from .close_table import read_close
 from .complete_table import CompleteOptions, read_complete
 from .fit_table import read_fit
-from .outputs import SHEET_KEYS, completed_report, write_completed, write_results
+from .job_files import write_job
+from .outputs import SHEET_KEYS, completed_report
 from .selection import Pairs, select
 from .start_table import read_start_key
 from .tables import Table, suggestion
@@ -90,7 +92,8 @@ class Job:
 
     mesh: the drawn mesh, with its UVs, groups and materials. outputs: sheet ("f+", "f-", "g", "gauss") or "report" →
     file. up: the up axis of the mesh files, None for each format's own. fit, close, complete: the options of these
-    tables, None without the table. warnings: likely mistakes in the file; they join the shell's.
+    tables, None without the table. warnings: likely mistakes in the file; they join the shell's. data: the tables as
+    written.
     """
 
     path: Path
@@ -103,6 +106,7 @@ class Job:
     close: ClosingOptions | None = None
     complete: CompleteOptions | None = None
     warnings: list[str] = field(default_factory=list)
+    data: Mapping[str, object] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         tables = "".join(f", [{name}]" for name in ("fit", "close", "complete") if getattr(self, name) is not None)
@@ -145,21 +149,20 @@ def make_job(data: Mapping[str, object], file: Path) -> Job:
     if fit is None:
         with drawn_numbers(plan):
             plan_conditions(plan, settings, domain)
-    return Job(file, plan, settings, mesh, outputs, up, fit, close, complete, [*mesh.notes, *root.notes])
+    return Job(file, plan, settings, mesh, outputs, up, fit, close, complete, [*mesh.notes, *root.notes], data)
 
 
 def run_job(job: Job, progress: Progress | None = None) -> Shell:
     """Solve, close or fit the shell of a job, and write its files; raises `CmcError` where that fails."""
+    started = time.time()
     shell, plan, more = _shell(job, progress)
     completed, failure = _completed(job, plan, shell)
     if completed is not None:
         more["completed"] = completed_report(completed)
-    combinatorics = job.settings.combinatorics
-    write_results(shell, plan, job.mesh, job.outputs, up=job.up, combinatorics=combinatorics, more=more)
+    written = write_job(job, shell, plan, completed, more, started)
+    failure = failure or next(iter(written), None)
     if failure is not None:
         raise failure
-    if completed is not None and job.complete is not None:
-        write_completed(completed, job.complete, plan, job.mesh, job.up)
     return shell
 
 

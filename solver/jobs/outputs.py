@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from ..errors import JobError
-from ..io.mesh_files import corner_rows, write_bytes, write_mesh
+from ..io.mesh_files import corner_rows, mesh_bytes
 from ..io.obj import MeshData
+from ..io.whole_files import Outbox
 from ..measure.report import to_plain
 from ..shells.complete import Completed
 from ..shells.plan import Plan
@@ -104,7 +105,8 @@ def report_data(shell: Shell) -> dict[str, Any]:
     }
 
 
-def write_results(
+def take_sheets(
+    outbox: Outbox,
     shell: Shell,
     plan: Plan,
     mesh: MeshData,
@@ -112,36 +114,39 @@ def write_results(
     *,
     up: str | None = None,
     combinatorics: str = "primal",
-    more: Mapping[str, Any] | None = None,
-) -> None:
-    """Write each of `outputs`, sheet or "report" → file; the report first, since it says why a sheet is missing.
+) -> list[JobError]:
+    """Write each sheet of `outputs`, sheet → file, to an outbox; returns why some are missing.
 
-    combinatorics: of `COMBINATORICS`, the polygons of the sheets. more: tables to add to the report.
+    combinatorics: of `COMBINATORICS`, the polygons of the sheets.
     """
-    if "report" in outputs:
-        text = json.dumps(report_data(shell) | dict(more or {}), indent=2, ensure_ascii=False, allow_nan=False)
-        write_bytes(outputs["report"], (text + "\n").encode())
+    missing = []
     for name, file in outputs.items():
         if name == "report":
             continue
-        _check_placed(shell, name)
+        try:
+            _check_placed(shell, name)
+        except JobError as error:
+            missing.append(error)
+            continue
         if combinatorics == "primal":
             sheet = sheet_mesh(shell, name, plan, mesh, triangles=file.suffix.lower() != ".obj")
-            write_mesh(file, sheet, normals=shell.normals[name], up=up)
+            outbox.write(file, mesh_bytes(file, sheet, normals=shell.normals[name], up=up))
         else:
             polygons = polygon_sheet(shell, name, combinatorics)
-            write_mesh(file, polygon_mesh(polygons, plan, mesh), normals=polygons.normals, up=up)
+            data = mesh_bytes(file, polygon_mesh(polygons, plan, mesh), normals=polygons.normals, up=up)
+            outbox.write(file, data)
+    return missing
 
 
-def write_completed(
-    completed: Completed, options: CompleteOptions, plan: Plan, mesh: MeshData, up: str | None = None
+def take_completed(
+    outbox: Outbox, completed: Completed, options: CompleteOptions, plan: Plan, mesh: MeshData, up: str | None = None
 ) -> None:
-    """Write the welded mesh and the instances, a list in JSON with the pieces as OBJ files beside it."""
+    """Write the welded mesh and the instances, a list in JSON with the pieces as OBJ files beside it, to an outbox."""
     if options.mesh is not None:
         data = completed_mesh(completed, plan, mesh, triangles=options.mesh.suffix.lower() != ".obj")
-        write_mesh(options.mesh, data, normals=completed.normals, up=up)
+        outbox.write(options.mesh, mesh_bytes(options.mesh, data, normals=completed.normals, up=up))
     if options.instances is not None:
-        _write_instances(completed, options.instances, plan, mesh, up)
+        _take_instances(outbox, completed, options.instances, plan, mesh, up)
 
 
 def completed_report(completed: Completed, *, welded: bool = True) -> dict[str, Any]:
@@ -186,13 +191,15 @@ def completed_mesh(completed: Completed, plan: Plan, mesh: MeshData, *, triangle
     )
 
 
-def _write_instances(completed: Completed, file: Path, plan: Plan, mesh: MeshData, up: str | None) -> None:
+def _take_instances(
+    outbox: Outbox, completed: Completed, file: Path, plan: Plan, mesh: MeshData, up: str | None
+) -> None:
     keys = {sheet: key for key, sheet in SHEET_KEYS.items()}
     pieces = {name: file.with_name(f"{file.stem}_{keys[name]}.obj") for name in sorted(set(completed.sheets))}
     for name, path in pieces.items():
         data = sheet_mesh(completed.shell, name, plan, mesh)
         points = replace(data, positions=completed.piece(name))
-        write_mesh(path, points, normals=completed.shell.normals[name], up=up)
+        outbox.write(path, mesh_bytes(path, points, normals=completed.shell.normals[name], up=up))
     instances = {
         "pieces": {name: path.name for name, path in pieces.items()},
         "lattice": to_plain(completed.lattice),
@@ -201,4 +208,4 @@ def _write_instances(completed: Completed, file: Path, plan: Plan, mesh: MeshDat
             for name, matrix in zip(completed.sheets, completed.transforms, strict=True)
         ],
     }
-    write_bytes(file, (json.dumps(instances, ensure_ascii=False, allow_nan=False) + "\n").encode())
+    outbox.write(file, (json.dumps(instances, ensure_ascii=False, allow_nan=False) + "\n").encode())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from ..errors import CmcError, JobError
 from ..io.obj import MeshData
+from ..io.whole_files import write_bytes
 from ..shells.plan import Plan
 from ..shells.plan_metric import side_lengths, start_map
 from .tables import Table
@@ -94,6 +96,8 @@ def write_start(
     edges: Int | None = None,
     lengths: Array | None = None,
 ) -> None:
-    """Write a file for `read_start`; edges and lengths go together."""
+    """Write a file for `read_start`; edges and lengths go together. Raises `JobError` where it cannot be written."""
     arrays = {"normals": normals, "edges": edges, "lengths": lengths}
-    np.savez_compressed(path, **{name: np.asarray(array) for name, array in arrays.items() if array is not None})
+    data = io.BytesIO()
+    np.savez_compressed(data, **{name: np.asarray(array) for name, array in arrays.items() if array is not None})
+    write_bytes(path, data.getvalue())

@@ -16,6 +16,7 @@ from .distortion import conformal_distortion, distortion_energy
 from .extent import boundary_sides, leans, overhanging_faces
 from .intersections import self_intersections
 from .outline import distance_to_segments, outline_segments
+from .volume import sheet_volume
 
 if TYPE_CHECKING:
     from ..domain.domain import Domain
@@ -102,7 +103,9 @@ class SheetReport:
 
     A degenerate sheet (a point: f- of a sphere) has no curvature, distortion or outline distance: they are
     None. `span` is the largest horizontal distance between two boundary points, `rise` the height from lowest
-    to highest. A closed sheet has the span of all its points, and no overhang, since half of it overhangs.
+    to highest. A closed sheet has the span of all its points, and no overhang, since half of it overhangs. `volume`
+    lies between the sheet and the mean height of its outer rim, what is below counts as negative; in a closed sheet it
+    is the volume inside.
     """
 
     name: str
@@ -112,6 +115,7 @@ class SheetReport:
     bounding_box: tuple[Vector, Vector]
     span: float
     rise: float
+    volume: float
     degenerate_faces: int
     mean_curvature: CurvatureReport | None
     distortion: DistortionReport | None
@@ -155,6 +159,7 @@ def measure_sheet(
         bounding_box=(_vector(points.min(axis=0)), _vector(points.max(axis=0))),
         span=span(points[np.unique(sides)] if len(sides) else points, vertical),
         rise=float(np.ptp(points @ vertical)),
+        volume=sheet_volume(domain, points, faces, vertical),
         degenerate_faces=int(np.count_nonzero(areas == 0)),
         mean_curvature=_curvature(points, faces, normals, target, areas, inside) if measurable else None,
         distortion=_distortion(domain, points, faces, areas, inside) if measurable else None,

@@ -9,10 +9,11 @@ if TYPE_CHECKING:
 
 
 def size_line(shown: SheetReport, unit: str) -> str:
-    """Span, rise, area and boundary length; `unit` names the lengths ("m"), or is empty."""
+    """Span, rise, area, volume and boundary length; `unit` names the lengths ("m"), or is empty."""
     return (
         f"{shown.name}: span {number(shown.span, unit)}, rise {number(shown.rise, unit)}, "
-        f"area {number(shown.area, unit, 2)}, boundary {number(shown.boundary_length, unit)}."
+        f"area {number(shown.area, unit, 2)}, "
+        f"volume {number(shown.volume, unit, 3)}, boundary {number(shown.boundary_length, unit)}."
     )
 
 
@@ -51,7 +52,7 @@ def measure_lines(shown: SheetReport, unit: str) -> list[str]:
 
 def number(value: float, unit: str, power: int = 1) -> str:
     """Four digits and the power of the unit."""
-    suffix = {-1: f" 1/{unit}", 1: f" {unit}", 2: f" {unit}²"}[power] if unit else ""
+    suffix = {-1: f" 1/{unit}", 1: f" {unit}", 2: f" {unit}²", 3: f" {unit}³"}[power] if unit else ""
     return f"{value:.4g}{suffix}"
 
 

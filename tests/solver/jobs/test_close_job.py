@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from solver.__main__ import FAILED, OK, main
+from solver.__main__ import main
 from solver.domain.topology import Homology
 from solver.errors import JobError
 from solver.io.mesh_files import read_mesh
 from solver.jobs.job import load_job, run_job
+from solver.jobs.outcomes import FAILED, OK
 from solver.shells.form import form
 from solver.shells.gaps import hole_gaps, hole_loops, turns_of_loops
 from solver.shells.plan import plan_domain

@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from solver.__main__ import BAD_JOB, FAILED, OK, main
+from solver.__main__ import main
 from solver.catalogue import modules
 from solver.errors import JobError
 from solver.io.mesh_files import read_mesh, write_mesh
 from solver.io.obj import MeshData
 from solver.jobs.job import load_job, run_job
+from solver.jobs.outcomes import FAILED, OK, UNUSABLE
 from solver.shells.form import form
 from solver.symmetry.sides import SymmetryError
 
@@ -163,7 +164,7 @@ def test_without_a_side_to_go_on_across_the_job_is_refused(tmp_path):
     path.write_text("\n".join(line for line in path.read_text().splitlines() if not line.startswith("normal")))
     with pytest.raises(JobError, match=r"\[complete\]: There is no side to continue across"):
         load_job(path)
-    assert main([str(path)]) == BAD_JOB
+    assert main([str(path)]) == UNUSABLE
 
 
 def test_fits_have_no_copies(tmp_path):
