@@ -65,7 +65,9 @@ def call(operator: Callable[..., set[str]], complaint: str, **arguments: object)
     try:
         finished = operator(**arguments)
     except RuntimeError as error:
-        raise JobError(f"{complaint}: {str(error).removeprefix('Error: ').strip().splitlines()[-1]}") from error
+        lines = str(error).removeprefix("Error: ").strip().splitlines()
+        reason = [line for line in lines if not line.startswith("Location: ")] or ["nothing says why"]
+        raise JobError(f"{complaint}: {reason[-1]}") from error
     if "FINISHED" not in finished:
         raise JobError(f"{complaint}.")
 
