@@ -25,6 +25,7 @@ from pathlib import Path
 import bpy
 
 from ...solver.errors import CmcError, JobError
+from ...solver.interrupts import stop_if_asked
 from ...solver.io.whole_files import Outbox, remove_stale
 from ...solver.jobs.job import Job
 from ...solver.jobs.outcomes import FAILED, UNUSABLE, Outcome, exit_code, failed, plain_notes
@@ -224,6 +225,7 @@ class FileRun:
 
     def _fail(self, place: Path, name: str, error: Exception, code: int, plan: str, writing: bool = False) -> Outcome:
         """Report a failure; where writing failed, the report and the files of before stay."""
+        stop_if_asked()
         outcome = failed(str(self.path), error, code, plan, self.count)
         self.codes[name] = outcome.code
         report = {"plan": name, "converged": False, "error": outcome.message}

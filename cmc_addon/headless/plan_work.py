@@ -13,6 +13,7 @@ from types import SimpleNamespace
 import bpy
 
 from ...solver.errors import JobError
+from ...solver.interrupts import is_asked, stop_if_asked
 from ...solver.jobs.job import Job
 from ...solver.shells.complete import CopySelection
 from ...solver.shells.plan_conditions import plan_conditions
@@ -142,7 +143,8 @@ def check(task: Task) -> None:
 
 def run_step(context: bpy.types.Context, plan: bpy.types.Object, step: str, task: Task) -> Formed:
     """Do a task and write its results into the scene."""
-    result = task.work(lambda iteration, residual: True)
+    result = task.work(lambda iteration, residual: not is_asked())
+    stop_if_asked()
     warnings = task.write(context, plan, result)
     if isinstance(task, DesignTask):
         shown = result_of(plan, task.role)
