@@ -39,7 +39,8 @@ def kill_often(batch: Batch, kills: int, seed: int, *options: str, say=lambda te
         wrong.append(f"exit code {run.code}; {sorted(done)} were done, skipped are {sorted(run.skipped)}")
     if finished(batch.output) != every:
         wrong.append(f"{sorted(every - finished(batch.output))} are missing")
-    return wrong + faults(batch.output) + [f"{path} is left" for path in scratch(batch.output)]
+    left = [f"{path} is left, with {[file.name for file in path.iterdir()]}" for path in scratch(batch.output)]
+    return wrong + faults(batch.output) + left
 
 
 def main() -> int:
