@@ -67,6 +67,17 @@ fuzz: .venv/ready
 mutation: .venv/ready
 	$(PYTHON) -m scripts.mutation.mutate
 
+# In Blender: random sequences of the operators with undo, and the memory of 500 solves; a quarter of an hour.
+.PHONY: fuzz-blender faults
+CALLS := 1000
+fuzz-blender: .venv/ready
+	OPENBLAS_NUM_THREADS=1 $(PYTHON) -m tests.fuzz.operators --calls $(CALLS)
+	OPENBLAS_NUM_THREADS=1 $(PYTHON) -m tests.fuzz.solves
+
+# Batches of 50 plans killed at 20 random moments, by both command lines; five minutes.
+faults: .venv/ready
+	$(PYTHON) -m tests.faults.kill
+
 # The pictures of docs/, and the tables of its pages; those of the window by the stories of gui-test, where it can run.
 gallery: .venv/ready
 	$(PYTHON) -m scripts.tables.measure_faces --write

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import signal
 import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from itertools import pairwise
 from pathlib import Path
+from types import ModuleType
 
 SENTENCE = "Interrupted; what was finished is written, nothing is half written."
 
@@ -20,37 +21,70 @@ def _leave_quietly() -> None:
         signal.signal(signal.SIGINT, _leave)
 
 
-class Pressed:
-    """Whether Ctrl-C was pressed in a block of `interruptible`."""
-
-    yes = False
-
-
-def check() -> None:
-    """Raise the `KeyboardInterrupt` that others have swallowed, as Blender's operators do."""
-    if Pressed.yes:
-        raise KeyboardInterrupt
+_asked = False
 
 
 @contextmanager
-def interruptible() -> Iterator[None]:
-    """Let Ctrl-C raise `KeyboardInterrupt` in the block; Blender without a window has a handler of its own."""
+def interruptible(at_once: bool = True) -> Iterator[None]:
+    """Let Ctrl-C raise `KeyboardInterrupt` in the block; Blender without a window has a handler of its own.
+
+    at_once: or only where the block calls `stop_if_asked`, and at a second Ctrl-C; Blender swallows exceptions in its
+    handlers and operators.
+    """
+    global _asked
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    Pressed.yes = False
-    before = signal.signal(signal.SIGINT, _press)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler if at_once else _ask)
     try:
+        stop_if_asked()  # it may have been before
         yield
-        check()
     finally:
-        Pressed.yes = False
+        _asked = False
         signal.signal(signal.SIGINT, signal.SIG_DFL if before is None else before)
 
 
-def _press(*_: object) -> None:
-    Pressed.yes = True
-    raise KeyboardInterrupt
+def is_asked() -> bool:
+    """Whether Ctrl-C asks to stop where `stop_if_asked` is called next."""
+    return _asked
+
+
+def stop_if_asked() -> None:
+    """Raise `KeyboardInterrupt` where Ctrl-C has asked for it."""
+    global _asked
+    if _asked:
+        _asked = False
+        raise KeyboardInterrupt
+
+
+def _ask(*_: object) -> None:
+    global _asked
+    if _asked:
+        raise KeyboardInterrupt
+    _asked = True
+
+
+@contextmanager
+def undisturbed() -> Iterator[None]:
+    """Let Ctrl-C wait until the block has ended: a compiled module that is being imported ends the process at once."""
+    handler = signal.getsignal(signal.SIGINT)
+    if handler is None or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    came: list[object] = []
+    signal.signal(signal.SIGINT, lambda *_: came.append(True))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, handler)
+        if came:
+            signal.raise_signal(signal.SIGINT)
+
+
+def compiled(name: str) -> ModuleType:
+    """Import a module that is written in C++. Raises `ImportError`."""
+    with undisturbed():
+        return importlib.import_module(name)
 
 
 def _leave(*_: object) -> None:
@@ -59,9 +93,7 @@ def _leave(*_: object) -> None:
 
 
 def _is_command() -> bool:
-    """Whether this package is run as `python -m solver`, as the command `cmc` or as `blender --command cmc`."""
-    if any(pair in (("--command", "cmc"), ("-c", "cmc")) for pair in pairwise(sys.argv)):
-        return True
+    """Whether this package is run as `python -m solver` or as the command `cmc`."""
     started = sys.orig_argv
     as_module = "-m" in started and started[started.index("-m") + 1 :][:1] == [__package__]
     return as_module or Path(sys.argv[0] if sys.argv else "").stem == "cmc"

@@ -5,7 +5,6 @@ Matrices are factored by cholespy (supernodal Cholesky) where it is installed, a
 
 from __future__ import annotations
 
-import importlib
 import math
 from collections.abc import Callable
 from typing import Any, Protocol
@@ -18,6 +17,7 @@ from scipy.sparse.linalg import splu
 from scipy.spatial import KDTree
 
 from .errors import CmcError, MeshError
+from .interrupts import compiled
 from .limits import LARGEST
 
 Array = NDArray[np.float64]
@@ -131,7 +131,7 @@ def factorize(A: Sparse, backend: str = "auto") -> Factor:
     if backend == "superlu" or A.shape[0] == 0 or (backend == "auto" and A.shape[0] >= Patience.largest):
         return _SuperLU(A)
     try:
-        importlib.import_module("cholespy")
+        compiled("cholespy")
     except ImportError:
         if backend == "cholespy":
             raise
@@ -178,7 +178,7 @@ class _Cholespy(_Factored):
 
     def _factored(self) -> Callable[[Array], Array]:
         try:
-            cholespy = importlib.import_module("cholespy")
+            cholespy = compiled("cholespy")
         except ImportError:  # it was installed where this factor was pickled
             return _SuperLU(self.A).solve
         coo = self.A.tocoo()

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import queue
 import threading
+import traceback
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from typing import TypeVar
@@ -67,9 +68,9 @@ def steps(
 ) -> Generator[Step | None, None, T | None]:
     """Run `work(progress)` in a thread; yield each step, or None after `wait` seconds without one.
 
-    Returns the result of the work, or None as soon as it is cancelled. Raises the errors of the work, and `CmcError`
-    while other work runs that does not give way. Closing the generator cancels. Nobody waits for a cancelled thread:
-    it may be measuring, which has no steps to stop after. The next one starts when it has ended.
+    Returns the result of the work, or None as soon as it is cancelled. Raises the errors of the work as `CmcError`, and
+    the same while other work runs that does not give way. Closing the generator cancels. Nobody waits for a cancelled
+    thread: it may be measuring, which has no steps to stop after. The next one starts when it has ended.
     """
     if Running.stop is not None:
         if not Running.gives_way:
@@ -92,7 +93,7 @@ def steps(
             if kind == "done":
                 return value
             if kind == "error":
-                raise value
+                raise _in_a_sentence(value)
             iteration, residual = value
             first = first or residual
             yield Step(iteration, residual, _fraction(first, residual, tolerance))
@@ -101,6 +102,17 @@ def steps(
         if Running.stop is stop:
             Running.stop = None
         stop.set()
+
+
+def _in_a_sentence(error: BaseException) -> BaseException:
+    """An error that nobody expected as one to show; its traceback goes to the console."""
+    if isinstance(error, CmcError) or not isinstance(error, Exception):
+        return error
+    if isinstance(error, MemoryError):
+        return CmcError("The memory is not enough; take a coarser mesh.")
+    traceback.print_exception(error)
+    text = f"{type(error).__name__}: {error}".removesuffix(": ").split("\n")[0]
+    return CmcError(f"An error of the program itself ({text}); please report it, with what the console says.")
 
 
 def _run(

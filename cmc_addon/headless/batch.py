@@ -24,8 +24,8 @@ from pathlib import Path
 
 import bpy
 
-from ...solver import interrupts
 from ...solver.errors import CmcError, JobError
+from ...solver.interrupts import stop_if_asked
 from ...solver.io.whole_files import Outbox, remove_stale
 from ...solver.jobs.job import Job
 from ...solver.jobs.outcomes import FAILED, UNUSABLE, Outcome, exit_code, failed
@@ -169,7 +169,7 @@ class FileRun:
             writing = True
             files = self._write(plan, steps, formed, first, started)
         except Exception as error:
-            interrupts.check()
+            stop_if_asked()
             return self._fail(place, name, error, code, name, writing)
         finally:
             if "blend" not in self.request.formats:
@@ -227,6 +227,7 @@ class FileRun:
 
     def _fail(self, place: Path, name: str, error: Exception, code: int, plan: str, writing: bool = False) -> Outcome:
         """Report a failure; where writing failed, the report and the files of before stay."""
+        stop_if_asked()
         outcome = failed(str(self.path), error, code, plan, self.count)
         self.codes[name] = outcome.code
         report = {"plan": name, "converged": False, "error": outcome.message}

@@ -48,7 +48,7 @@ def run(argv: Sequence[str]) -> int:
     The open file is closed without saving. Messages go to stdout, each error to stderr in one sentence.
     """
     try:
-        return command_line(argv, _parser(), _read, _worker_command())
+        return command_line(argv, _parser(), _read, _worker_command(), at_once=False)
     except SystemExit as left:  # argparse has printed the help or an error
         return UNUSABLE if left.code else OK
 

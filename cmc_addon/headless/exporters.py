@@ -16,7 +16,6 @@ import addon_utils
 import bpy
 
 from ...solver.errors import JobError
-from ...solver.interrupts import check
 from ...solver.io.file_checks import check_file
 from ...solver.io.mesh_files import FORMATS, mesh_bytes
 from ...solver.io.whole_files import Outbox
@@ -66,9 +65,9 @@ def call(operator: Callable[..., set[str]], complaint: str, **arguments: object)
     try:
         finished = operator(**arguments)
     except RuntimeError as error:
-        check()
-        raise JobError(f"{complaint}: {str(error).removeprefix('Error: ').strip().splitlines()[-1]}") from error
-    check()
+        lines = str(error).removeprefix("Error: ").strip().splitlines()
+        reason = [line for line in lines if not line.startswith("Location: ")] or ["nothing says why"]
+        raise JobError(f"{complaint}: {reason[-1]}") from error
     if "FINISHED" not in finished:
         raise JobError(f"{complaint}.")
 

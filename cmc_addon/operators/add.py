@@ -11,7 +11,7 @@ from ..bridges.outline_bridge import write_boundary_groups
 from ..properties import group_list
 from ..properties.units import metres
 from .activate import activate
-from .poll import allow, why_not_object_mode
+from .poll import allow, check_numbers, why_not_object_mode
 
 
 class CMC_OT_add_module(bpy.types.Operator):
@@ -44,6 +44,7 @@ class CMC_OT_add_module(bpy.types.Operator):
 
     def execute(self, context):
         try:
+            check_numbers(self, ("size", "slenderness"))
             plan = new_plan(context, self.module.lower(), self.size, self.slenderness, self.edges)
         except CmcError as error:
             self.report({"ERROR"}, str(error))

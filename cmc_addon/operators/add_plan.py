@@ -14,7 +14,7 @@ from ..bridges.start_bridge import write_lengths, write_normals
 from ..properties import group_list
 from ..properties.units import metres
 from .activate import activate
-from .poll import allow, why_not_object_mode
+from .poll import allow, check_numbers, why_not_object_mode
 
 ORDINARY = [
     ("RECTANGLE", "Rectangle", "A rectangular plan with rounded corners; Solve makes a shell, Fit to Outline one "
@@ -107,6 +107,7 @@ class CMC_OT_add_plan(bpy.types.Operator):
 def add(operator: bpy.types.Operator, context: bpy.types.Context, make, names) -> set[str]:
     """Add the plan that `make` gives for these settings of the operator, and make it active."""
     try:
+        check_numbers(operator, names)
         start = make(*(getattr(operator, name) for name in names))
     except CmcError as error:
         operator.report({"ERROR"}, str(error))

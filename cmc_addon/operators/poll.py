@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
+
 import bpy
 
 from ...solver.errors import CmcError
@@ -54,3 +57,10 @@ def allow(operator: type, reason: str) -> bool:
     if reason:
         operator.poll_message_set(reason)
     return not reason
+
+
+def check_numbers(operator: bpy.types.Operator, names: Iterable[str]) -> None:
+    """Raise `CmcError` where a script has given one of these properties a value that is no number."""
+    for name in names:
+        if not math.isfinite(getattr(operator, name)):
+            raise CmcError(f"{operator.properties.bl_rna.properties[name].name} is not a number.")

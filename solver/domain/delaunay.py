@@ -7,7 +7,6 @@ vertices, one may join a vertex to itself, and only their lengths are known.
 
 from __future__ import annotations
 
-import importlib
 from dataclasses import dataclass
 from itertools import chain
 from typing import Any
@@ -15,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..interrupts import compiled
 from ..notes import Note
 from . import connectivity
 from .domain import Domain
@@ -116,7 +116,7 @@ def _increments(domain: Domain, sheets: CutSurface) -> Int:
 def _libigl() -> Any:
     """The module, or None."""
     try:
-        return importlib.import_module("igl")
+        return compiled("igl")
     except ImportError:
         return None
 

@@ -37,14 +37,16 @@ def _count(text: str) -> int:
 
 
 def command_line(
-    argv: Sequence[str], parser: argparse.ArgumentParser, read: Read, command: Sequence[str]
+    argv: Sequence[str], parser: argparse.ArgumentParser, read: Read, command: Sequence[str], at_once: bool = True
 ) -> int:
-    """Run a command line and return its exit code. command: how to start another process of it.
+    """Run a command line and return its exit code.
+
+    command: how to start another process of it. at_once: whether Ctrl-C raises anywhere, see `interruptible`.
 
     argparse exits by itself on help and on bad arguments.
     """
     try:
-        with interruptible():
+        with interruptible(at_once):
             if list(argv) == [WORKER]:
                 with own_stdout() as out:
                     return serve(lambda given: read(parser.parse_args(given))[1], out or sys.stdout)

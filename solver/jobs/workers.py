@@ -18,7 +18,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, TextIO
 
-from ..interrupts import check
+from ..interrupts import interruptible, stop_if_asked
 from ..notes import CODES, Note
 from .outcomes import FAILED, Outcome, failed
 
@@ -37,11 +37,12 @@ def in_turn(inputs: Iterable[str], run_one: RunOne) -> Outcomes:
     """The outcomes of the inputs, one after the other; whatever goes wrong in one is its outcome."""
     for path in inputs:
         try:
-            yield from run_one(path)
+            for outcome in run_one(path):
+                yield outcome
+                stop_if_asked()
         except Exception as error:
-            check()
+            stop_if_asked()
             yield failed(path, error)
-        check()
 
 
 def in_processes(inputs: Sequence[str], count: int, command: Sequence[str], argv: Sequence[str]) -> Outcomes:
@@ -56,6 +57,7 @@ def in_processes(inputs: Sequence[str], count: int, command: Sequence[str], argv
     try:
         ended = 0
         while ended < len(crew):
+            stop_if_asked()
             try:
                 outcome = news.get(timeout=0.5)  # a wait without end would not notice Ctrl-C on Windows
             except queue.Empty:
@@ -76,7 +78,7 @@ def in_processes(inputs: Sequence[str], count: int, command: Sequence[str], argv
 def serve(run_one: Callable[[list[str]], RunOne], out: TextIO) -> int:
     """Be such a process: the first line has the arguments, each further one an input. Ends with its stdin."""
     run: RunOne | None = None
-    for line in sys.stdin:
+    for line in _lines():
         if run is None:
             run = run_one(json.loads(line))
             continue
@@ -87,6 +89,16 @@ def serve(run_one: Callable[[list[str]], RunOne], out: TextIO) -> int:
         out.write(json.dumps(_END) + "\n")
         out.flush()
     return 0
+
+
+def _lines() -> Iterator[str]:
+    """The lines of stdin; the wait for one can be interrupted."""
+    while True:
+        with interruptible():
+            line = sys.stdin.readline()
+        if not line:
+            return
+        yield line
 
 
 class _Worker:

@@ -59,6 +59,16 @@ def test_sizes_are_metres_and_every_rim_edge_is_in_the_group(shape):
     assert ((groups == 1) == (faces == 1)).all()
 
 
+@pytest.mark.parametrize(("operator", "given"), [
+    ("add_module", {"slenderness": np.nan}), ("add_module", {"size": np.nan}), ("add_bubble", {"slenderness": np.nan}),
+    ("add_plan", {"width": np.nan}),
+])
+def test_a_script_that_gives_no_number(operator, given):
+    with pytest.raises(RuntimeError, match=r"Error: (Slenderness|Size|Width) is not a number"):
+        getattr(bpy.ops.cmc, operator)(**({"bubble": "RING"} if operator == "add_bubble" else {}), **given)
+    assert not bpy.data.objects and not bpy.data.meshes
+
+
 def test_mesh_plan_makes_it_finer_in_place():
     bpy.ops.cmc.add_plan(columns=16)
     plan = bpy.context.object

@@ -23,7 +23,7 @@ _SKIPPED = {
     "rna_type", "depsgraph", "id_data", "original", "users", "tag", "is_evaluated", "is_runtime_data", "preview",
     "all_objects", "children_recursive", "objects_recursive", "bl_rna", "session_uid", "is_updated", "is_updated_data",
     "texspace_location", "texspace_size", "particle_edit", "matrix_world", "matrix_local", "bound_box", "dimensions",
-    "vertex_paint", "weight_paint", "curve_mapping",
+    "vertex_paint", "weight_paint", "curve_mapping", "normals_domain",
 }
 _FIELDS = {
     "FLOAT": ("value", np.float32, 1), "INT": ("value", np.int32, 1), "INT8": ("value", np.int8, 1),

@@ -154,6 +154,7 @@ def from_library(random: Random, folder: Path) -> bpy.types.Object | None:
 def new_scene(random: Random, folder: Path) -> None:
     """An empty file with a few things drawn, the last one active."""
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    Evaluated.layers = False
     units = bpy.context.scene.unit_settings
     units.system = random.choice(("METRIC", "METRIC", "IMPERIAL", "NONE"))
     units.scale_length = random.choice((1.0, 1.0, 0.001, 0.0254))
@@ -308,9 +309,15 @@ def _arrange(random: Random, things: Things) -> str:
     return f"{what} {name}"
 
 
+class Evaluated:
+    """layers: whether several view layers have been seen; then Blender itself ends in an undo (5.0.1,
+    `restore_to_object`)."""
+
+    layers = False
+
+
 def may_undo() -> bool:
-    """Blender itself ends in an undo where it has evaluated several view layers (5.0.1, `restore_to_object`)."""
-    return len(bpy.data.scenes) == len(bpy.context.scene.view_layers) == 1
+    return not Evaluated.layers
 
 
 def _undo(random: Random, things: Things) -> str:
@@ -323,7 +330,7 @@ def _redo(random: Random, things: Things) -> str:
 
 def _scene(random: Random, things: Things) -> str:
     """Another scene, or another view layer of this one."""
-    window = bpy.context.window
+    window, Evaluated.layers = bpy.context.window, True
     if len(bpy.data.scenes) < 2:
         bpy.data.scenes.new("Other")
     if len(bpy.context.scene.view_layers) < 2:

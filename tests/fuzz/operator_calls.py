@@ -112,4 +112,5 @@ def _path(random: Random, folder: Path) -> str:
 
 def is_sentence(text: str) -> bool:
     """Whether a message is a sentence for a user rather than the trace of an error."""
-    return bool(re.match(r"(Error: )?\S.* .*\S$", text.strip(), re.DOTALL)) and "Traceback" not in text
+    is_ours = "Traceback" in text or "of the program itself" in text
+    return not is_ours and bool(re.match(r"(Error: )?\S.* .*\S$", text.strip(), re.DOTALL))
