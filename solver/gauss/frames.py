@@ -19,6 +19,8 @@ Int = NDArray[np.integer]
 
 # Directions count as opposite when their weighted sum is shorter than this part of their weights.
 _OPPOSITE = 1e-6
+# Products of three larger coordinates have no double.
+_FARTHEST = 1e100
 
 
 def boundary_edges(domain: DomainLike, edges: ArrayLike) -> Int:
@@ -179,9 +181,10 @@ def in_space(domain: Domain, positions: ArrayLike) -> Array:
     points = as_numbers(positions, "Positions", ConditionError)
     if points.ndim != 2 or points.shape[0] != domain.vertex_count or points.shape[1] not in (2, 3):
         raise ConditionError(f"Positions must be ({domain.vertex_count}, 2) or (…, 3), not {points.shape}.")
-    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
-    if bad.size:
-        raise ConditionError(f"Coordinates of {plural('vertex', bad)} are not finite numbers.", vertices=bad)
+    for wrong, what in ((~np.isfinite(points), "not finite numbers"), (np.abs(points) > _FARTHEST, "beyond 1e100")):
+        bad = np.flatnonzero(wrong.any(axis=1))
+        if bad.size:
+            raise ConditionError(f"Coordinates of {plural('vertex', bad)} are {what}.", vertices=bad)
     if points.shape[1] == 2:
         points = np.column_stack([points, np.zeros(len(points))])
     return points
@@ -206,7 +209,14 @@ def unit(normals: ArrayLike, owners: Int, noun: str) -> Array:
         raise ConditionError(
             f"Normals must have shape (3,) or ({len(owners)}, 3), one for each {noun}, not {given.shape}."
         )
-    return unit_rows(np.broadcast_to(given, (len(owners), 3)), noun, "has a normal that is zero or not finite", owners)
+    rows = scaled_rows(np.broadcast_to(given, (len(owners), 3)))
+    return unit_rows(rows, noun, "has a normal that is zero or not finite", owners)
+
+
+def scaled_rows(vectors: Array) -> Array:
+    """Rows times powers of two that bring their largest parts to about one, so that their squares have a double."""
+    _, exponent = np.frexp(np.abs(vectors).max(axis=-1, keepdims=True, initial=0.0))
+    return np.ldexp(vectors, -exponent)
 
 
 def unit_rows(vectors: Array, noun: str, complaint: str, owners: Iterable[int] | None = None) -> Array:

@@ -69,8 +69,15 @@ def mirror(domain: DomainLike, edges: ArrayLike, plane_normal: ArrayLike, windin
     """
     chosen = boundary_edges(domain, edges)
     normals = unit(_vector(plane_normal), chosen, "edge")
-    if not isinstance(winding, (int, float, np.number)) or not float(winding).is_integer():
+    is_number = isinstance(winding, (int, float, np.number)) and not isinstance(winding, bool)
+    if not is_number or not (isinstance(winding, (int, np.integer)) or float(winding).is_integer()):
         raise ConditionError(f"The winding must be a whole number of turns, not {winding!r}.")
+    if abs(winding) > max(len(chosen), 1):
+        raise ConditionError(
+            f"A winding of {float(min(abs(winding), 1e300)):g} turns is too much for {len(chosen)} edges, which show "
+            "one each at most; take fewer turns, or a finer mesh.",
+            edges=chosen,
+        )
     turns = np.full(len(chosen), int(winding), dtype=np.int64)
     return Conditions(mirrors=chosen, mirror_normals=normals, windings=turns)
 

@@ -7,11 +7,21 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
 from ..domain.shape import DomainLike, Shape, as_domain, is_names
-from ..errors import ConditionError, check_choice
+from ..errors import ConditionError, check_choice, plural
 from ..linalg import as_numbers
 from .boundary_data import Conditions
 from .drawn_normals import drawn_normals
-from .frames import EdgeFrames, Frames, boundary_edges, edge_frames, in_space, loop_angles, unit_rows, vertex_frames
+from .frames import (
+    EdgeFrames,
+    Frames,
+    boundary_edges,
+    edge_frames,
+    in_space,
+    loop_angles,
+    scaled_rows,
+    unit_rows,
+    vertex_frames,
+)
 from .horizon import against_horizon, level_at_vertices, upwards
 
 Array = NDArray[np.float64]
@@ -68,7 +78,7 @@ def _upwards(up: ArrayLike) -> Array:
     given = as_numbers(up, "The upward direction", ConditionError)
     if given.shape != (3,) or not np.isfinite(given).all() or not given.any():
         raise ConditionError(f"The upward direction must be one vector (3,) with a length, not {up}.")
-    given = given / np.abs(given).max()  # the squares of tiny and huge numbers have no double
+    given = scaled_rows(given)
     return given / np.linalg.norm(given)
 
 
@@ -80,7 +90,7 @@ def _tilts(tilt: ArrayLike | None, edges: Int) -> Array:
         )
     bad = np.flatnonzero(~np.isfinite(tilts))
     if bad.size:
-        where = f" of edge {edges[bad[0]]}" if tilts.ndim else ""
+        where = f" of {plural('edge', edges[bad])}" if tilts.ndim else ""
         raise ConditionError(
             f"The tilt{where} is {tilts.flat[bad[0]]}; it must be a finite angle.",
             edges=edges[bad] if tilts.ndim else edges,
