@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import CmcError, MeshError, Status, listed
-from ..surface.cmc_surface import SHEETS
+from ..surface.cmc_surface import SHEETS, as_surface
 from .arrays import Array
 from .planes import PlaneReport
 from .sheet import SheetReport, measure_sheet
@@ -137,6 +137,7 @@ def report(
     """
     if sheet not in SHEETS:
         raise CmcError(f'There is no report on a sheet "{sheet}"; choose one of {", ".join(SHEETS)}.')
+    surface = as_surface(surface)
     placed = _placed(surface, sheet, positions)
     scale, turn = _similarity(surface, placed, sheet)
     target = surface.mean_curvature / scale
@@ -160,7 +161,8 @@ def report(
 
 def _placed(surface: CmcSurface, sheet: str, positions: ArrayLike | Mapping[str, ArrayLike] | None) -> dict[str, Array]:
     if positions is None:
-        given: Mapping[str, ArrayLike] = {name: surface.sheet(name) for name in SHEETS}
+        measured = SHEETS if surface.mean_curvature else (sheet,)  # a surface of H = 0 has no twin
+        given: Mapping[str, ArrayLike] = {name: surface.sheet(name) for name in measured}
     elif isinstance(positions, Mapping):
         given = {name: positions[name] for name in SHEETS if name in positions}
     else:
@@ -224,7 +226,8 @@ def _sentence(surface: CmcSurface, shown: SheetReport, scale: float) -> str:
     gap = f"{Status.GAP.sentence} The gap is {scale * surface.gap:.4g} long."
     if surface.harmonic.status is not Status.CONVERGED or H is None:
         return f"{surface.outcome} {gap}" if surface.is_open else surface.outcome
-    return f"{gap if surface.is_open else 'Done.'} Curvature is even to {percent(max(H.relative_l2, _EVEN))}."
+    even = percent(max(H.relative_l2, _EVEN)) if H.target else f"{H.l2:.2g}"
+    return f"{gap if surface.is_open else 'Done.'} Curvature is even to {even}."
 
 
 def to_plain(value: Any) -> Any:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
-from ..errors import ConditionError
+from ..errors import ConditionError, Status
 from ..gauss.boundary_data import Conditions
 from ..gauss.conditions import fixed_at, mirror
 from ..gauss.harmonic import HarmonicSolver
@@ -114,9 +114,12 @@ class Span:
     def as_surface(self) -> CmcSurface:
         """The same with the fields of a `CmcSurface`: f+ is this surface, with its exact rim.
 
-        Where H = 0 its scale is infinite, and f- and g are this surface, too.
+        `report` and `complete` take a span for it. Where H = 0 its scale is infinite, and f- and g are this surface,
+        too. A span that is not ok counts as stalled.
         """
         solved, points, none = self._solved(), self.points, np.zeros((0, 3))
+        status = Status.CONVERGED if self.ok else Status.STALLED
+        solved = replace(solved, harmonic=replace(solved.harmonic, status=status), is_open=False)
         if self.mean_curvature == 0.0:
             return replace(solved, g=points, f_plus=points, f_minus=points, scale=np.inf, periods=none)
         scale = solved.scale

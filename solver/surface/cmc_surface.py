@@ -141,9 +141,9 @@ class CmcSurface:
 
     def sheet(self, name: str) -> Array:
         """Points (n, 3) of "f+", "f-", "g", or "gauss" (the normals as points of a sphere of radius `scale`)."""
-        sheets = {"f+": self.f_plus, "f-": self.f_minus, "g": self.g, "gauss": self.scale * self.normals}
-        check_choice(name, sheets, "sheet")
-        return sheets[name]
+        check_choice(name, ("f+", "f-", "g", "gauss"), "sheet")
+        sheets = {"f+": self.f_plus, "f-": self.f_minus, "g": self.g}
+        return self.scale * self.normals if name == "gauss" else sheets[name]
 
     def sheet_normals(self, name: str) -> Array:
         """Unit normals (n, 3) of a sheet, for which H is positive: N, and -N on f-."""
@@ -194,6 +194,11 @@ class CmcSurface:
         """Whether a sheet has shrunk to (almost) a point: f- over a spherical f+, and the other way round."""
         largest = max(_extent(self.f_plus), _extent(self.f_minus))
         return _extent(self.sheet(name)) <= _DEGENERATE * largest
+
+
+def as_surface(given: Any) -> CmcSurface:
+    """The surface itself, or that of a result which has one as `as_surface` (a `Span`)."""
+    return getattr(given, "as_surface", given)
 
 
 def _extent(points: Array) -> float:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..linalg import as_numbers
-from ..surface.cmc_surface import CmcSurface
+from ..surface.cmc_surface import CmcSurface, as_surface
 from ..surface.placement import Similarity
 from .arrangement import arrange
 from .completion import Completion
@@ -69,6 +69,7 @@ def complete(
 
     Raises `SymmetryError` on sides that contradict each other or have the wrong kind, and on groups without end.
     """
+    surface = as_surface(surface)
     if sheet not in ("f+", "f-"):
         raise SymmetryError(f'Sheet "{sheet}" has no copies; choose f+ or f-.')
     if box is not None and len(around):
