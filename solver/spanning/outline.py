@@ -39,6 +39,7 @@ class SpanOptions:
     rise: float | None = None
     height: float | None = None
     volume: float | None = None
+    leans: Sequence[tuple[ArrayLike, float]] = ()
     mirrors: Sequence[tuple[ArrayLike, ArrayLike]] = ()
     holes: str = "adapt"
     corners: str = "sharp"
@@ -81,12 +82,14 @@ def span_outline(domain: DomainLike, positions: ArrayLike, options: SpanOptions)
     negative hangs), height of the crown over the outer line's mean height (negative: of the lowest point under it),
     rise (height as a part of half the outline's smaller extent), or volume over that mean height.
 
-    mirrors: (edges, plane normal) pairs; these sides slide in the plane of their drawn points and meet it at right
-    angles. holes: "adapt" moves the plan's holes until the map is conformal, "keep" keeps the plan's conformal type,
-    and the surface is then not quite of constant mean curvature. corners: "sharp" holds corners in place and shifts the
-    plan's sides for that, "round" lets all vertices slide; round the line first. A plan too unlike the lines has its
-    vertices moved under them. initial: an earlier span of this plan, to continue from. tolerance: of the residual,
-    which has no unit. progress(step, residual) is called at each step; False cancels.
+    leans: (edges, angle) pairs; these sides stay over their drawn line, at free heights, and meet the upright wall over
+    it at this angle in radians, 0 upright, ½ π at right angles like a mirror: N · ν = cos(angle), ν the wall's outward
+    normal. mirrors: (edges, plane normal) pairs; these sides slide in the plane of their drawn points and meet it at
+    right angles. holes: "adapt" moves the plan's holes until the map is conformal, "keep" keeps the plan's conformal
+    type, and the surface is then not quite of constant mean curvature. corners: "sharp" holds corners in place and
+    shifts the plan's sides for that, "round" lets all vertices slide; round the line first. A plan too unlike the lines
+    has its vertices moved under them. initial: an earlier span of this plan, to continue from. tolerance: of the
+    residual, which has no unit. progress(step, residual) is called at each step; False cancels.
 
     Raises `ConditionError` on input that contradicts itself or fits no plan. That no surface was found is a status.
     """
@@ -107,9 +110,11 @@ def _setting(domain: Domain, points: Array, options: SpanOptions) -> tuple[SpanP
         points,
         options.curve,
         options.mirrors,
+        options.leans,
         sharp=options.corners == "sharp",
         moving_holes=options.holes == "adapt",
         solver=options.solver.harmonic if options.solver is not None and options.solver.domain is domain else None,
+        mean_curvature=options.wish[1] if options.wish[0] == "mean_curvature" else None,
     )
 
 

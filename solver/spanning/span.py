@@ -183,18 +183,19 @@ def finished(found: Found, lines: Lines, mirrors: Mirrors, wanted: float | None)
 def _conditions(
     domain: Domain, problem: SpanProblem, state: State, H: float, mirrors: Mirrors
 ) -> tuple[Conditions, Array]:
-    """The normals along the lines, and the mirrors; and a start (V, 3) for the harmonic map."""
+    """The normals along lines and leans, and the mirrors; and a start (V, 3) for the harmonic map."""
     rim = problem.coordinates.rim
     N = np.zeros((len(rim), 3))
-    tangents, on_line = problem.rim.tangents(state.x), problem.rim.on_line
+    tangents = problem.rim.tangents(state.x)
+    given = problem.rim.on_line | problem.rim.leaning
     for loop, marks in zip(problem.loops, problem.marks, strict=True):
-        N[loop] = rim_normals(domain, state.f, H, rim[loop], tangents[loop], marks, on_line[loop])
+        N[loop] = rim_normals(domain, state.f, H, rim[loop], tangents[loop], marks, given[loop])
     conditions = Conditions(up=np.array([0.0, 0.0, 1.0]))
     for edges, normal in mirrors:
         across = mirror(domain, edges, normal)
-        n, ends = across.mirror_normals[0], on_line & np.isin(rim, domain.edges[across.mirrors])
+        n, ends = across.mirror_normals[0], given & np.isin(rim, domain.edges[across.mirrors])
         N[ends] = normalize(N[ends] - np.outer(N[ends] @ n, n))
         conditions = conditions + across
-    if on_line.any():
-        conditions = conditions + fixed_at(domain, rim[on_line], N[on_line])
-    return conditions, start_normals(domain, state.f, rim[on_line], N[on_line])
+    if given.any():
+        conditions = conditions + fixed_at(domain, rim[given], N[given])
+    return conditions, start_normals(domain, state.f, rim[given], N[given])
