@@ -11,11 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 from ..domain.domain import Domain
 from ..domain.shape import DomainLike, as_domain
 from ..errors import ConditionError, Progress, check_choice
-from ..gauss.frames import area_vectors, in_space
+from ..gauss.frames import in_space
 from ..gauss.options import with_options
 from ..linalg import check_number
 from ..surface.solve import CmcSolver
 from .problem import SpanProblem
+from .relay import rolled_out, under_lines
 from .search import Search, Wish
 from .setting import Lines, setting
 from .span import Span, finished
@@ -96,11 +97,23 @@ def span_outline(domain: DomainLike, positions: ArrayLike, options: SpanOptions)
     domain = as_domain(domain)
     points = in_space(domain, positions)
     span = _spanned(domain, points, options)
-    if span.status in _UNLIKE and options.initial is None:
-        laid = _laid(domain, points, options)
-        if laid is not None:
-            again = _spanned(*laid, options)
-            span = again if again.ok else span
+    if options.initial is None and span.status in _UNLIKE:
+        span = _on_other_plans(domain, points, options, span)
+    return span
+
+
+def _on_other_plans(domain: Domain, points: Array, options: SpanOptions, span: Span) -> Span:
+    """The span over the plan laid under the lines, or over the surface rolled out; the given one if none is better."""
+    problem, lines = _setting(domain, points, options)
+    flattest = problem.start().f
+    if not lines.is_drawn:
+        laid = under_lines(domain, flattest)
+        if laid is not None and (again := _spanned(laid, points, options)).ok:
+            return again
+    for f in (span.points, flattest):
+        laid = rolled_out(domain, f)
+        if laid is not None and (again := _spanned(laid, points, options)).ok:
+            return again
     return span
 
 
@@ -137,15 +150,3 @@ def _spanned(domain: Domain, points: Array, options: SpanOptions) -> Span:
         name, number = "height", number * 0.5 * lines.extent
     found = search(Wish(name, number), start)
     return finished(found, lines, options.mirrors, number if name == "mean_curvature" else None)
-
-
-def _laid(domain: Domain, points: Array, options: SpanOptions) -> tuple[Domain, Array] | None:
-    """The plan with its vertices moved under the lines, harmonically; None where faces would turn over, or where the
-    lines are its own."""
-    problem, lines = _setting(domain, points, options)
-    if lines.is_drawn:
-        return None
-    under = (problem.start().f + lines.centre) * [1.0, 1.0, 0.0]
-    if area_vectors(under, domain.faces)[:, 2].min() <= 0.0:
-        return None
-    return Domain.from_positions(under, domain.faces), under

@@ -55,7 +55,7 @@ class State:
 
 @dataclass(frozen=True, eq=False)
 class SpanProblem:
-    """Surfaces over one domain with one rim.
+    """Surfaces over one domain with one rim. solver: has the factor of its coordinates.
 
     loops: places of the boundary loops' vertices in `coordinates.rim`, the outer one first; omegas: their angles, see
     `douglas`; marks: places of the marked points along each, see `plan_fields`. has_gauge: whether the outer loop is
@@ -63,6 +63,7 @@ class SpanProblem:
     """
 
     domain: Domain
+    solver: HarmonicSolver
     coordinates: Coordinates
     rim: Rim
     motions: Motions
@@ -99,12 +100,14 @@ class SpanProblem:
     def rebased(self, state: State) -> tuple[SpanProblem, State]:
         """The same surface over the plan that it has reached, with coordinates of that plan."""
         domain, positions = self.motions.moved(state.q), self.motions.at(state.q)
-        dirichlet = HarmonicSolver(domain).dirichlet(self.coordinates.rim)
+        solver = HarmonicSolver(domain)
+        dirichlet = solver.dirichlet(self.coordinates.rim)
         coordinates = Coordinates(dirichlet)
         coordinates.solves = self.coordinates.solves
         loops = [self.coordinates.rim[loop] for loop in self.loops]
         fields = plan_fields(dirichlet, positions, loops, angles(self.omegas[0]), self.marks, self.moving_holes)
-        problem = replace(self, domain=domain, coordinates=coordinates, motions=Motions(domain, positions, fields))
+        motions = Motions(domain, positions, fields)
+        problem = replace(self, domain=domain, solver=solver, coordinates=coordinates, motions=motions)
         rim = coordinates.extend(self.rim.at(state.x).points)
         u = (state.f - rim)[coordinates.inside]
         return problem, problem.state(u, state.x, np.zeros(problem.motions.count))

@@ -199,6 +199,7 @@ def _problem(
     rim = Rim([track for side in sides for track in side.tracks], len(dirichlet.fixed))
     return SpanProblem(
         domain=domain,
+        solver=solver,
         coordinates=Coordinates(dirichlet),
         rim=rim,
         motions=Motions(domain, positions, fields),

@@ -15,7 +15,6 @@ from ..domain.domain import Domain
 from ..errors import ConditionError, Status
 from ..gauss.boundary_data import Conditions
 from ..gauss.conditions import fixed_at, mirror
-from ..gauss.harmonic import HarmonicSolver
 from ..gauss.sphere import normalize
 from ..surface import convert, notebook
 from ..surface.cmc_surface import CmcSurface
@@ -163,7 +162,8 @@ def finished(found: Found, lines: Lines, mirrors: Mirrors, wanted: float | None)
     if found.largest is not None and wanted is not None:
         status, message = SpanStatus.NO_SURFACE, largest_sentence(wanted, found.largest)
     conditions, start = _conditions(domain, problem, state, H, mirrors)
-    harmonic = HarmonicSolver(domain).solve(conditions, initial=start)
+    solver = problem.solver if domain is problem.domain else problem.solver.moved(domain)
+    harmonic = solver.solve(conditions, initial=start)
     return Span(
         points=state.f + lines.centre,
         normals=harmonic.normals,
