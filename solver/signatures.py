@@ -84,7 +84,9 @@ def _fits(value: Any, hint: Any) -> bool:
     kind = origin or hint
     if kind is Annotated:  # checked, with a better message, where it is used
         return True
-    if not isinstance(kind, type) or kind is np.ndarray or getattr(kind, "_is_protocol", False):
+    if not isinstance(kind, type) or kind is np.ndarray:
+        return True
+    if getattr(kind, "_is_protocol", False) and not getattr(kind, "_is_runtime_protocol", False):
         return True
     return isinstance(value, kind)
 

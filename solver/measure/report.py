@@ -16,7 +16,7 @@ from ..errors import CmcError, MeshError, Status, check_choice, listed
 from ..linalg import as_numbers
 from ..notes import Sentence
 from ..signatures import checked
-from ..surface.cmc_surface import SHEETS, CmcSurface
+from ..surface.cmc_surface import SHEETS, CmcSurface, SurfaceLike, as_surface
 from .arrays import Array
 from .planes import PlaneReport
 from .sheet import SheetReport, measure_sheet
@@ -113,7 +113,7 @@ class Report:
 
 @checked
 def report(
-    surface: CmcSurface,
+    surface: SurfaceLike,
     outline: ArrayLike | Sequence[ArrayLike] | None = None,
     *,
     sheet: str = "f+",
@@ -137,6 +137,7 @@ def report(
     Raises `MeshError` where arrays do not match the surface, `CmcError` on another sheet name.
     """
     check_choice(sheet, SHEETS, "report on a sheet", CmcError)
+    surface = as_surface(surface)
     placed = _placed(surface, sheet, positions)
     scale, turn = _similarity(surface, placed, sheet)
     target = surface.mean_curvature / scale
@@ -160,7 +161,8 @@ def report(
 
 def _placed(surface: CmcSurface, sheet: str, positions: ArrayLike | Mapping[str, ArrayLike] | None) -> dict[str, Array]:
     if positions is None:
-        given: Mapping[str, ArrayLike] = {name: surface.sheet(name) for name in SHEETS}
+        measured = SHEETS if surface.mean_curvature else (sheet,)  # a surface of H = 0 has no twin
+        given: Mapping[str, ArrayLike] = {name: surface.sheet(name) for name in measured}
     elif isinstance(positions, Mapping):
         given = {name: positions[name] for name in SHEETS if name in positions}
     else:
@@ -227,7 +229,8 @@ def _sentence(surface: CmcSurface, shown: SheetReport, scale: float) -> str:
     elif H.is_off:
         words, even = "", f"Curvature is off by {how_far(H.relative_l2)}."
     else:
-        words, even = "Done.", f"Curvature is even to {percent(max(H.relative_l2, _EVEN))}."
+        even = percent(max(H.relative_l2, _EVEN)) if H.target else f"{H.l2:.2g}"
+        words, even = "Done.", f"Curvature is even to {even}."
     if not surface.is_open:
         return f"{words} {even}".strip()
     return Sentence(f"{gap} {even}" if even else f"{words} {gap}", scale * surface.gap)

@@ -24,7 +24,8 @@ def measure_lines(shown: SheetReport, unit: str) -> list[str]:
     H, Q = shown.mean_curvature, shown.distortion
     lines = [
         f"Mean curvature {number(H.mean, unit, -1)}, wanted {H.target:.5g}, "
-        f"off by {how_far(H.relative_l2)} in the mean (L²), {number(H.linf, unit, -1)} at most.",
+        f"off by {how_far(H.relative_l2) if H.target else number(H.l2, unit, -1)} in the mean (L²), "
+        f"{number(H.linf, unit, -1)} at most.",
         f"Conformal distortion Q {Q.mean:.4f} in the mean, {Q.max:.3f} at most (1 is none).",
     ]
     if shown.outline is not None:

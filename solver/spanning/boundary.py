@@ -1,4 +1,4 @@
-"""From lines and mirrors along the boundary loops of a plan to the tracks on which rim vertices slide."""
+"""From lines, leans and mirrors along the boundary loops of a plan to the tracks on which rim vertices slide."""
 
 from __future__ import annotations
 
@@ -10,14 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ConditionError
+from ..linalg import check_number
 from .curves import SmoothCurve, corners, without_repeats
 from .lines import best_turn, parts_of_length, starts
-from .rim import AlongCurve, Straight, Track
+from .rim import AlongCurve, OverCurve, Straight, Track
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
 LINE = -1
+# Angles at which a surface may meet the wall over a line, radians.
+_STEEPEST = np.radians(8.0)
+_FLATTEST = np.radians(160.0)
 # Planes whose normals enclose a smaller sine have no line in common.
 _PARALLEL = 1e-6
 
@@ -102,43 +106,113 @@ class Plane:
     offset: float
 
 
-def mixed_loop(places: Int, points: Array, labels: Int, planes: Sequence[Plane], sharp: bool) -> Side:
-    """A loop of lines and mirrors. labels (n,) of the edge behind each vertex: `LINE`, or the index of its plane."""
+@dataclass(frozen=True)
+class Lean:
+    """A side over its line, which meets the wall over it at this angle, radians."""
+
+    angle: float
+
+
+def checked_lean(angle: float) -> float:
+    """The angle; raises `ConditionError` where it is no number, or too steep or too flat for a wall."""
+    check_number(angle, "lean", -np.inf)
+    if not _STEEPEST <= angle <= _FLATTEST:
+        if angle > np.pi:
+            raise ConditionError(f"A lean of {angle:g} radians is more than a half turn; for degrees use np.radians.")
+        raise ConditionError(
+            f"A lean of {np.degrees(angle):.3g}° is out of range: a surface meets a wall at "
+            f"{np.degrees(_STEEPEST):.0f}° to {np.degrees(_FLATTEST):.0f}°. Hold the normals instead."
+        )
+    return float(angle)
+
+
+def mixed_loop(places: Int, points: Array, labels: Int, kinds: Sequence[Plane | Lean], sharp: bool) -> Side:
+    """A loop of lines, mirrors and leans. labels (n,) of the edge behind each vertex: `LINE` or an index of `kinds`."""
     before = np.roll(labels, 1)
     joints = np.flatnonzero(labels != before)
     if not len(joints):
-        return Side([_in_planes(places, points, [planes[int(labels[0])]])], joints)
+        return _round(places, points, kinds[int(labels[0])], sharp)
     tracks: list[Track] = []
     marks = list(joints)
     for k, here in enumerate(joints):
-        around = {int(before[here]), int(labels[here])}
-        if LINE in around:
-            tracks.append(Straight.held(places[[here]], points[[here]]))
-        else:
-            tracks.append(_in_planes(places[[here]], points[[here]], [planes[each] for each in sorted(around)]))
+        tracks.append(_joint(places[[here]], points[[here]], [int(before[here]), int(labels[here])], kinds))
         run = _run(here, joints[(k + 1) % len(joints)], len(places))
-        if labels[here] == LINE:
-            pieces, pins = _line_between(places[run], points[run], sharp)
-            tracks += pieces
-            marks += list(run[pins])
-        elif len(run) > 2:
-            tracks.append(_in_planes(places[run[1:-1]], points[run[1:-1]], [planes[int(labels[here])]]))
+        kind = None if labels[here] == LINE else kinds[int(labels[here])]
+        pieces, pins = _between(places[run], points[run], kind, sharp)
+        tracks += pieces
+        marks += list(run[pins])
     return Side(tracks, np.sort(np.array(marks)))
 
 
-def _line_between(places: Int, points: Array, sharp: bool) -> tuple[list[Track], Int]:
-    """Tracks of the vertices between the ends of an open line, and its corners among them."""
-    inner = np.zeros(0, dtype=np.int64)
-    if sharp and len(points) > 2:
-        bends = corners(points)
-        inner = bends[(bends > 0) & (bends < len(points) - 1)]
-    tracks: list[Track] = [Straight.held(places[inner], points[inner])] if len(inner) else []
-    stops = np.concatenate([[0], inner, [len(points) - 1]])
-    for here, there in pairwise(stops.tolist()):
-        piece = points[here : there + 1]
-        s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(piece, axis=0), axis=1))])
-        tracks += _open_track(places[here + 1 : there], piece, s)
+def _joint(place: Int, point: Array, around: Sequence[int], kinds: Sequence[Plane | Lean]) -> Straight:
+    """A vertex (1,) where two kinds meet: it stays at the end of a line, else it moves along both."""
+    if LINE in around:
+        return Straight.held(place, point)
+    found = [kinds[each] for each in sorted(around)]
+    planes = [kind for kind in found if isinstance(kind, Plane)]
+    if len(planes) == 2:
+        return _in_planes(place, point, planes)
+    if any(abs(plane.normal[2]) > _PARALLEL for plane in planes):
+        raise ConditionError("A side that leans meets a mirror that is not upright; leave a line between them.")
+    return _upright(place, point)
+
+
+def _upright(places: Int, points: Array) -> Straight:
+    """Vertices that move up and down over their points."""
+    return Straight(places, points, np.repeat(np.array([[[0.0, 0.0, 1.0]]]), len(places), axis=0))
+
+
+def _round(places: Int, points: Array, kind: Plane | Lean, sharp: bool) -> Side:
+    """A whole loop of one kind."""
+    if isinstance(kind, Plane):
+        return Side([_in_planes(places, points, [kind])], np.zeros(0, dtype=np.int64))
+    flat = points * [1.0, 1.0, 0.0]
+    pins = corners(flat) if sharp else np.zeros(0, dtype=np.int64)
+    if not len(pins):
+        curve = SmoothCurve(flat, closed=True)
+        return Side([OverCurve(places, curve, np.column_stack([curve.knots[:-1], points[:, 2]]), kind.angle)], pins)
+    tracks: list[Track] = []
+    for k, here in enumerate(pins):
+        run = _run(here, pins[(k + 1) % len(pins)], len(places))
+        tracks += [_upright(places[[here]], points[[here]]), *_between(places[run], points[run], kind, False)[0]]
+    return Side(tracks, pins)
+
+
+def _between(places: Int, points: Array, kind: Plane | Lean | None, sharp: bool) -> tuple[list[Track], Int]:
+    """Tracks of the vertices between the ends of a run of one kind (None: a line), and its corners among them."""
+    none = np.zeros(0, dtype=np.int64)
+    if len(places) < 3 and not isinstance(kind, Lean):
+        return [], none
+    if isinstance(kind, Plane):
+        return [_in_planes(places[1:-1], points[1:-1], [kind])], none
+    inner = _inner_corners(points if kind is None else points * [1.0, 1.0, 0.0]) if sharp else none
+    tracks: list[Track] = []
+    if len(inner):
+        hold = Straight.held if kind is None else _upright
+        tracks.append(hold(places[inner], points[inner]))
+    for here, there in pairwise([0, *inner.tolist(), len(points) - 1]):
+        piece, spots = points[here : there + 1], places[here : there + 1]
+        tracks += _line_piece(spots, piece) if kind is None else [_wall(spots, piece, kind.angle)]
     return tracks, inner
+
+
+def _inner_corners(points: Array) -> Int:
+    """Corners of an open polyline, without its ends."""
+    if len(points) < 3:
+        return np.zeros(0, dtype=np.int64)
+    bends = corners(points)
+    return bends[(bends > 0) & (bends < len(points) - 1)]
+
+
+def _line_piece(places: Int, points: Array) -> Iterator[Track]:
+    return _open_track(places[1:-1], points, SmoothCurve(points, closed=False).knots)
+
+
+def _wall(places: Int, points: Array, angle: float) -> OverCurve:
+    """The vertices between the ends of an open line that they stay over."""
+    curve = SmoothCurve(points * [1.0, 1.0, 0.0], closed=False)
+    start = np.column_stack([curve.knots, points[:, 2]])[1:-1]
+    return OverCurve(places[1:-1], curve, start, angle, places[[0, -1]])
 
 
 def _in_planes(places: Int, points: Array, planes: Sequence[Plane]) -> Straight:

@@ -177,7 +177,7 @@ def _line_search(
     problem = here.problem
     length = problem.limit(state, step)
     slope = here.gradient(step)
-    before = state.D - 2.0 * here.H * volume
+    before = state.energy - 2.0 * here.H * volume
     allowed = abs(here.H * change) + _ROUNDING * abs(state.D)
     while length > _SHORTEST:
         q = state.q + length * step.q
@@ -186,7 +186,7 @@ def _line_search(
             if keeps:
                 moved = with_volume(problem, moved, here.volume.lifted, volume + length * change)
             if moved is not None:
-                value = moved.D - 2.0 * here.H * problem.volume.of(moved.f)
+                value = moved.energy - 2.0 * here.H * problem.volume.of(moved.f)
                 if value <= before + _DECREASE * length * min(slope, 0.0) + length * allowed:
                     return moved, length
         length *= 0.5

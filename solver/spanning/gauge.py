@@ -24,8 +24,7 @@ def moebius_fields(rim: RimPoint, loop: Int, phi: Array, marks: Int) -> Array:
 
     loop (m,): rim vertices along the outer loop, phi (m,) their angles; marks: places of marked points along it.
     """
-    basis = np.column_stack([np.ones_like(phi), np.cos(phi), np.sin(phi)])
-    basis = basis @ _vanishing(basis[marks])
+    basis = angle_fields(phi, marks)
     ahead = np.roll(phi, -1)
     behind = np.roll(phi, 1)
     ahead[-1] += 2.0 * np.pi
@@ -40,6 +39,12 @@ def moebius_fields(rim: RimPoint, loop: Int, phi: Array, marks: Int) -> Array:
     rows = (along[:, None] * fields[rim.owner]).T
     _, size, right = np.linalg.svd(rows, full_matrices=False)
     return right[size > _RANK * size.max(initial=0.0)]
+
+
+def angle_fields(phi: Array, marks: Int) -> Array:
+    """(m, k) the combinations of 1, cos φ, sin φ at the angles phi (m,) that vanish at the places `marks`."""
+    basis = np.column_stack([np.ones_like(phi), np.cos(phi), np.sin(phi)])
+    return basis @ _vanishing(basis[marks])
 
 
 def _vanishing(values: Array) -> Array:

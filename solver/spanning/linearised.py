@@ -1,6 +1,8 @@
-"""First and second derivatives of D - 2H V at one surface, in the coordinates (u, x, q)."""
+"""First and second derivatives of D - 2H V + Σ cos t · W at one surface, in the coordinates (u, x, q)."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 import scipy.sparse as sp
@@ -30,12 +32,18 @@ class Linearised:
         self._slopes = self._modulus_forces()
         self._second_moduli = self._moduli_second()
         self.dirichlet, by_dirichlet = self._dirichlet_form()
-        self.volume, by_volume = self.pull(problem.volume.first(state.f, self.second))
+        self.volume, by_volume = self.pull(self.second.gradient())
         H = self._inner_multiplier() if mean_curvature is None else mean_curvature
         self.force = by_dirichlet - 2.0 * H * by_volume
         self._pulled = [self.pull(force)[0] for force in self._slopes]
         self.precondition = Preconditioner(
-            problem.kernel, self.rim, self.force, self._fields(), self._pulled, self._second_moduli
+            problem.kernel,
+            self.rim,
+            self.force,
+            self._fields(),
+            self._pulled,
+            self._second_moduli,
+            walls=problem.walls.second,
         )
         self.along = self.precondition(self.volume)  # M V', the way to more volume
         self.gain = self.volume(self.along)
@@ -65,11 +73,12 @@ class Linearised:
         return motions.second(self.state.q, self.problem.squares(self.state.f))
 
     def _dirichlet_form(self) -> tuple[Form, Array]:
-        """The form of D. On the plan of the coordinates L_II⁻¹ (L f)_I is u itself."""
+        """The form of D and the walls. On the plan of the coordinates L_II⁻¹ (L f)_I is u itself."""
         forces = self.laplacian @ self.state.f
         by_q = np.array([0.5 * np.einsum("ij,ij->", self.state.f, each) for each in self._slopes])
         known = None if self.state.q.any() else self.state.u
-        return self.pull(forces, by_q, known)
+        form, on_rim = self.pull(forces, by_q, known)
+        return replace(form, x=form.x + self.problem.walls.gradient(self.state.x)), on_rim
 
     def _inner_multiplier(self) -> float:
         """H from the inside alone."""
@@ -108,7 +117,8 @@ class Linearised:
         for number, slope in zip(step.q, self._slopes, strict=True):
             forces += number * slope
         form, _ = self.pull(forces, self._by_moduli(step))
-        return Form(form.u, form.lifted, form.x + self.rim.bend(self.force) * step.x, form.q)
+        walls = self.problem.walls.second @ step.x
+        return replace(form, x=form.x + walls + self.rim.bend(self.force) * step.x)
 
     def _by_moduli(self, step: Step) -> Array:
         plain = Step(step.u, step.x, np.zeros_like(step.q))

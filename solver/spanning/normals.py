@@ -26,13 +26,15 @@ def rim_normals(
 ) -> Array:
     """N (n, 3) along a loop of vertices (n,); rows that are not `on_line` (n,) mean nothing.
 
-    tangents (n, 3): γ' where a vertex slides along a curve; those of marked points are not used.
+    tangents (n, 3): γ' where a vertex slides along a curve, zero where it is that of the rim itself.
     """
     areas = sum_rows(domain.faces.ravel(), np.repeat(area_vectors(f, domain.faces) / 3.0, 3, axis=0), len(f))
     force = (domain.laplacian @ f - 2.0 * H * areas)[loop]
     behind, ahead = _side_tangents(f[loop])
     along = tangents.copy()
-    along[marks] = (behind + ahead)[marks]
+    along[marks] = 0.0
+    unknown = ~along.any(axis=1)
+    along[unknown] = (behind + ahead)[unknown]
     N = _unit(np.cross(force, along))
     N = _smoothed(N, along, marks, on_line)
     return _at_corners(N, behind, ahead, marks)

@@ -11,11 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 from ..domain.domain import Domain
 from ..domain.shape import DomainLike, as_domain
 from ..errors import ConditionError, Progress, check_choice
-from ..gauss.frames import area_vectors, in_space
+from ..gauss.frames import in_space
 from ..gauss.options import with_options
 from ..limits import COUNT, NUMBERS, TOLERANCE, check_number
 from ..surface.solve import CmcSolver
 from .problem import SpanProblem
+from .relay import rolled_out, under_lines
 from .search import Search, Wish
 from .setting import Lines, setting
 from .span import Span, finished
@@ -39,6 +40,7 @@ class SpanOptions:
     rise: float | None = None
     height: float | None = None
     volume: float | None = None
+    leans: Sequence[tuple[ArrayLike, float]] = ()
     mirrors: Sequence[tuple[ArrayLike, ArrayLike]] = ()
     holes: str = "adapt"
     corners: str = "sharp"
@@ -81,23 +83,37 @@ def span_outline(domain: DomainLike, positions: ArrayLike, options: SpanOptions)
     negative hangs), height of the crown over the outer line's mean height (negative: of the lowest point under it),
     rise (height as a part of half the outline's smaller extent), or volume over that mean height.
 
-    mirrors: (edges, plane normal) pairs; these sides slide in the plane of their drawn points and meet it at right
-    angles. holes: "adapt" moves the plan's holes until the map is conformal, "keep" keeps the plan's conformal type,
-    and the surface is then not quite of constant mean curvature. corners: "sharp" holds corners in place and shifts the
-    plan's sides for that, "round" lets all vertices slide; round the line first. A plan too unlike the lines has its
-    vertices moved under them. initial: an earlier span of this plan, to continue from. tolerance: of the residual,
-    which has no unit. progress(step, residual) is called at each step; False cancels.
+    leans: (edges, angle) pairs; these sides stay over their drawn line, at free heights, and meet the upright wall over
+    it at this angle in radians, 0 upright, ½ π at right angles like a mirror: N · ν = cos(angle), ν the wall's outward
+    normal. mirrors: (edges, plane normal) pairs; these sides slide in the plane of their drawn points and meet it at
+    right angles. holes: "adapt" moves the plan's holes until the map is conformal, "keep" keeps the plan's conformal
+    type, and the surface is then not quite of constant mean curvature. corners: "sharp" holds corners in place and
+    shifts the plan's sides for that, "round" lets all vertices slide; round the line first. A plan too unlike the lines
+    has its vertices moved under them. initial: an earlier span of this plan, to continue from. tolerance: of the
+    residual, which has no unit. progress(step, residual) is called at each step; False cancels.
 
     Raises `ConditionError` on input that contradicts itself or fits no plan. That no surface was found is a status.
     """
     domain = as_domain(domain)
     points = in_space(domain, positions)
     span = _spanned(domain, points, options)
-    if span.status in _UNLIKE and options.initial is None:
-        laid = _laid(domain, points, options)
-        if laid is not None:
-            again = _spanned(*laid, options)
-            span = again if again.ok else span
+    if options.initial is None and span.status in _UNLIKE:
+        span = _on_other_plans(domain, points, options, span)
+    return span
+
+
+def _on_other_plans(domain: Domain, points: Array, options: SpanOptions, span: Span) -> Span:
+    """The span over the plan laid under the lines, or over the surface rolled out; the given one if none is better."""
+    problem, lines = _setting(domain, points, options)
+    flattest = problem.start().f
+    if not lines.is_drawn:
+        laid = under_lines(domain, flattest)
+        if laid is not None and (again := _spanned(laid, points, options)).ok:
+            return again
+    for f in (span.points, flattest):
+        laid = rolled_out(domain, f)
+        if laid is not None and (again := _spanned(laid, points, options)).ok:
+            return again
     return span
 
 
@@ -107,9 +123,11 @@ def _setting(domain: Domain, points: Array, options: SpanOptions) -> tuple[SpanP
         points,
         options.curve,
         options.mirrors,
+        options.leans,
         sharp=options.corners == "sharp",
         moving_holes=options.holes == "adapt",
         solver=options.solver.harmonic if options.solver is not None and options.solver.domain is domain else None,
+        mean_curvature=options.wish[1] if options.wish[0] == "mean_curvature" else None,
     )
 
 
@@ -132,15 +150,3 @@ def _spanned(domain: Domain, points: Array, options: SpanOptions) -> Span:
         name, number = "height", number * 0.5 * lines.extent
     found = search(Wish(name, number), start)
     return finished(found, lines, options.mirrors, number if name == "mean_curvature" else None)
-
-
-def _laid(domain: Domain, points: Array, options: SpanOptions) -> tuple[Domain, Array] | None:
-    """The plan with its vertices moved under the lines, harmonically; None where faces would turn over, or where the
-    lines are its own."""
-    problem, lines = _setting(domain, points, options)
-    if lines.is_drawn:
-        return None
-    under = (problem.start().f + lines.centre) * [1.0, 1.0, 0.0]
-    if area_vectors(under, domain.faces)[:, 2].min() <= 0.0:
-        return None
-    return Domain.from_positions(under, domain.faces), under

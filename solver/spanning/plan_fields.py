@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from ..gauss.dirichlet import Dirichlet
 from .curves import corners
+from .gauge import angle_fields
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -30,12 +31,12 @@ _RANK = 1e-9
 
 
 def plan_fields(
-    dirichlet: Dirichlet, positions: Array, loops: Sequence[Int], marks: Sequence[Int], moving_holes: bool
+    dirichlet: Dirichlet, positions: Array, loops: Sequence[Int], phi: Array, marks: Sequence[Int], moving_holes: bool
 ) -> Array:
-    """(m, V, 2) fields. positions (V, 2); loops: vertices of each loop, the outer one first; marks: places of marked
-    points along each."""
+    """(m, V, 2) fields. positions (V, 2); loops: vertices of each loop, the outer one first; phi: angles of its
+    vertices seen from inside (`douglas`); marks: places of marked points along each loop."""
     size = float(np.linalg.norm(np.ptp(positions[loops[0]], axis=0)))
-    moved = [(loops[0], each) for each in _outline_fields(positions[loops[0]], marks[0], size)]
+    moved = [(loops[0], each) for each in _outline_fields(positions[loops[0]], phi, marks[0], size)]
     grown = []
     if moving_holes:
         for loop, marked in zip(loops[1:], marks[1:], strict=True):
@@ -62,13 +63,35 @@ def _growth(dirichlet: Dirichlet, positions: Array, holes: Sequence[Int]) -> lis
     return [u[:, None] * (positions - c) for u, c in zip(shares.T, centres, strict=True)]
 
 
-def _outline_fields(points: Array, marks: Int, size: float) -> list[Array]:
-    """(k, 2) displacements of an outline with k points."""
+def _outline_fields(points: Array, phi: Array, marks: Int, size: float) -> list[Array]:
+    """(k, 2) displacements of an outline with k points.
+
+    With fewer than three corners, marks also slide along Möbius fields that keep the corners; slides are then those
+    orthogonal to them.
+    """
     bent = np.intersect1d(marks, corners(np.column_stack([points, np.zeros(len(points))])))
     between = np.setdiff1d(marks, bent)
-    spare = max(3 - len(bent), 0)  # so many marks may stay
-    fields = [_slid(points, marks, mark, size) for mark in between[spare:]]
+    slides = [_slid(points, marks, mark, size) for mark in between]
+    moebius = angle_fields(phi, bent)[between]  # (f, 3 - c)
+    lengths = np.linalg.norm(np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0), axis=1)
+    speed = lengths / (np.roll(phi, -1) - np.roll(phi, 1) + 2.0 * np.pi * _comes_round(len(phi)))
+    mixed = _complement(moebius) * speed[between][:, None]
+    mixed = mixed / np.maximum(np.abs(mixed).max(axis=0, initial=0.0), 1e-300)
+    fields = [sum((a * each for a, each in zip(row, slides, strict=True)), 0.0 * points) for row in mixed.T]
     return fields + (_shifted_chords(points, bent, size) if len(bent) > 3 else [])
+
+
+def _comes_round(count: int) -> Int:
+    """(count,) 1 at the first and the last place of a loop, where the angle jumps by 2π, else 0."""
+    return np.isin(np.arange(count), [0, count - 1]).astype(np.int64)
+
+
+def _complement(columns: Array) -> Array:
+    """(f, f - k) an orthonormal basis of the vectors orthogonal to the columns (f, k); none if k is f or more."""
+    count, taken = columns.shape
+    if taken >= count:
+        return np.zeros((count, 0))
+    return np.linalg.svd(columns, full_matrices=True)[0][:, taken:] if taken else np.eye(count)
 
 
 def _hole_fields(points: Array, marks: Int, size: float) -> list[Array]:

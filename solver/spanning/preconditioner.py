@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
+from ..linalg import Sparse
 from .coordinates import Form, Step
 from .rim import RimPoint
 
@@ -26,13 +27,23 @@ _LEAST_MODULUS = 1e-2
 
 
 class Preconditioner:
-    """M at one surface. kernel: Λ (B, B). force: φ (B, 3) on the rim. fields: C (k, n). moduli: b_k; second: D_qq."""
+    """M at one surface. kernel: Λ (B, B). force: φ (B, 3) on the rim. fields: C (k, n). moduli: b_k; second: D_qq.
+
+    walls: (n, n), sparse: second derivatives of the walls' energy by the numbers of the rim.
+    """
 
     def __init__(
-        self, kernel: Array, rim: RimPoint, force: Array, fields: Array, moduli: Sequence[Form], second: Array
+        self,
+        kernel: Array,
+        rim: RimPoint,
+        force: Array,
+        fields: Array,
+        moduli: Sequence[Form],
+        second: Array,
+        walls: Sparse,
     ) -> None:
         self._fields = fields
-        self._factor = _factored(kernel, rim, force, fields)
+        self._factor = _factored(kernel, rim, force, fields, walls)
         self._across = self._slide(fields.T) if len(fields) else np.zeros((len(rim.owner), 0))  # S⁻¹ Cᵀ
         self._gauge = np.linalg.inv(fields @ self._across) if len(fields) else np.zeros((0, 0))
         self._moduli: list[Step] = []
@@ -70,7 +81,7 @@ def _value(form: Form, step: Step) -> float:
     return float(np.einsum("ij,ij->", form.u, step.u) + form.x @ step.x)
 
 
-def _factored(kernel: Array, rim: RimPoint, force: Array, fields: Array) -> Any:  # scipy ships no types
+def _factored(kernel: Array, rim: RimPoint, force: Array, fields: Array, walls: Sparse) -> Any:  # scipy ships no types
     """Cholesky factor of S, made positive where it is not."""
     owner = rim.owner
     if not len(owner):
@@ -78,11 +89,14 @@ def _factored(kernel: Array, rim: RimPoint, force: Array, fields: Array) -> Any:
     matrix = kernel[np.ix_(owner, owner)] * (rim.tangents @ rim.tangents.T)
     bend = rim.bend(force)
     size = float(np.mean(np.diag(matrix)))
-    matrix += size * fields.T @ fields
-    try:
-        return cho_factor(matrix + np.diag(bend), check_finite=False)
-    except LinAlgError:
-        return cho_factor(matrix + np.diag(np.maximum(bend, 0.0) + _SHIFT * size), check_finite=False)
+    matrix += walls.toarray() + size * fields.T @ fields
+    for diagonal in (bend, np.maximum(bend, 0.0) + _SHIFT * size):
+        try:
+            return cho_factor(matrix + np.diag(diagonal), check_finite=False)
+        except LinAlgError:
+            continue
+    values, vectors = np.linalg.eigh(matrix + np.diag(bend))
+    return cho_factor((vectors * np.maximum(np.abs(values), _SHIFT * size)) @ vectors.T, check_finite=False)
 
 
 def _positive(schur: Array, diagonal: Array) -> Array:

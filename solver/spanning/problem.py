@@ -17,11 +17,12 @@ from numpy.typing import NDArray
 from ..domain.domain import Domain
 from ..gauss.harmonic import HarmonicSolver
 from .coordinates import Coordinates, Step
-from .douglas import douglas_kernel
+from .douglas import angles, douglas_kernel
 from .moduli import Motions
 from .plan_fields import plan_fields
 from .rim import Rim
 from .volume import Volume
+from .walls import Walls
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -33,7 +34,10 @@ _REBASED = 0.15
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """A surface f (V, 3) = u + E p(x) over the plan at q; the plan's cotangent weights (E,), the Dirichlet energy D."""
+    """A surface f (V, 3) = u + E p(x) over the plan at q.
+
+    weights (E,): the plan's cotangent weights. D: the Dirichlet energy, walls: Σ cos t · W (see `walls`).
+    """
 
     u: Array
     x: Array
@@ -41,18 +45,25 @@ class State:
     f: Array
     weights: Array
     D: float
+    walls: float
+
+    @property
+    def energy(self) -> float:
+        """D and the walls."""
+        return self.D + self.walls
 
 
 @dataclass(frozen=True, eq=False)
 class SpanProblem:
-    """Surfaces over one domain with one rim.
+    """Surfaces over one domain with one rim. solver: has the factor of its coordinates.
 
     loops: places of the boundary loops' vertices in `coordinates.rim`, the outer one first; omegas: their angles, see
     `douglas`; marks: places of the marked points along each, see `plan_fields`. has_gauge: whether the outer loop is
-    taken up to Möbius transformations. moving_holes: whether the holes of the plan move.
+    taken up to Möbius transformations. moving_holes: whether the holes of the plan move. walls: under leaning sides.
     """
 
     domain: Domain
+    solver: HarmonicSolver
     coordinates: Coordinates
     rim: Rim
     motions: Motions
@@ -62,6 +73,7 @@ class SpanProblem:
     marks: Sequence[Int]
     has_gauge: bool
     moving_holes: bool
+    walls: Walls
 
     @cached_property
     def kernel(self) -> Array:
@@ -79,7 +91,7 @@ class SpanProblem:
         else:
             f[self.coordinates.inside] += u
         weights = self.motions.weights(q) if self.motions.count else self.domain.cotan_weights
-        return State(u, x, q, f, weights, 0.5 * float(weights @ self.squares(f)))
+        return State(u, x, q, f, weights, 0.5 * float(weights @ self.squares(f)), self.walls.value(x))
 
     def is_far(self, state: State) -> bool:
         """Whether the plan has moved so far that coordinates of the new one are better."""
@@ -88,12 +100,14 @@ class SpanProblem:
     def rebased(self, state: State) -> tuple[SpanProblem, State]:
         """The same surface over the plan that it has reached, with coordinates of that plan."""
         domain, positions = self.motions.moved(state.q), self.motions.at(state.q)
-        dirichlet = HarmonicSolver(domain).dirichlet(self.coordinates.rim)
+        solver = HarmonicSolver(domain)
+        dirichlet = solver.dirichlet(self.coordinates.rim)
         coordinates = Coordinates(dirichlet)
         coordinates.solves = self.coordinates.solves
         loops = [self.coordinates.rim[loop] for loop in self.loops]
-        fields = plan_fields(dirichlet, positions, loops, self.marks, self.moving_holes)
-        problem = replace(self, domain=domain, coordinates=coordinates, motions=Motions(domain, positions, fields))
+        fields = plan_fields(dirichlet, positions, loops, angles(self.omegas[0]), self.marks, self.moving_holes)
+        motions = Motions(domain, positions, fields)
+        problem = replace(self, domain=domain, solver=solver, coordinates=coordinates, motions=motions)
         rim = coordinates.extend(self.rim.at(state.x).points)
         u = (state.f - rim)[coordinates.inside]
         return problem, problem.state(u, state.x, np.zeros(problem.motions.count))
@@ -111,7 +125,7 @@ class SpanProblem:
         """The state with u changed by d (I, 3)."""
         f = state.f.copy()
         f[self.coordinates.inside] += d
-        return State(state.u + d, state.x, state.q, f, state.weights, 0.5 * float(state.weights @ self.squares(f)))
+        return replace(state, u=state.u + d, f=f, D=0.5 * float(state.weights @ self.squares(f)))
 
     def squares(self, f: Array) -> Array:
         """(E,) squared edge lengths."""

@@ -1,6 +1,7 @@
 """The rim of a spanning surface: how its vertices may slide.
 
-A rim vertex has two numbers, one or none: it slides along a curve, in a plane, along a straight line, or stays. All
+A rim vertex has two numbers, one or none: it slides along a curve, up and down over one, in a plane, along a straight
+line, or stays. All
 numbers together are x (n,), and p(x) (B, 3) are the places of the B rim vertices. Number k moves the vertex `owner[k]`
 along the tangent T_k = ∂p/∂x_k and bends it by ∂²p/∂x_k²; mixed derivatives vanish. A `Track` is a run of vertices
 that slide in the same way.
@@ -79,6 +80,32 @@ class AlongCurve:
         if self.ends is not None:
             return np.diff(np.concatenate([[0.0], s, [0.0]] if moved else [self.ends[:1], s, self.ends[1:]]))
         return np.diff(s, append=s[:1] + (0.0 if moved else self.curve.length))
+
+
+class OverCurve:
+    """Vertices that stay over a curve seen from above, from (s, z) = start (k, 2); their heights are free.
+
+    angle: at which the surface meets the wall there, radians. ends (2,): the rim vertices over both ends of an open
+    curve.
+    """
+
+    width = 2
+    on_line = False
+
+    def __init__(
+        self, vertices: Int, curve: SmoothCurve, start: Array, angle: float, ends: Int | None = None
+    ) -> None:
+        self.vertices, self.curve, self.start = vertices, curve, start
+        self.angle, self.ends = angle, ends
+
+    def at(self, x: Array) -> tuple[Array, Array, Array]:
+        points, tangents, bends = self.curve.at(x[:, 0])
+        points[:, 2] = x[:, 1]
+        up = np.broadcast_to([0.0, 0.0, 1.0], points.shape)
+        return points, np.stack([tangents, up], axis=1), np.stack([bends, np.zeros_like(bends)], axis=1)
+
+    def limit(self, x: Array, change: Array) -> float:
+        return np.inf
 
 
 class Straight:
@@ -178,6 +205,13 @@ class Rim:
     def on_line(self) -> NDArray[np.bool_]:
         """(B,) which vertices lie on a given line: those that slide along it or stay."""
         return np.isin(np.arange(self.count), [v for t in self.tracks if t.on_line for v in t.vertices])
+
+    @property
+    def leaning(self) -> NDArray[np.bool_]:
+        """(B,) which vertices lie over a line, at a free height, or between two such sides."""
+        over = [t for t in self.tracks if isinstance(t, OverCurve)]
+        ends = [v for t in over if t.ends is not None for v in t.ends]
+        return np.isin(np.arange(self.count), [v for t in over for v in t.vertices] + ends)
 
     def tangents(self, x: Array) -> Array:
         """(B, 3) γ' at the vertices that slide along a curve; zero at the others."""

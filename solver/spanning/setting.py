@@ -1,4 +1,4 @@
-"""The setting of a span: from a plan, its lines and its mirrors to the problem that is solved."""
+"""The setting of a span: from a plan, its lines, mirrors and leans to the problem that is solved."""
 
 from __future__ import annotations
 
@@ -13,10 +13,11 @@ from ..errors import ConditionError
 from ..gauss.frames import boundary_edges, unit
 from ..gauss.harmonic import HarmonicSolver
 from ..linalg import sum_rows
-from .boundary import LINE, Plane, Side, mixed_loop, other_line, own_line
+from .boundary import LINE, Lean, Plane, Side, checked_lean, mixed_loop, other_line, own_line
 from .coordinates import Coordinates
 from .curves import enclosed
-from .douglas import rim_angles
+from .douglas import angles, rim_angles
+from .feasible import check_balance, check_corners
 from .layout import flat_layout
 from .lines import boundary_lines
 from .moduli import Motions
@@ -24,6 +25,7 @@ from .plan_fields import plan_fields
 from .problem import SpanProblem
 from .rim import Rim
 from .volume import Volume
+from .walls import OverPlanes, OverWalls, RimVolume, Walls
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -47,59 +49,105 @@ class Lines:
     is_drawn: bool
 
 
+@dataclass(frozen=True, eq=False)
+class Conditions:
+    """Which boundary edges are not on lines: `labels` (E,) of each edge, `LINE` or an index of `kinds`."""
+
+    labels: Int
+    kinds: list[Plane | Lean]
+
+    @property
+    def planes(self) -> list[Plane]:
+        return [kind for kind in self.kinds if isinstance(kind, Plane)]
+
+    def centred(self, centre: Array) -> Conditions:
+        """The same with the origin at `centre` (3,)."""
+        return Conditions(
+            self.labels,
+            [
+                replace(kind, offset=kind.offset - float(kind.normal @ centre)) if isinstance(kind, Plane) else kind
+                for kind in self.kinds
+            ],
+        )
+
+    def edges_of(self, kind: type[Plane] | type[Lean]) -> Int:
+        """Edges with conditions of one kind."""
+        chosen = [k for k, each in enumerate(self.kinds) if isinstance(each, kind)]
+        return np.flatnonzero(np.isin(self.labels, chosen))
+
+
 def setting(
     domain: Domain,
     points: Array,
     curve: ArrayLike | Sequence[ArrayLike] | None = None,
     mirrors: Sequence[tuple[ArrayLike, ArrayLike]] = (),
+    leans: Sequence[tuple[ArrayLike, float]] = (),
     *,
     sharp: bool = True,
     moving_holes: bool = True,
     solver: HarmonicSolver | None = None,
+    mean_curvature: float | None = None,
 ) -> tuple[SpanProblem, Lines]:
-    """The problem of a plan with these points (V, 3), and its lines. Raises `ConditionError` where they do not fit."""
+    """The problem of a plan with these points (V, 3), and its lines. mean_curvature: the wanted one, if any.
+
+    Raises `ConditionError` where they do not fit.
+    """
     if len(domain.boundary_loops) == 0 or domain.genus:
         raise ConditionError("Spanning lines needs a plan: a mesh with a boundary and without handles.")
     if len(domain.boundary_vertices) == domain.vertex_count:
         raise ConditionError("All vertices of the plan lie on its boundary, so none is free; subdivide it.")
     given, outer, own = boundary_lines(domain, points, curve)
     order = [outer, *(k for k in range(len(given)) if k != outer)]
-    labels, planes = _mirrors(domain, points, mirrors)
-    lines = _measured([given[k] for k in order], planes, all(own))
+    conditions = _conditions(domain, points, mirrors, leans)
+    lines = _measured([given[k] for k in order], conditions.planes, all(own))
     loops = [domain.boundary_loops[k].astype(np.int64) for k in order]
-    rim = domain.boundary_vertices.astype(np.int64)
-    places = [np.searchsorted(rim, loop) for loop in loops]
-    moved = [replace(plane, offset=plane.offset - float(plane.normal @ lines.centre)) for plane in planes]
+    places = [np.searchsorted(domain.boundary_vertices, loop) for loop in loops]
+    conditions = conditions.centred(lines.centre)
     sides = []
     for k, place, loop in zip(order, places, loops, strict=True):
-        label = labels[domain.boundary_loop_edges[k]]
-        if not own[k] and (label != LINE).any():
-            raise ConditionError("A loop with mirrors spans its own points; leave out the curve, or move the plan.")
-        sides.append(_side(place, points[loop] - lines.centre, given[k] - lines.centre, own[k], label, moved, sharp))
-    problem = _problem(domain, points, loops, sides, moving_holes, solver or HarmonicSolver(domain))
+        labels = conditions.labels[domain.boundary_loop_edges[k]]
+        mine, its = points[loop] - lines.centre, given[k] - lines.centre
+        if (labels == LINE).all():
+            sides.append(own_line(place, mine, sharp) if own[k] else other_line(place, mine, its, sharp))
+        elif own[k]:
+            check_corners(loop, mine, labels, conditions.kinds)
+            sides.append(mixed_loop(place, mine, labels, conditions.kinds, sharp))
+        else:
+            raise ConditionError("A loop with mirrors or leans spans its own points; leave out its curve.")
+    problem = _problem(domain, points, loops, sides, conditions, moving_holes, solver or HarmonicSolver(domain))
+    if len(conditions.edges_of(Lean)):
+        if not problem.rim.on_line.any():
+            raise ConditionError("Nothing holds the height: all sides lean. Keep a side or an edge on its line.")
+        if mean_curvature is not None:
+            edges = [domain.boundary_loop_edges[k] for k in order]
+            _check_balance(conditions, mean_curvature, [points[loop] for loop in loops], edges)
     return problem, lines
 
 
-def _side(
-    places: Int, points: Array, line: Array, is_own: bool, labels: Int, planes: Sequence[Plane], sharp: bool
-) -> Side:
-    if (labels != LINE).any():
-        return mixed_loop(places, points, labels, planes, sharp)
-    return own_line(places, points, sharp) if is_own else other_line(places, points, line, sharp)
+def _check_balance(conditions: Conditions, H: float, loops: Sequence[Array], edges: Sequence[Int]) -> None:
+    cosines = np.array([np.cos(kind.angle) if isinstance(kind, Lean) else 0.0 for kind in conditions.kinds] + [0.0])
+    labels = [conditions.labels[each] for each in edges]  # `LINE` is the last
+    check_balance(H, loops, [cosines[each] for each in labels], [(each == LINE).astype(float) for each in labels])
 
 
-def _mirrors(
-    domain: Domain, points: Array, mirrors: Sequence[tuple[ArrayLike, ArrayLike]]
-) -> tuple[Int, list[Plane]]:
-    """The plane of each edge (E,), `LINE` without, and the planes, through the middle of their drawn sides."""
+def _conditions(
+    domain: Domain,
+    points: Array,
+    mirrors: Sequence[tuple[ArrayLike, ArrayLike]],
+    leans: Sequence[tuple[ArrayLike, float]],
+) -> Conditions:
+    """Mirrors in the planes through the middle of their drawn sides, and leans."""
     labels = np.full(len(domain.edge_lengths), LINE, dtype=np.int64)
-    planes = []
-    for k, (edges, normal) in enumerate(mirrors):
+    kinds: list[Plane | Lean] = []
+    for edges, normal in mirrors:
         chosen = boundary_edges(domain, edges)
+        labels[chosen] = len(kinds)
         n = unit(normal, np.zeros(1, dtype=np.int64), "edge")[0]
-        labels[chosen] = k
-        planes.append(Plane(n, float(np.mean(points[domain.edges[chosen]] @ n))))
-    return labels, planes
+        kinds.append(Plane(n, float(np.mean(points[domain.edges[chosen]] @ n))))
+    for edges, angle in leans:
+        labels[boundary_edges(domain, edges)] = len(kinds)
+        kinds.append(Lean(checked_lean(angle)))
+    return Conditions(labels, kinds)
 
 
 def _measured(loops: list[Array], planes: Sequence[Plane], is_drawn: bool) -> Lines:
@@ -133,6 +181,7 @@ def _problem(
     points: Array,
     loops: Sequence[Int],
     sides: Sequence[Side],
+    conditions: Conditions,
     moving_holes: bool,
     solver: HarmonicSolver,
 ) -> SpanProblem:
@@ -143,21 +192,37 @@ def _problem(
     dirichlet = solver.dirichlet(domain.boundary_vertices.astype(np.int64))
     places = [np.searchsorted(dirichlet.fixed, loop) for loop in loops]
     positions = points[:, :2] if layout is None else layout[1]
+    omegas = rim_angles(dirichlet, domain.vertex_areas, places, [_lengths(domain, loop) for loop in loops])
     fields = np.zeros((0, *positions.shape))
     if layout is not None:
-        fields = plan_fields(dirichlet, positions, loops, marks, moving_holes)
+        fields = plan_fields(dirichlet, positions, loops, angles(omegas[0]), marks, moving_holes)
+    rim = Rim([track for side in sides for track in side.tracks], len(dirichlet.fixed))
     return SpanProblem(
         domain=domain,
+        solver=solver,
         coordinates=Coordinates(dirichlet),
-        rim=Rim([track for side in sides for track in side.tracks], len(dirichlet.fixed)),
+        rim=rim,
         motions=Motions(domain, positions, fields),
-        volume=Volume(domain),
+        volume=Volume(domain, _rim_volumes(domain, conditions)),
         loops=places,
-        omegas=rim_angles(dirichlet, domain.vertex_areas, places, [_lengths(domain, loop) for loop in loops]),
+        omegas=omegas,
         marks=marks,
         has_gauge=len(loops) == 1 or (moving_holes and layout is not None),
         moving_holes=moving_holes,
+        walls=Walls.under(rim),
     )
+
+
+def _rim_volumes(domain: Domain, conditions: Conditions) -> list[RimVolume]:
+    """The volumes over walls, and over mirrors that do not go through the origin."""
+    parts: list[RimVolume] = []
+    if len(over := conditions.edges_of(Lean)):
+        parts.append(OverWalls(domain.edges[over].astype(np.int64)))
+    for k, kind in enumerate(conditions.kinds):
+        if isinstance(kind, Plane) and kind.offset:
+            pairs = domain.edges[conditions.labels == k].astype(np.int64)
+            parts.append(OverPlanes(pairs, np.tile(-kind.offset / 6.0 * kind.normal, (len(pairs), 1))))
+    return parts
 
 
 def _has_moduli(marks: Sequence[Int], moving_holes: bool) -> bool:

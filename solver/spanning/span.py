@@ -12,10 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
-from ..errors import ConditionError
+from ..errors import ConditionError, Status
 from ..gauss.boundary_data import Conditions
 from ..gauss.conditions import fixed_at, mirror
-from ..gauss.harmonic import HarmonicSolver
 from ..gauss.sphere import normalize
 from ..surface import convert, notebook
 from ..surface.cmc_surface import CmcSurface
@@ -114,9 +113,12 @@ class Span:
     def as_surface(self) -> CmcSurface:
         """The same with the fields of a `CmcSurface`: f+ is this surface, with its exact rim.
 
-        Where H = 0 its scale is infinite, and f- and g are this surface, too.
+        `report` and `complete` take a span for it. Where H = 0 its scale is infinite, and f- and g are this surface,
+        too. A span that is not ok counts as stalled.
         """
         solved, points, none = self._solved(), self.points, np.zeros((0, 3))
+        status = Status.CONVERGED if self.ok else Status.STALLED
+        solved = replace(solved, harmonic=replace(solved.harmonic, status=status), is_open=False)
         if self.mean_curvature == 0.0:
             return replace(solved, g=points, f_plus=points, f_minus=points, scale=np.inf, periods=none)
         scale = solved.scale
@@ -160,7 +162,8 @@ def finished(found: Found, lines: Lines, mirrors: Mirrors, wanted: float | None)
     if found.largest is not None and wanted is not None:
         status, message = SpanStatus.NO_SURFACE, largest_sentence(wanted, found.largest)
     conditions, start = _conditions(domain, problem, state, H, mirrors)
-    harmonic = HarmonicSolver(domain).solve(conditions, initial=start)
+    solver = problem.solver if domain is problem.domain else problem.solver.moved(domain)
+    harmonic = solver.solve(conditions, initial=start)
     return Span(
         points=state.f + lines.centre,
         normals=harmonic.normals,
@@ -180,18 +183,19 @@ def finished(found: Found, lines: Lines, mirrors: Mirrors, wanted: float | None)
 def _conditions(
     domain: Domain, problem: SpanProblem, state: State, H: float, mirrors: Mirrors
 ) -> tuple[Conditions, Array]:
-    """The normals along the lines, and the mirrors; and a start (V, 3) for the harmonic map."""
+    """The normals along lines and leans, and the mirrors; and a start (V, 3) for the harmonic map."""
     rim = problem.coordinates.rim
     N = np.zeros((len(rim), 3))
-    tangents, on_line = problem.rim.tangents(state.x), problem.rim.on_line
+    tangents = problem.rim.tangents(state.x)
+    given = problem.rim.on_line | problem.rim.leaning
     for loop, marks in zip(problem.loops, problem.marks, strict=True):
-        N[loop] = rim_normals(domain, state.f, H, rim[loop], tangents[loop], marks, on_line[loop])
+        N[loop] = rim_normals(domain, state.f, H, rim[loop], tangents[loop], marks, given[loop])
     conditions = Conditions(up=np.array([0.0, 0.0, 1.0]))
     for edges, normal in mirrors:
         across = mirror(domain, edges, normal)
-        n, ends = across.mirror_normals[0], on_line & np.isin(rim, domain.edges[across.mirrors])
+        n, ends = across.mirror_normals[0], given & np.isin(rim, domain.edges[across.mirrors])
         N[ends] = normalize(N[ends] - np.outer(N[ends] @ n, n))
         conditions = conditions + across
-    if on_line.any():
-        conditions = conditions + fixed_at(domain, rim[on_line], N[on_line])
-    return conditions, start_normals(domain, state.f, rim[on_line], N[on_line])
+    if given.any():
+        conditions = conditions + fixed_at(domain, rim[given], N[given])
+    return conditions, start_normals(domain, state.f, rim[given], N[given])

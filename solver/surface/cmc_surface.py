@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -142,9 +142,9 @@ class CmcSurface:
 
     def sheet(self, name: str) -> Array:
         """Points (n, 3) of "f+", "f-", "g", or "gauss" (the normals as points of a sphere of radius `scale`)."""
-        sheets = {"f+": self.f_plus, "f-": self.f_minus, "g": self.g, "gauss": self.scale * self.normals}
-        check_choice(name, sheets, "sheet")
-        return sheets[name]
+        check_choice(name, ("f+", "f-", "g", "gauss"), "sheet")
+        sheets = {"f+": self.f_plus, "f-": self.f_minus, "g": self.g}
+        return self.scale * self.normals if name == "gauss" else sheets[name]
 
     def sheet_normals(self, name: str) -> Array:
         """Unit normals (n, 3) of a sheet, for which H is positive: N, and -N on f-."""
@@ -200,6 +200,22 @@ class CmcSurface:
         """Whether a sheet has shrunk to (almost) a point: f- over a spherical f+, and the other way round."""
         largest = max(_extent(self.f_plus), _extent(self.f_minus))
         return _extent(self.sheet(name)) <= _DEGENERATE * largest
+
+
+@runtime_checkable
+class SurfaceResult(Protocol):
+    """A result that has a surface, such as a `Span`."""
+
+    @property
+    def as_surface(self) -> CmcSurface: ...
+
+
+SurfaceLike = CmcSurface | SurfaceResult
+
+
+def as_surface(given: SurfaceLike) -> CmcSurface:
+    """The surface itself, or that of a result which has one."""
+    return given if isinstance(given, CmcSurface) else given.as_surface
 
 
 def _extent(points: Array) -> float:

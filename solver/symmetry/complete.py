@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..linalg import as_numbers
 from ..signatures import checked
-from ..surface.cmc_surface import CmcSurface
+from ..surface.cmc_surface import CmcSurface, SurfaceLike, as_surface
 from ..surface.placement import Similarity
 from .arrangement import arrange
 from .completion import Completion
@@ -40,7 +40,7 @@ class TooManyError(SymmetryError):
 
 @checked
 def complete(
-    surface: CmcSurface,
+    surface: SurfaceLike,
     sides: Sequence[Side] = (),
     *,
     copies: int | None = None,
@@ -71,6 +71,7 @@ def complete(
 
     Raises `SymmetryError` on sides that contradict each other or have the wrong kind, and on groups without end.
     """
+    surface = as_surface(surface)
     if sheet not in ("f+", "f-"):
         raise SymmetryError(f'Sheet "{sheet}" has no copies; choose f+ or f-.')
     if box is not None and len(around):

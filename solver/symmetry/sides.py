@@ -21,7 +21,7 @@ from ..errors import CmcError, ConditionError, check_choice
 from ..gauss.frames import boundary_edges
 from ..linalg import as_numbers
 from ..signatures import checked
-from ..surface.cmc_surface import CmcSurface
+from ..surface.cmc_surface import CmcSurface, SurfaceLike, as_surface
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -158,13 +158,14 @@ class SidePlane:
 
 
 @checked
-def side_plane(surface: CmcSurface, side: Side) -> SidePlane:
+def side_plane(surface: SurfaceLike, side: Side) -> SidePlane:
     """The plane in which a side of a solved surface lies, and how far the side is from it.
 
     Raises `ConditionError` on edges that are not on the boundary, `SymmetryError` where the normals along the side
     contradict its kind (the given normal is wrong, or the condition was not imposed) or define no plane, and on
     surfaces that have collapsed to a point.
     """
+    surface = as_surface(surface)
     check_choice(side.kind, RULES, "kind of side")
     rule = RULES[side.kind]
     edges = boundary_edges(surface.domain, side.edges)
@@ -176,7 +177,7 @@ def side_plane(surface: CmcSurface, side: Side) -> SidePlane:
     missed = _missed(side, rule, N, np.where(_is_end(surface, edges, vertices), 0.0, weights), normal)
     centre = weights @ g
     size = surface_size(surface)
-    if size <= _POINT * surface.scale:
+    if size <= _POINT * surface.scale < np.inf:  # infinite where H = 0
         raise SymmetryError(
             "The surface is a point, since its normals are the same everywhere; prescribe normals that differ, or "
             "start from an initial map."

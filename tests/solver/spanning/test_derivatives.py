@@ -58,15 +58,37 @@ def shifted(problem, seed: int):
     return problem.state(0.05 * u, start.x + 0.01 * x, 0.03 * q)
 
 
-@pytest.mark.parametrize("plan", ["disc", "court"])
-def test_gradient_and_hessian_of_the_energy(plan):
-    if plan == "disc":
-        domain, flat = disc(150)
-        points = np.column_stack([flat, 0.2 * flat[:, 0] * flat[:, 1]])
-    else:
-        domain, points = court_with_corners()
-    problem, _ = setting(domain, points)
-    assert problem.motions.count == (0 if plan == "disc" else 4)
+def saddle_over_a_disc():
+    domain, flat = disc(150)
+    return setting(domain, np.column_stack([flat, 0.2 * flat[:, 0] * flat[:, 1]]))[0]
+
+
+def leans_and_mirrors():
+    """A pentagon: two sides that lean and meet at a corner, a mirror that meets one of them, two sides on lines."""
+    plan = shapes.polygon([[0, 0], [2, 0], [2, 1], [1, 2], [0, 1]], max_edge=0.25)
+    leans = [(plan.sides["side0"], 1.2), (plan.sides["side1"], 1.9)]
+    points = np.column_stack([plan.positions, 0.1 * plan.positions[:, 1] ** 2])
+    return setting(plan.domain, points, None, [(plan.sides["side4"], [1, 0, 0])], leans)[0]
+
+
+def between_parallel_mirrors():
+    plan = shapes.polygon([[0, 0], [2, 0], [2, 1], [0, 1]], max_edge=0.25)
+    mirrors = [(plan.sides["side0"], [0, 1, 0]), (plan.sides["side2"], [0, 1, 0])]
+    return setting(plan.domain, np.column_stack([plan.positions, 0 * plan.positions[:, 0]]), None, mirrors)[0]
+
+
+PROBLEMS = {
+    "disc": (saddle_over_a_disc, 0),
+    "court": (lambda: setting(*court_with_corners())[0], 4),
+    "leans and mirrors": (leans_and_mirrors, 2),
+    "parallel mirrors": (between_parallel_mirrors, 1),
+}
+
+
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_gradient_and_hessian_of_the_energy(name):
+    problem, moduli = PROBLEMS[name][0](), PROBLEMS[name][1]
+    assert problem.motions.count == moduli
     state, H, eps = shifted(problem, 1), 0.7, 1e-5
     here = Linearised(problem, state, H)
     random = np.random.default_rng(2)
@@ -77,7 +99,7 @@ def test_gradient_and_hessian_of_the_energy(plan):
 
     def energy(t: float) -> float:
         moved = at(t)
-        return moved.D - 2 * H * problem.volume.of(moved.f)
+        return moved.energy - 2 * H * problem.volume.of(moved.f)
 
     assert_allclose(here.gradient(step), (energy(eps) - energy(-eps)) / (2 * eps), rtol=1e-7)
     assert_allclose(here.push(step), (at(eps).f - at(-eps).f) / (2 * eps), rtol=0, atol=1e-7)

@@ -1,0 +1,85 @@
+"""Plans laid anew, for lines to which the drawn plan is too unlike: under the lines, or as a surface rolled out.
+
+A conformal map is smooth up to a corner only where plan and surface have the same angle there. The rolled-out plan has
+the surface's angles and lengths along its outline; what the Gauss curvature is too much or too little for a flat outline
+is bent away evenly, with two further terms that close it:
+
+    Σ turns + ∮ (a + b cos 2πs/L + c sin 2πs/L) ds/L = 2π,   Σ edges = 0.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..domain.domain import Domain
+from ..errors import MeshError
+from ..gauss.frames import area_vectors
+from ..gauss.harmonic import HarmonicSolver
+from ..linalg import sum_rows
+
+Array = NDArray[np.float64]
+
+# Newton's steps to close an outline, and the part of its length by which it may stay open.
+_STEPS = 30
+_CLOSED = 1e-9
+
+
+def under_lines(domain: Domain, f: Array) -> Domain | None:
+    """The faces of a surface f (V, 3) over the lines, as seen from above; None where one is turned over."""
+    return _flat(domain, f[:, :2])
+
+
+def rolled_out(domain: Domain, f: Array) -> Domain | None:
+    """The plan of one loop whose outline has the lengths and angles of that of the surface f (V, 3), harmonic inside.
+
+    None where the outline does not close or faces turn over.
+    """
+    if len(domain.boundary_loops) != 1:
+        return None
+    try:
+        surface = Domain.from_positions(f, domain.faces)
+    except MeshError:
+        return None
+    loop = domain.boundary_loops[0].astype(np.int64)
+    angles = sum_rows(domain.faces.ravel(), surface.corner_angles.ravel(), domain.vertex_count)
+    lengths = np.linalg.norm(np.roll(f[loop], -1, axis=0) - f[loop], axis=1)
+    outline = closed_outline(np.pi - angles[loop], lengths)
+    if outline is None:
+        return None
+    dirichlet = HarmonicSolver(surface).dirichlet(domain.boundary_vertices.astype(np.int64))
+    rim = np.zeros((len(loop), 2))
+    rim[np.searchsorted(dirichlet.fixed, loop)] = outline
+    return _flat(domain, dirichlet.extend(rim))
+
+
+def closed_outline(turns: Array, lengths: Array) -> Array | None:
+    """Points (n, 2) of a closed outline with these edges (n,), and nearly these turns (n,) at their starts."""
+    total = float(lengths.sum())
+    s = (np.cumsum(lengths) - lengths) / total
+    shares = 0.5 * (lengths + np.roll(lengths, 1)) / total
+    waves = shares[:, None] * np.column_stack([np.ones_like(s), np.cos(2 * np.pi * s), np.sin(2 * np.pi * s)])
+    sums = np.cumsum(waves, axis=0)  # of the direction of each edge
+    bends = np.zeros(3)
+    for _ in range(_STEPS):
+        directions = np.cumsum(turns) + sums @ bends
+        edges = lengths[:, None] * np.column_stack([np.cos(directions), np.sin(directions)])
+        off = np.append(edges.sum(axis=0) / total, turns.sum() + sums[-1] @ bends - 2.0 * np.pi)
+        if np.abs(off).max() < _CLOSED:
+            return np.cumsum(edges, axis=0) - edges
+        across = np.column_stack([-edges[:, 1], edges[:, 0]]) / total
+        jacobian = np.vstack([across.T @ sums, sums[-1]])
+        bends = bends - np.linalg.solve(jacobian, off)
+    return None
+
+
+def _flat(domain: Domain, positions: Array) -> Domain | None:
+    """The domain with the lengths of positions (V, 2); None where a face is turned over."""
+    points = np.column_stack([positions, np.zeros(len(positions))])
+    if area_vectors(points, domain.faces)[:, 2].min() <= 0.0:
+        return None
+    i, j = domain.edges.T
+    try:
+        return domain.with_lengths(np.linalg.norm(positions[j] - positions[i], axis=1))
+    except MeshError:
+        return None
