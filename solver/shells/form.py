@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -40,9 +41,12 @@ _OVERHANG = 0.01
 _LEAN = 5.0
 
 
+PlanLike = Annotated[Plan | Shape, "form says which"]
+
+
 @checked
 def form(
-    plan: Plan | Shape,
+    plan: PlanLike,
     settings: Settings | None = None,
     *,
     solver: CmcSolver | None = None,
