@@ -52,13 +52,17 @@ def check_arguments(owner: Callable[..., Any], values: Mapping[str, Any]) -> Non
     hints = _hints(owner)
     for name, value in values.items():
         if name in hints and not _fits(value, hints[name]):
-            call = owner.__qualname__.removesuffix(".__init__")
-            raise ArgumentError(f"{call}: {name} must be {_said(hints[name])}, not {shown(value)}.")
+            call = "" if isinstance(owner, type) else owner.__qualname__.removesuffix(".__init__") + ": "
+            raise ArgumentError(f"{call}{name} must be {_said(hints[name])}, not {shown(value)}.")
 
 
 @cache
 def _hints(owner: Callable[..., Any]) -> dict[str, Any]:
-    return get_type_hints(owner, include_extras=True)
+    if isinstance(owner, type):
+        return get_type_hints(owner, include_extras=True)
+    arguments = {name: hint for name, hint in owner.__annotations__.items() if name != "return"}
+    stand_in = types.SimpleNamespace(__annotations__=arguments)
+    return get_type_hints(stand_in, owner.__globals__, include_extras=True)
 
 
 def _fits(value: Any, hint: Any) -> bool:
@@ -74,7 +78,9 @@ def _fits(value: Any, hint: Any) -> bool:
     if origin in (Sequence, list, tuple):
         if isinstance(value, np.ndarray):
             return True
-        if not isinstance(value, Sequence) or isinstance(value, (str, bytes)):
+        if isinstance(value, str):
+            return parts[0] is str  # one name in place of a list: where it is used, the message is better
+        if not isinstance(value, Sequence) or isinstance(value, bytes):
             return False
         fixed = origin is tuple and parts[-1] is not Ellipsis
         items = parts if fixed else parts[:1] * len(value)

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from ..errors import ConditionError, Progress
 from ..limits import TOLERANCE, Range, check_number
-from ..signatures import check_arguments, check_fields
+from ..signatures import check_fields
 from .methods import Method
 
 First = TypeVar("First")
@@ -81,7 +81,6 @@ def with_options(
                 given = signature.bind(*args, **keywords).arguments
             except TypeError as error:
                 raise TypeError(f"{function.__name__}: {error}") from None
-            check_arguments(function, {one.name: given[one.name] for one in leading if one.name in given})
             values = [given.pop(parameter.name) for parameter in leading]
             return function(*values, kind(**given))  # pyright: ignore[reportCallIssue]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -35,9 +36,12 @@ Array = NDArray[np.float64]
 __all__ = ["Group", "Plan", "Settings", "Shell", "count_modes", "form"]
 
 
+PlanLike = Annotated[Plan | Shape, "form says which"]
+
+
 @checked
 def form(
-    plan: Plan | Shape,
+    plan: PlanLike,
     settings: Settings | None = None,
     *,
     solver: CmcSolver | None = None,

@@ -314,7 +314,7 @@ def test_wrong_options_are_refused():
     ):
         with pytest.raises(ConditionError, match=message):
             close_periods(*arguments[:2], **({"by": arguments[2]} if len(arguments) > 2 else {}))
-    with pytest.raises(ConditionError, match="motion 'up'"):
+    with pytest.raises(ConditionError, match='motion of a hole "up"'):
         hole(shape.domain, shape.positions, 1, ("up",))
     with pytest.raises(ConditionError, match="boundary loop 5"):
         hole(shape.domain, shape.positions, 5)

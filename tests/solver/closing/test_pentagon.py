@@ -50,7 +50,7 @@ def test_moduli_do_not_pass_the_fold():
 
 def test_an_unknown_method_is_refused():
     plan = pentagon(LENGTH, max_edge=0.3)
-    with pytest.raises(ConditionError, match="There is no method 'steepest'"):
+    with pytest.raises(ConditionError, match='There is no method "steepest"'):
         plan.close(method="steepest")
 
 

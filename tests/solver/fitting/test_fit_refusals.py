@@ -50,8 +50,8 @@ WRONG = {
     "moduli for nothing": (moved(weight=0.0), "weight of moduli must be a positive number"),
     "tolerance in words": (moved(tolerance="small"), "tolerance must be"),
     "steps back": (moved(max_steps=-1), "steps must be a whole number from 0"),
-    "one side": (piece, "are a list"),
-    "a hole by name": (lambda: hole(RING.domain, RING.positions, "x"), "no boundary loop x"),
+    "one side": (piece, "sides must be a list"),
+    "a hole by name": (lambda: hole(RING.domain, RING.positions, "x"), "loop must be a whole number"),
     "flat corners": (lambda: tube(RING.domain, np.zeros((3, 2)), [0], [0, 1]), "Corners must have shape"),
 }
 

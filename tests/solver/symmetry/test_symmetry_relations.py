@@ -142,7 +142,7 @@ def test_a_side_is_what_it_is_said_to_be(eighth, tube):
         complete(tube.surface, [Side("top", tube.sides[1].edges, "free")])
     with pytest.raises(SymmetryError, match="three numbers"):
         side_plane(eighth.surface, Side("left", left.edges, "mirror", (0, 0, 0)))
-    with pytest.raises(ConditionError, match="kind of side 'wall'"):
+    with pytest.raises(ConditionError, match='kind of side "wall"'):
         side_plane(eighth.surface, Side("left", left.edges, "wall"))
     with pytest.raises(SymmetryError, match="no edges"):
         side_plane(eighth.surface, Side("left", []))
