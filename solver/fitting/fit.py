@@ -206,7 +206,7 @@ def _run(
         step = unit * model.forth(y)
         if not np.abs(step[-4:]).max() < _FAR:  # uphill from here on, or the scale overflows
             wall = (here + _ENOUGH) / unit**2
-            return float(wall * (1.0 + y @ y)), 2.0 * wall * y
+            return wall * (1.0 + float(y @ y)), 2.0 * wall * y
         value, gradient = objective(x + step) if y.any() else (here, slope)
         return (value + _ENOUGH) / unit**2, model.back(gradient) / unit
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ConditionError
-from ..linalg import check_number
+from ..limits import NUMBERS, check_number
 from .curves import SmoothCurve, corners, without_repeats
 from .lines import best_turn, parts_of_length, starts
 from .rim import AlongCurve, OverCurve, Straight, Track
@@ -115,7 +115,7 @@ class Lean:
 
 def checked_lean(angle: float) -> float:
     """The angle; raises `ConditionError` where it is no number, or too steep or too flat for a wall."""
-    check_number(angle, "lean", -np.inf)
+    check_number(angle, "lean", NUMBERS)
     if not _STEEPEST <= angle <= _FLATTEST:
         if angle > np.pi:
             raise ConditionError(f"A lean of {angle:g} radians is more than a half turn; for degrees use np.radians.")

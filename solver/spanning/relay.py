@@ -1,8 +1,8 @@
 """Plans laid anew, for lines to which the drawn plan is too unlike: under the lines, or as a surface rolled out.
 
 A conformal map is smooth up to a corner only where plan and surface have the same angle there. The rolled-out plan has
-the surface's angles and lengths along its outline; what the Gauss curvature is too much or too little for a flat outline
-is bent away evenly, with two further terms that close it:
+the surface's angles and lengths along its outline; what the Gauss curvature is too much or too little for a flat one is
+bent away evenly, with two further terms that close it:
 
     Σ turns + ∮ (a + b cos 2πs/L + c sin 2πs/L) ds/L = 2π,   Σ edges = 0.
 """

@@ -162,7 +162,6 @@ def test_the_plan_with_the_moved_hole_gives_the_closed_shell(tmp_path):
     ('by = "hole"\nmove = { 1 = ["up"] }', r'\[move\]: there is no motion "up" of a hole'),
     ('by = "hole"\nmove = { first = ["x"] }', r'\[move\]: the keys are numbers of holes, .* not "first"'),
     ('by = "hole"\nholes = [1]\nmove = { 1 = ["x"] }', r"name the holes already"),
-
     ('by = "both"\nweight = 0', r"weight must be a positive number, .*, not 0"),
     ("max_steps = 0", r"limit of steps must be a whole number from 1 to 100,000"),
 ])  # fmt: skip
