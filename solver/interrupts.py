@@ -7,8 +7,9 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from itertools import pairwise
 from pathlib import Path
 from types import ModuleType
 
@@ -21,64 +22,65 @@ def _leave_quietly() -> None:
         signal.signal(signal.SIGINT, _leave)
 
 
-_asked = False
+class Pressed:
+    """Whether Ctrl-C was pressed in a block of `interruptible`."""
+
+    yes = False
+
+
+def check() -> None:
+    """Raise the `KeyboardInterrupt` that others have swallowed, as Blender's operators do."""
+    if Pressed.yes:
+        raise KeyboardInterrupt
 
 
 @contextmanager
 def interruptible(at_once: bool = True) -> Iterator[None]:
     """Let Ctrl-C raise `KeyboardInterrupt` in the block; Blender without a window has a handler of its own.
 
-    at_once: or only where the block calls `stop_if_asked`, and at a second Ctrl-C; Blender swallows exceptions in its
-    handlers and operators.
+    at_once: or only where `check` is called, and at the second time: in Blender's own operators and handlers it would
+    be a traceback.
     """
-    global _asked
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = signal.signal(signal.SIGINT, signal.default_int_handler if at_once else _ask)
+    Pressed.yes = False
+    before = signal.signal(signal.SIGINT, _press if at_once else _note)
     try:
-        stop_if_asked()  # it may have been before
         yield
+        check()
     finally:
-        _asked = False
+        Pressed.yes = False
         signal.signal(signal.SIGINT, signal.SIG_DFL if before is None else before)
 
 
-def is_asked() -> bool:
-    """Whether Ctrl-C asks to stop where `stop_if_asked` is called next."""
-    return _asked
+def _press(*_: object) -> None:
+    Pressed.yes = True
+    raise KeyboardInterrupt
 
 
-def stop_if_asked() -> None:
-    """Raise `KeyboardInterrupt` where Ctrl-C has asked for it."""
-    global _asked
-    if _asked:
-        _asked = False
+def _note(*_: object) -> None:
+    if Pressed.yes:
         raise KeyboardInterrupt
+    Pressed.yes = True
 
 
-def _ask(*_: object) -> None:
-    global _asked
-    if _asked:
-        raise KeyboardInterrupt
-    _asked = True
+@contextmanager
+def waiting() -> Iterator[None]:
+    """A wait for input, which Ctrl-C ends at once."""
+    check()
+    with _handled_by(_press):
+        yield
 
 
 @contextmanager
 def undisturbed() -> Iterator[None]:
     """Let Ctrl-C wait until the block has ended: a compiled module that is being imported ends the process at once."""
-    handler = signal.getsignal(signal.SIGINT)
-    if handler is None or threading.current_thread() is not threading.main_thread():
-        yield
-        return
     came: list[object] = []
-    signal.signal(signal.SIGINT, lambda *_: came.append(True))
-    try:
+    with _handled_by(lambda *_: came.append(True)):
         yield
-    finally:
-        signal.signal(signal.SIGINT, handler)
-        if came:
-            signal.raise_signal(signal.SIGINT)
+    if came:
+        signal.raise_signal(signal.SIGINT)
 
 
 def compiled(name: str) -> ModuleType:
@@ -87,13 +89,28 @@ def compiled(name: str) -> ModuleType:
         return importlib.import_module(name)
 
 
+@contextmanager
+def _handled_by(handler: Callable[..., None]) -> Iterator[None]:
+    before = signal.getsignal(signal.SIGINT)
+    if before is None or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    signal.signal(signal.SIGINT, handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
 def _leave(*_: object) -> None:
     os.write(2, b"cmc: Interrupted.\n")
     os._exit(130)
 
 
 def _is_command() -> bool:
-    """Whether this package is run as `python -m solver` or as the command `cmc`."""
+    """Whether this package is run as `python -m solver`, as the command `cmc` or as `blender --command cmc`."""
+    if any(pair in (("--command", "cmc"), ("-c", "cmc")) for pair in pairwise(sys.argv)):
+        return True
     started = sys.orig_argv
     as_module = "-m" in started and started[started.index("-m") + 1 :][:1] == [__package__]
     return as_module or Path(sys.argv[0] if sys.argv else "").stem == "cmc"

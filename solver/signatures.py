@@ -92,8 +92,8 @@ def _fits(value: Any, hint: Any) -> bool:
         return True
     if not isinstance(kind, type) or kind is np.ndarray:
         return True
-    if getattr(kind, "_is_protocol", False) and not getattr(kind, "_is_runtime_protocol", False):
-        return True
+    if getattr(kind, "_is_protocol", False) and not (kind.__module__ or "").startswith(str(__package__)):
+        return True  # numpy's, in ArrayLike
     return isinstance(value, kind)
 
 

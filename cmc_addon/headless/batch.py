@@ -6,7 +6,8 @@ Every input gets a folder of its own below the output, and every plan one in it 
 `<input>/<plan>/shell.glb`, `.obj`   the results of a plan; `completed.…` where it is repeated
 `<input>/<plan>/report.json`         the report of the shell, or `{"plan": …, "error": …}`
 `<input>/<input>.blend`              the whole scene, plans and results (format "blend")
-`<input>/report.json`                the folder of each plan, or why the input cannot be used
+`<input>/plans.json`                 the folder of each plan
+`<input>/report.json`                why the input cannot be used
 ===================================  ===================================================================
 
 Files come through an `Outbox`: whole, those of a plan together, and its report last. A report so belongs to the files
@@ -24,8 +25,8 @@ from pathlib import Path
 
 import bpy
 
+from ...solver import interrupts
 from ...solver.errors import CmcError, JobError
-from ...solver.interrupts import stop_if_asked
 from ...solver.io.whole_files import Outbox, remove_stale
 from ...solver.jobs.job import Job
 from ...solver.jobs.outcomes import FAILED, UNUSABLE, Outcome, exit_code, failed
@@ -42,7 +43,7 @@ from .folders import folder_names
 from .plan_work import Formed, Steps, check, drop_results, override, run_step, steps_of
 
 OUTPUTS = ("blend", *EXPORTED)
-REPORT = "report.json"
+REPORT, LIST = "report.json", "plans.json"
 
 
 @dataclass(frozen=True)
@@ -103,7 +104,7 @@ class FileRun:
         self.job = open_input(self.path, request.conditions, request.up)
         plans = find_plans(bpy.context, request.plans)
         known = [plan.name for plan in [*_plans(bpy.context), *plans]]  # with --plan, too: folders keep their names
-        self.folders = folder_names(known, (self.blend.name, REPORT))
+        self.folders = folder_names(known, (self.blend.name, REPORT, LIST))
         self.count = len(plans)
         self.hashes = input_hashes(self.path, self.job)
         folders = [self.place / self.folders[plan.name] for plan in plans]
@@ -128,7 +129,7 @@ class FileRun:
         """The outcomes of plans of which all is done; None where the scene is wanted and is not there."""
         if not self.request.resume or "blend" not in self.request.formats:
             return None
-        made = is_done(self.place / REPORT, self.key("\n".join(names)), [self.blend])
+        made = is_done(self.place / LIST, self.key("\n".join(names)), [self.blend])
         outcomes = [self.skipped(name, steps_of(bpy.data.objects[name], self.request.task, self.job)) for name in names]
         return None if made is None or None in outcomes else outcomes  # type: ignore[return-value]
 
@@ -169,7 +170,7 @@ class FileRun:
             writing = True
             files = self._write(plan, steps, formed, first, started)
         except Exception as error:
-            stop_if_asked()
+            interrupts.check()
             return self._fail(place, name, error, code, name, writing)
         finally:
             if "blend" not in self.request.formats:
@@ -227,7 +228,6 @@ class FileRun:
 
     def _fail(self, place: Path, name: str, error: Exception, code: int, plan: str, writing: bool = False) -> Outcome:
         """Report a failure; where writing failed, the report and the files of before stay."""
-        stop_if_asked()
         outcome = failed(str(self.path), error, code, plan, self.count)
         self.codes[name] = outcome.code
         report = {"plan": name, "converged": False, "error": outcome.message}
@@ -251,17 +251,18 @@ class FileRun:
     def finish(self) -> Iterator[Outcome]:
         """Write the scene, if it is wanted, and the folder of each plan; an outcome only where that fails."""
         try:
-            with Outbox(seal=self.place / REPORT, scratch=_made(self.place.parent)) as outbox:
+            with Outbox(seal=self.place / LIST, scratch=_made(self.place.parent)) as outbox:
+                outbox.remove(self.place / REPORT)  # of a run that could not use the input
                 if "blend" in self.request.formats:
                     take_blend(outbox, self.blend)
                 made = provenance(
                     self.hashes, self._wanted(), [], started=self.started, blender=bpy.app.version_string
                 )
                 made |= {"key": self.key("\n".join(self.codes)), "code": max(self.codes.values(), default=0)}
-                outbox.at(self.place / REPORT)
+                outbox.at(self.place / LIST)
                 made["files"] = file_sizes(outbox.pending(), self.place)
                 report = {"input": str(self.path), "plans": {name: self.folders[name] for name in self.codes}}
-                _take_json(outbox, self.place / REPORT, {**report, "made": made})
+                _take_json(outbox, self.place / LIST, {**report, "made": made})
                 outbox.send()
         except Exception as error:
             yield failed(str(self.path), error, FAILED)

@@ -16,6 +16,7 @@ import addon_utils
 import bpy
 
 from ...solver.errors import JobError
+from ...solver.interrupts import check
 from ...solver.io.file_checks import check_file
 from ...solver.io.mesh_files import FORMATS, mesh_bytes
 from ...solver.io.whole_files import Outbox
@@ -65,9 +66,11 @@ def call(operator: Callable[..., set[str]], complaint: str, **arguments: object)
     try:
         finished = operator(**arguments)
     except RuntimeError as error:
+        check()
         lines = str(error).removeprefix("Error: ").strip().splitlines()
         reason = [line for line in lines if not line.startswith("Location: ")] or ["nothing says why"]
         raise JobError(f"{complaint}: {reason[-1]}") from error
+    check()
     if "FINISHED" not in finished:
         raise JobError(f"{complaint}.")
 

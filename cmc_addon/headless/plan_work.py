@@ -12,8 +12,8 @@ from types import SimpleNamespace
 
 import bpy
 
+from ...solver import interrupts
 from ...solver.errors import JobError
-from ...solver.interrupts import is_asked, stop_if_asked
 from ...solver.jobs.job import Job
 from ...solver.notes import Note
 from ...solver.shells.complete import CopySelection
@@ -144,9 +144,10 @@ def check(task: Task) -> None:
 
 def run_step(context: bpy.types.Context, plan: bpy.types.Object, step: str, task: Task) -> Formed:
     """Do a task and write its results into the scene."""
-    result = task.work(lambda iteration, residual: not is_asked())
-    stop_if_asked()
+    result = task.work(lambda iteration, residual: not interrupts.Pressed.yes)
+    interrupts.check()
     warnings = task.write(context, plan, result)
+    interrupts.check()
     if isinstance(task, DesignTask):
         shown = result_of(plan, task.role)
         report = design_report(plan) or {}

@@ -37,6 +37,8 @@ class OnStart:
             plan = plan_of(context.view_layer.objects.active)
             if reason := why_not_kept(plan.data):
                 raise CmcError(f"{reason}.")
+            if plan.data.is_editmode:  # while another object is active
+                raise CmcError(f"The plan '{plan.name}' is in edit mode; leave it (Tab) first.")
             self.act(context, plan)
         except CmcError as error:
             self.report({"ERROR"}, str(error))

@@ -18,7 +18,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, TextIO
 
-from ..interrupts import interruptible, stop_if_asked
+from ..interrupts import check, waiting
 from ..notes import CODES, Note
 from .outcomes import FAILED, Outcome, failed
 
@@ -37,12 +37,11 @@ def in_turn(inputs: Iterable[str], run_one: RunOne) -> Outcomes:
     """The outcomes of the inputs, one after the other; whatever goes wrong in one is its outcome."""
     for path in inputs:
         try:
-            for outcome in run_one(path):
-                yield outcome
-                stop_if_asked()
+            yield from run_one(path)
         except Exception as error:
-            stop_if_asked()
+            check()
             yield failed(path, error)
+        check()
 
 
 def in_processes(inputs: Sequence[str], count: int, command: Sequence[str], argv: Sequence[str]) -> Outcomes:
@@ -57,7 +56,7 @@ def in_processes(inputs: Sequence[str], count: int, command: Sequence[str], argv
     try:
         ended = 0
         while ended < len(crew):
-            stop_if_asked()
+            check()
             try:
                 outcome = news.get(timeout=0.5)  # a wait without end would not notice Ctrl-C on Windows
             except queue.Empty:
@@ -92,9 +91,9 @@ def serve(run_one: Callable[[list[str]], RunOne], out: TextIO) -> int:
 
 
 def _lines() -> Iterator[str]:
-    """The lines of stdin; the wait for one can be interrupted."""
+    """The lines of stdin."""
     while True:
-        with interruptible():
+        with waiting():
             line = sys.stdin.readline()
         if not line:
             return

@@ -103,7 +103,7 @@ def test_folders_of_inputs_mirror_theirs_where_names_are_equal():
 def test_each_plan_has_its_file(tmp_path):
     names = ("Café", "Cafè", "Hall 1", "Hall-1", "Hall/1", "hall-1")
     assert cli.run([str(plans(tmp_path / "in.blend", *names)), "-o", str(tmp_path / "out"), "-f", "glb"]) == 0
-    folders = report(tmp_path / "out" / "in")["plans"]
+    folders = json.loads((tmp_path / "out/in/plans.json").read_text())["plans"]
     assert list(folders) == sorted(names, key=list(folders).index) and len(set(folders.values())) == len(names)
     for name, folder in folders.items():
         assert report(tmp_path / "out" / "in" / folder)["plan"] == name
@@ -164,7 +164,7 @@ def test_a_job_approximates(tmp_path):
     path = job(tmp_path, "near.toml", 'mesh = "cap.obj"\n[fit]\napproximate = true\n')
     assert cli.run([str(path), "-o", str(tmp_path / "out"), "-f", "stl"]) == 0
     assert report(tmp_path / "out/near/near")["deviation"]["max"] < 0.1
-    assert files(tmp_path / "out") == ["near/near/report.json", "near/near/shell.stl", "near/report.json"]
+    assert files(tmp_path / "out") == ["near/near/report.json", "near/near/shell.stl", "near/plans.json"]
 
 
 def test_a_stored_plan_does_what_made_its_shell_or_what_is_asked(tmp_path):
@@ -316,9 +316,9 @@ def test_half_a_file_never_replaces_a_whole_one(tmp_path, capsys, monkeypatch, s
     assert cli.run([str(path), "-o", str(out), "-f", suffix, "stl", "--span", "9"]) == 1
     assert f".{suffix} cannot be written: only a part of it was; the disk may be full." in capsys.readouterr().err
     if suffix == "blend":  # the plan itself is written
-        before = {name: before[name] for name in ("in/in.blend", "in/report.json")}
+        before = {name: before[name] for name in ("in/in.blend", "in/plans.json")}
     else:  # which says what became of the plans
-        del before["in/report.json"]
+        del before["in/plans.json"]
     assert {name: (out / name).read_bytes() for name in before} == before
     assert list(out.rglob(".*")) == []
 

@@ -50,7 +50,7 @@ def test_all_plans_of_a_file(hall, tmp_path, capsys):
     folder = tmp_path / "out" / "hall"
     files = sorted(str(p.relative_to(folder)) for p in folder.rglob("*") if p.is_file())
     expected = [f"{plan}/{name}" for plan in ("Disc", "Other") for name in ("report.json", "shell.glb", "shell.obj")]
-    assert [f for f in files if not f.endswith(".mtl")] == [*expected, "hall.blend", "report.json"]
+    assert [f for f in files if not f.endswith(".mtl")] == [*expected, "hall.blend", "plans.json"]
     for name in ("Disc", "Other"):
         assert report(folder / name)["converged"] is True
         assert report(folder / name)["plan"] == name

@@ -256,3 +256,15 @@ def test_the_command_line_chooses_a_shell(addon, tmp_path):
         assert cli.run([str(job(tmp_path, "side = 1")), "--output", str(out), *arguments]) == 0
         reported = json.loads(next(out.rglob("report.json")).read_text())
         assert reported["sheet"] == "f-" and abs(reported["degree"] + 0.75) < 0.01
+
+
+@pytest.mark.parametrize("name", ["start_from_shell", "start_clear"])
+def test_a_plan_in_edit_mode_behind_another_active_object(name):
+    bpy.ops.cmc.add_plan(columns=16)
+    plan = bpy.context.object
+    bpy.ops.cmc.solve()
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.context.view_layer.objects.active = plan.cmc.f_plus
+    with pytest.raises(RuntimeError, match="is in edit mode; leave it"):
+        getattr(bpy.ops.cmc, name)()
+    assert "cmc_start" not in plan.data.attributes

@@ -6,7 +6,7 @@ import signal
 
 import pytest
 
-from solver.interrupts import compiled, interruptible, is_asked, stop_if_asked, undisturbed
+from solver.interrupts import Pressed, check, compiled, interruptible, undisturbed
 
 
 def test_it_waits_for_a_block_that_must_not_be_disturbed():
@@ -27,17 +27,17 @@ def test_a_compiled_module():
 
 def test_it_waits_until_asked():
     with pytest.raises(KeyboardInterrupt), interruptible(at_once=False):
-        assert not is_asked()
+        assert not Pressed.yes
         signal.raise_signal(signal.SIGINT)
-        assert is_asked()
-        stop_if_asked()
-    assert not is_asked()
+        assert Pressed.yes
+        check()
+    assert not Pressed.yes
 
 
 def test_the_second_one_comes_at_once():
     with pytest.raises(KeyboardInterrupt), interruptible(at_once=False):
         signal.raise_signal(signal.SIGINT)
         signal.raise_signal(signal.SIGINT)
-    assert not is_asked()
+    assert not Pressed.yes
     with interruptible():
-        stop_if_asked()
+        check()
