@@ -15,17 +15,21 @@ from ..gauss.frames import in_space
 from ..gauss.options import with_options
 from ..linalg import check_number
 from ..surface.solve import CmcSolver
+from .layout import flat_layout
 from .problem import SpanProblem
 from .relay import rolled_out, under_lines
 from .search import Search, Wish
 from .setting import Lines, setting
 from .span import Span, finished
-from .verdict import SpanStatus
+from .verdict import SpanStatus, distortion
 
 Array = NDArray[np.float64]
 
 # Ends of a search that another plan may do away with.
 _UNLIKE = (SpanStatus.UNLIKE, SpanStatus.STALLED, SpanStatus.NOT_CONFORMAL, SpanStatus.ITERATION_LIMIT)
+
+# Times that a surface is rolled out to be the plan of a better one.
+_ROUNDS = 2
 
 NUMBERS = ("mean_curvature", "rise", "height", "volume")
 
@@ -110,10 +114,21 @@ def _on_other_plans(domain: Domain, points: Array, options: SpanOptions, span: S
         laid = under_lines(domain, flattest)
         if laid is not None and (again := _spanned(laid, points, options)).ok:
             return again
-    for f in (span.points, flattest):
-        laid = rolled_out(domain, f)
-        if laid is not None and (again := _spanned(laid, points, options)).ok:
-            return again
+    layout = flat_layout(domain, points)
+    if layout is None:
+        return span
+    for round_ in range(_ROUNDS):
+        for f in (span.points, flattest)[: 2 - round_]:
+            laid = rolled_out(layout[0], layout[1], f)
+            if laid is None:
+                continue
+            again = _spanned(laid, points, options)
+            if again.ok:
+                return again
+            if again.status is SpanStatus.NOT_CONFORMAL and distortion(again.kept.descent) < distortion(
+                span.kept.descent
+            ):
+                span = again
     return span
 
 
