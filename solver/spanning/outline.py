@@ -164,4 +164,4 @@ def _spanned(domain: Domain, points: Array, options: SpanOptions) -> Span:
     if name == "rise":
         name, number = "height", number * 0.5 * lines.extent
     found = search(Wish(name, number), start)
-    return finished(found, lines, options.mirrors, number if name == "mean_curvature" else None)
+    return finished(found, domain, lines, options.mirrors, number if name == "mean_curvature" else None)

@@ -20,6 +20,7 @@ from .coordinates import Coordinates, Step
 from .douglas import angles, douglas_kernel
 from .moduli import Motions
 from .plan_fields import plan_fields
+from .refine import refined
 from .rim import Rim
 from .volume import Volume
 from .walls import Walls
@@ -30,6 +31,8 @@ Int = NDArray[np.integer]
 # No modulus changes by more in one step; beyond this the plan that it leads to takes the place of the first one.
 _MODULUS_STEP = 0.2
 _REBASED = 0.15
+# The part of its first size to which a hole may shrink: catenoids at their limit are above a tenth.
+_CLOSED = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +63,7 @@ class SpanProblem:
     loops: places of the boundary loops' vertices in `coordinates.rim`, the outer one first; omegas: their angles, see
     `douglas`; marks: places of the marked points along each, see `plan_fields`. has_gauge: whether the outer loop is
     taken up to Möbius transformations. moving_holes: whether the holes of the plan move. walls: under leaning sides.
+    drawn (B, 2): the rim of the first plan.
     """
 
     domain: Domain
@@ -74,6 +78,7 @@ class SpanProblem:
     has_gauge: bool
     moving_holes: bool
     walls: Walls
+    drawn: Array
 
     @cached_property
     def kernel(self) -> Array:
@@ -97,19 +102,33 @@ class SpanProblem:
         """Whether the plan has moved so far that coordinates of the new one are better."""
         return float(np.abs(state.q).max(initial=0.0)) > _REBASED
 
+    def has_closed_neck(self, state: State) -> bool:
+        """Whether a hole has shrunk so far that its neck must be closing."""
+        rim = self.motions.at(state.q)[self.coordinates.rim]
+        sizes = [np.linalg.norm(np.ptp(p[loop], axis=0)) for loop in self.loops[1:] for p in (rim, self.drawn)]
+        return any(now < _CLOSED * before for now, before in zip(sizes[::2], sizes[1::2], strict=True))
+
     def rebased(self, state: State) -> tuple[SpanProblem, State]:
-        """The same surface over the plan that it has reached, with coordinates of that plan."""
-        domain, positions = self.motions.moved(state.q), self.motions.at(state.q)
+        """The same surface over the plan that it has reached, with coordinates of that plan; refined around holes."""
+        domain, positions, f = self.motions.moved(state.q), self.motions.at(state.q), state.f
+        if len(self.loops) > 1:
+            domain, positions, f = refined(domain, positions, f) or (domain, positions, f)
         solver = HarmonicSolver(domain)
         dirichlet = solver.dirichlet(self.coordinates.rim)
         coordinates = Coordinates(dirichlet)
         coordinates.solves = self.coordinates.solves
         loops = [self.coordinates.rim[loop] for loop in self.loops]
         fields = plan_fields(dirichlet, positions, loops, angles(self.omegas[0]), self.marks, self.moving_holes)
-        motions = Motions(domain, positions, fields)
-        problem = replace(self, domain=domain, solver=solver, coordinates=coordinates, motions=motions)
+        problem = replace(
+            self,
+            domain=domain,
+            solver=solver,
+            coordinates=coordinates,
+            motions=Motions(domain, positions, fields),
+            volume=self.volume if domain.faces is self.domain.faces else Volume(domain, self.volume.rim),
+        )
         rim = coordinates.extend(self.rim.at(state.x).points)
-        u = (state.f - rim)[coordinates.inside]
+        u = (f - rim)[coordinates.inside]
         return problem, problem.state(u, state.x, np.zeros(problem.motions.count))
 
     def continued(self, earlier: SpanProblem, state: State) -> tuple[SpanProblem, State | None]:

@@ -210,6 +210,7 @@ def _problem(
         has_gauge=len(loops) == 1 or (moving_holes and layout is not None),
         moving_holes=moving_holes,
         walls=Walls.under(rim),
+        drawn=positions[dirichlet.fixed],
     )
 
 
