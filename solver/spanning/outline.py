@@ -143,6 +143,7 @@ def _setting(domain: Domain, points: Array, options: SpanOptions) -> tuple[SpanP
         moving_holes=options.holes == "adapt",
         solver=options.solver.harmonic if options.solver is not None and options.solver.domain is domain else None,
         mean_curvature=options.wish[1] if options.wish[0] == "mean_curvature" else None,
+        earlier=options.initial.kept.descent.problem if options.initial is not None else None,
     )
 
 
@@ -150,8 +151,9 @@ def _spanned(domain: Domain, points: Array, options: SpanOptions) -> Span:
     problem, lines = _setting(domain, points, options)
     start, slope = None, None
     if options.initial is not None:
-        problem, start = problem.continued(options.initial.kept.descent.problem, options.initial.kept.descent.state)
-        slope = options.initial.kept.slope
+        earlier = options.initial.kept.descent
+        if problem.coordinates is earlier.problem.coordinates:
+            start, slope = problem.continued(earlier.problem, earlier.state), options.initial.kept.slope
     search = Search(
         problem,
         lines,

@@ -23,7 +23,7 @@ from .plan_fields import plan_fields
 from .refine import refined
 from .rim import Rim
 from .volume import Volume
-from .walls import Walls
+from .walls import RimVolume, Walls
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -131,14 +131,16 @@ class SpanProblem:
         u = (f - rim)[coordinates.inside]
         return problem, problem.state(u, state.x, np.zeros(problem.motions.count))
 
-    def continued(self, earlier: SpanProblem, state: State) -> tuple[SpanProblem, State | None]:
-        """This rim over the plan that an earlier problem has reached, and its last state carried over to it."""
-        x = self.rim.adopted(earlier.rim, state.x)
-        if x is None or not np.array_equal(self.domain.faces, earlier.domain.faces):
-            return self, None
-        problem = replace(earlier, rim=self.rim)
+    def on(self, rim: Rim, parts: Sequence[RimVolume]) -> SpanProblem:
+        """The same plan, as far as it has moved, with another rim of like tracks and its parts of the volume."""
+        problem = replace(self, rim=rim, walls=Walls.under(rim), volume=self.volume.with_rim(parts))
         problem.coordinates.solves = 0
-        return problem, problem.state(state.u, x, state.q)
+        return problem
+
+    def continued(self, earlier: SpanProblem, state: State) -> State | None:
+        """An earlier state of the same plan, its rim's vertices carried over to this rim; None if rims are unlike."""
+        x = self.rim.adopted(earlier.rim, state.x)
+        return None if x is None else self.state(state.u, x, state.q)
 
     def lifted(self, state: State, d: Array) -> State:
         """The state with u changed by d (I, 3)."""

@@ -13,7 +13,7 @@ from ..errors import ConditionError
 from ..gauss.frames import boundary_edges, unit
 from ..gauss.harmonic import HarmonicSolver
 from ..linalg import sum_rows
-from .boundary import LINE, Lean, Plane, Side, checked_lean, mixed_loop, other_line, own_line
+from .boundary import LINE, Lean, Plane, checked_lean, mixed_loop, other_line, own_line
 from .coordinates import Coordinates
 from .curves import enclosed
 from .douglas import angles, rim_angles
@@ -87,8 +87,11 @@ def setting(
     moving_holes: bool = True,
     solver: HarmonicSolver | None = None,
     mean_curvature: float | None = None,
+    earlier: SpanProblem | None = None,
 ) -> tuple[SpanProblem, Lines]:
     """The problem of a plan with these points (V, 3), and its lines. mean_curvature: the wanted one, if any.
+
+    earlier: a problem of the same plan, whose factors are used again if its rim has like tracks.
 
     Raises `ConditionError` where they do not fit.
     """
@@ -114,7 +117,13 @@ def setting(
             sides.append(mixed_loop(place, mine, labels, conditions.kinds, sharp))
         else:
             raise ConditionError("A loop with mirrors or leans spans its own points; leave out its curve.")
-    problem = _problem(domain, points, loops, sides, conditions, moving_holes, solver or HarmonicSolver(domain))
+    rim = Rim([track for side in sides for track in side.tracks], len(domain.boundary_vertices))
+    parts = _rim_volumes(domain, conditions)
+    if earlier is not None and np.array_equal(earlier.domain.faces, domain.faces) and rim.is_like(earlier.rim):
+        problem = earlier.on(rim, parts)
+    else:
+        marks = [side.marks for side in sides]
+        problem = _problem(domain, points, loops, rim, marks, parts, moving_holes, solver or HarmonicSolver(domain))
     if len(conditions.edges_of(Lean)):
         if not problem.rim.on_line.any():
             raise ConditionError("Nothing holds the height: all sides lean. Keep a side or an edge on its line.")
@@ -180,12 +189,12 @@ def _problem(
     domain: Domain,
     points: Array,
     loops: Sequence[Int],
-    sides: Sequence[Side],
-    conditions: Conditions,
+    rim: Rim,
+    marks: list[Int],
+    parts: Sequence[RimVolume],
     moving_holes: bool,
     solver: HarmonicSolver,
 ) -> SpanProblem:
-    marks = [side.marks for side in sides]
     layout = flat_layout(domain, points) if _has_moduli(marks, moving_holes) else None
     if layout is not None and layout[0] is not domain:
         domain, solver = layout[0], HarmonicSolver(layout[0])
@@ -196,14 +205,13 @@ def _problem(
     fields = np.zeros((0, *positions.shape))
     if layout is not None:
         fields = plan_fields(dirichlet, positions, loops, angles(omegas[0]), marks, moving_holes)
-    rim = Rim([track for side in sides for track in side.tracks], len(dirichlet.fixed))
     return SpanProblem(
         domain=domain,
         solver=solver,
         coordinates=Coordinates(dirichlet),
         rim=rim,
         motions=Motions(domain, positions, fields),
-        volume=Volume(domain, _rim_volumes(domain, conditions)),
+        volume=Volume(domain, parts),
         loops=places,
         omegas=omegas,
         marks=marks,
