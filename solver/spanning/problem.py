@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +16,7 @@ from numpy.typing import NDArray
 from ..domain.domain import Domain
 from ..gauss.harmonic import HarmonicSolver
 from .coordinates import Coordinates, Step
-from .douglas import angles, douglas_kernel
+from .douglas import angles
 from .moduli import Motions
 from .plan_fields import plan_fields
 from .refine import refined
@@ -63,7 +62,7 @@ class SpanProblem:
     loops: places of the boundary loops' vertices in `coordinates.rim`, the outer one first; omegas: their angles, see
     `douglas`; marks: places of the marked points along each, see `plan_fields`. has_gauge: whether the outer loop is
     taken up to Möbius transformations. moving_holes: whether the holes of the plan move. walls: under leaning sides.
-    drawn (B, 2): the rim of the first plan.
+    drawn (B, 2): the rim of the first plan. kernel (B, B): Douglas'.
     """
 
     domain: Domain
@@ -79,10 +78,7 @@ class SpanProblem:
     moving_holes: bool
     walls: Walls
     drawn: Array
-
-    @cached_property
-    def kernel(self) -> Array:
-        return douglas_kernel(self.omegas, self.loops, self.rim.count)
+    kernel: Array
 
     def start(self) -> State:
         """The harmonic surface over the rim at the start of its numbers."""

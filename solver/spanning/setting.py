@@ -16,7 +16,7 @@ from ..linalg import sum_rows
 from .boundary import LINE, Lean, Plane, checked_lean, mixed_loop, other_line, own_line
 from .coordinates import Coordinates
 from .curves import enclosed
-from .douglas import angles, rim_angles
+from .douglas import angles, douglas_kernel, rim_angles
 from .feasible import check_balance, check_corners
 from .layout import flat_layout
 from .lines import boundary_lines
@@ -219,6 +219,7 @@ def _problem(
         moving_holes=moving_holes,
         walls=Walls.under(rim),
         drawn=positions[dirichlet.fixed],
+        kernel=douglas_kernel(omegas, places, rim.count),
     )
 
 
