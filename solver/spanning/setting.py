@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
-from ..errors import ConditionError
+from ..errors import ConditionError, plural
 from ..gauss.frames import boundary_edges, unit
 from ..gauss.harmonic import HarmonicSolver
 from ..linalg import sum_rows
@@ -82,6 +82,7 @@ def setting(
     curve: ArrayLike | Sequence[ArrayLike] | None = None,
     mirrors: Sequence[tuple[ArrayLike, ArrayLike]] = (),
     leans: Sequence[tuple[ArrayLike, float]] = (),
+    anchors: ArrayLike | None = None,
     *,
     sharp: bool = True,
     moving_holes: bool = True,
@@ -106,12 +107,14 @@ def setting(
     loops = [domain.boundary_loops[k].astype(np.int64) for k in order]
     places = [np.searchsorted(domain.boundary_vertices, loop) for loop in loops]
     conditions = conditions.centred(lines.centre)
+    anchored = _anchored(domain, anchors)
     sides = []
     for k, place, loop in zip(order, places, loops, strict=True):
         labels = conditions.labels[domain.boundary_loop_edges[k]]
         mine, its = points[loop] - lines.centre, given[k] - lines.centre
         if (labels == LINE).all():
-            sides.append(own_line(place, mine, sharp) if own[k] else other_line(place, mine, its, sharp))
+            stays = np.flatnonzero(np.isin(loop, anchored))
+            sides.append(own_line(place, mine, sharp, stays) if own[k] else other_line(place, mine, its, sharp))
         elif own[k]:
             check_corners(loop, mine, labels, conditions.kinds)
             sides.append(mixed_loop(place, mine, labels, conditions.kinds, sharp))
@@ -137,6 +140,18 @@ def _check_balance(conditions: Conditions, H: float, loops: Sequence[Array], edg
     cosines = np.array([np.cos(kind.angle) if isinstance(kind, Lean) else 0.0 for kind in conditions.kinds] + [0.0])
     labels = [conditions.labels[each] for each in edges]  # `LINE` is the last
     check_balance(H, loops, [cosines[each] for each in labels], [(each == LINE).astype(float) for each in labels])
+
+
+def _anchored(domain: Domain, anchors: ArrayLike | None) -> Int:
+    """Vertices (k,) that stay; raises `ConditionError` on others than those of the boundary."""
+    vertices = np.unique(np.asarray([] if anchors is None else anchors, dtype=np.int64))
+    inside = np.setdiff1d(vertices, domain.boundary_vertices)
+    if inside.size:
+        raise ConditionError(
+            f"Anchors are vertices of the boundary; inside it are {plural('vertex', inside)}. Leave them out.",
+            vertices=inside.tolist(),
+        )
+    return vertices
 
 
 def _conditions(
