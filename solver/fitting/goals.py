@@ -11,10 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 from ..domain.domain import Domain
 from ..errors import ConditionError, Progress, check_choice
 from ..limits import COUNT, POSITIVE, check_number
-from ..linalg import as_numbers, out_of_range
+from ..linalg import as_numbers
 from ..meshing.rounding import CORNER
 from ..notes import Sentence
 from ..signatures import check_fields
+from ..spanning.curves import enclosed
+from ..spanning.lines import boundary_lines
 from ..surface.cmc_surface import SHEETS
 from ..surface.solve import CmcSolver
 from .curves import Curve
@@ -140,7 +142,7 @@ class Goals:
         """Over a plan with these points (V, 3). Raises `ConditionError` on goals that do not fit the plan."""
         if len(domain.boundary_loops) == 0 or domain.genus:
             raise ConditionError("Fitting to an outline needs a plan: a mesh with a boundary and without handles.")
-        lines, outer = _lines(domain, points, options.curve)
+        lines, outer, _ = boundary_lines(domain, points, options.curve)
         line = lines[outer]
         base = float(np.sum(Curve(line, closed=True).shares * line[:, 2]))
         extent = np.ptp(line[:, :2], axis=0)
@@ -156,7 +158,7 @@ class Goals:
             outer=curves[outer],
             base=base,
             size=size,
-            radius=float(np.sqrt(abs(_area(line)) / np.pi)),
+            radius=float(np.sqrt(abs(enclosed(line)) / np.pi)),
             height_parameter=height_parameter,
             number=float(number),
             supports=_supports(domain, options.anchors, base, line, size),
@@ -244,20 +246,6 @@ def _check_bounds(tilt: tuple[float, float]) -> None:
         raise ConditionError(f"Tilts lie between -90° and 90°, the least below the most, not {least:g}° and {most:g}°.")
 
 
-def _lines(domain: Domain, points: Array, given: ArrayLike | Sequence[ArrayLike] | None) -> tuple[list[Array], int]:
-    """A closed line for each boundary loop, by default its own, and the index of the outer one."""
-    lines = [points[loop] for loop in domain.boundary_loops]
-    outer = int(np.argmax([abs(_area(line)) for line in lines]))
-    if given is None:
-        return lines, outer
-    if not isinstance(given, (list, tuple)) or not _are_lines(given):
-        lines[outer] = _as_curve(given)  # pyright: ignore[reportArgumentType]
-        return lines, outer
-    if len(given) != len(lines):
-        raise ConditionError(f"The plan has {len(lines)} boundary loops, so {len(given)} curves do not fit it.")
-    return [_as_curve(line) for line in given], outer
-
-
 def _check_size(height_parameter: str, number: float, size: float) -> None:
     """Raise `ConditionError` on a height, volume or H that no shell over an outline of this size can have."""
     power = {"volume": 3, "mean_curvature": -1}.get(height_parameter, 1)
@@ -269,31 +257,6 @@ def _check_size(height_parameter: str, number: float, size: float) -> None:
             f"The {what} {number:.3g} does not go with an outline that measures {size:.3g}; choose one between "
             f"{least:.3g} and {most:.3g}."
         )
-
-
-def _are_lines(given: Sequence[ArrayLike]) -> bool:
-    """Whether these are lines, and not the points of one."""
-    try:
-        return len(given) > 0 and np.ndim(given[0]) >= 2
-    except ValueError:  # the first one is ragged, so it is no point
-        return True
-
-
-def _as_curve(given: ArrayLike) -> Array:
-    line = as_numbers(given, "The points of the curve", ConditionError)
-    if line.ndim != 2 or line.shape[1] not in (2, 3) or len(line) < 3 or len(out_of_range(line)[0]):
-        raise ConditionError("The curve must be three or more points (m, 3), finite numbers, in order.")
-    if not np.ptp(line, axis=0).any():
-        raise ConditionError("All points of the curve are in one place; draw it around the plan.")
-    if line.shape[1] == 2:
-        line = np.column_stack([line, np.zeros(len(line))])
-    return line if _area(line) > 0 else line[::-1]
-
-
-def _area(line: Array) -> float:
-    """The area that a closed line encloses, seen from above."""
-    x, y = line[:, 0], line[:, 1]
-    return 0.5 * float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
 
 
 def _supports(

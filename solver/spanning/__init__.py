@@ -5,7 +5,8 @@ and the volume, while rim vertices slide along the lines (`span_outline`, to a `
 `volume` has V and its derivatives, `curves` and `rim` the ways in which rim vertices slide, `walls` the energy of sides
 that lean over their line; `lines`, `boundary`, `layout` and `setting` make them of what was drawn, and `feasible` finds
 wishes that cannot be met. `moduli` and `plan_fields` are motions of the plan that change its conformal type, as holes
-and sharp corners need. `problem` puts the energy together in the unknowns of `coordinates`, `linearised` has its
+and sharp corners need; `refine` adds vertices where holes shrink far, `relay` lays a plan anew that is too unlike the
+lines. `problem` puts the energy together in the unknowns of `coordinates`, `linearised` has its
 derivatives; `preconditioner` inverts its Hessian at H = 0 with Douglas' kernel (`douglas`) up to Möbius transformations
 (`gauge`); `descent` is Newton's method, `knobs` and `search` find the surface with the wanted number, `normals` its
 normals and `verdict` the sentence at the end::

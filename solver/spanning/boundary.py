@@ -34,9 +34,10 @@ class Side:
     marks: Int
 
 
-def own_line(places: Int, points: Array, sharp: bool) -> Side:
-    """A loop that spans its own points (n, 3); places (n,) of its vertices on the rim."""
-    pins = corners(points) if sharp else np.zeros(0, dtype=np.int64)
+def own_line(places: Int, points: Array, sharp: bool, anchors: Int) -> Side:
+    """A loop that spans its own points (n, 3); places (n,) of its vertices on the rim; anchors: those that stay, along
+    the loop."""
+    pins = np.union1d(corners(points), anchors) if sharp else anchors
     s = parts_of_length(points)
     return Side(_along_line(places, points, s, pins, pins), pins)
 

@@ -50,8 +50,8 @@ class Iterate(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Descent:
-    """The state reached, how it ended (converged, iteration limit, stalled, crowded, runaway, cancelled), and the
-    way there.
+    """The state reached, how it ended (converged, iteration limit, stalled, crowded, neck, runaway, cancelled), and
+    the way there.
 
     problem: the one that was solved, on the plan that the state has reached or nearly.
     """
@@ -114,6 +114,8 @@ def descend(
             end = "cancelled"
         elif negative >= _NEGATIVE and _RUNAWAY * first < state.D and knob.mean_curvature is not None:
             end = "runaway"
+        elif problem.has_closed_neck(state):
+            end = "neck"
         elif problem.rim.stretches(state.x)[0] < _CROWDED:
             end = "crowded"
         elif len(history) > limit:

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
 from ..errors import ConditionError
-from ..linalg import as_numbers
+from ..linalg import as_numbers, out_of_range
 from .curves import enclosed
 
 Array = NDArray[np.float64]
@@ -52,8 +52,10 @@ def _are_lines(given: Sequence[ArrayLike]) -> bool:
 def _as_line(given: ArrayLike, direction: float) -> Array:
     """The points of a curve (m, 3), the way round that `direction` has as a sign; 0 keeps it."""
     line = as_numbers(given, "The points of the curve", ConditionError)
-    if line.ndim != 2 or line.shape[1] not in (2, 3) or len(line) < 3 or not np.isfinite(line).all():
+    if line.ndim != 2 or line.shape[1] not in (2, 3) or len(line) < 3 or len(out_of_range(line)[0]):
         raise ConditionError("The curve must be three or more points (m, 3), finite numbers, in order.")
+    if not np.ptp(line, axis=0).any():
+        raise ConditionError("All points of the curve are in one place; draw it around the plan.")
     if line.shape[1] == 2:
         line = np.column_stack([line, np.zeros(len(line))])
     return line[::-1] if enclosed(line) * direction < 0.0 else line

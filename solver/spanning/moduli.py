@@ -54,6 +54,8 @@ class Motions:
 
     def turned(self, q: Array) -> bool:
         """Whether a face is flat or turned over at q."""
+        if not self.count:
+            return False
         a, b = _sides(self.at(q), self.domain.faces)
         return bool(_cross(a[:, 0], b[:, 0]).min(initial=np.inf) <= 0.0)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,21 +11,25 @@ from numpy.typing import ArrayLike, NDArray
 from ..domain.domain import Domain
 from ..domain.shape import DomainLike, as_domain
 from ..errors import ConditionError, Progress, check_choice
-from ..gauss.frames import in_space
+from ..gauss.frames import boundary_edges, in_space
 from ..gauss.options import with_options
 from ..limits import COUNT, NUMBERS, TOLERANCE, check_number
 from ..surface.solve import CmcSolver
+from .layout import flat_layout
 from .problem import SpanProblem
 from .relay import rolled_out, under_lines
 from .search import Search, Wish
 from .setting import Lines, setting
 from .span import Span, finished
-from .verdict import SpanStatus
+from .verdict import SpanStatus, distortion
 
 Array = NDArray[np.float64]
 
 # Ends of a search that another plan may do away with.
 _UNLIKE = (SpanStatus.UNLIKE, SpanStatus.STALLED, SpanStatus.NOT_CONFORMAL, SpanStatus.ITERATION_LIMIT)
+
+# Times that a surface is rolled out to be the plan of a better one.
+_ROUNDS = 2
 
 KNOBS = ("mean_curvature", "rise", "height", "volume")
 
@@ -42,6 +46,7 @@ class SpanOptions:
     volume: float | None = None
     leans: Sequence[tuple[ArrayLike, float]] = ()
     mirrors: Sequence[tuple[ArrayLike, ArrayLike]] = ()
+    anchors: ArrayLike | None = None
     holes: str = "adapt"
     corners: str = "sharp"
     initial: Span | None = None
@@ -83,17 +88,25 @@ def span_outline(domain: DomainLike, positions: ArrayLike, options: SpanOptions)
     negative hangs), height of the crown over the outer line's mean height (negative: of the lowest point under it),
     rise (height as a part of half the outline's smaller extent), or volume over that mean height.
 
-    leans: (edges, angle) pairs; these sides stay over their drawn line, at free heights, and meet the upright wall over
-    it at this angle in radians, 0 upright, ½ π at right angles like a mirror: N · ν = cos(angle), ν the wall's outward
-    normal. mirrors: (edges, plane normal) pairs; these sides slide in the plane of their drawn points and meet it at
-    right angles. holes: "adapt" moves the plan's holes until the map is conformal, "keep" keeps the plan's conformal
-    type, and the surface is then not quite of constant mean curvature. corners: "sharp" holds corners in place and
-    shifts the plan's sides for that, "round" lets all vertices slide; round the line first. A plan too unlike the lines
-    has its vertices moved under them. initial: an earlier span of this plan, to continue from. tolerance: of the
-    residual, which has no unit. progress(step, residual) is called at each step; False cancels.
+    leans: (edges, angle) pairs, edges as in `conditions`: indices, or names of a shape's sides. These sides stay over
+    their drawn line, at free heights, and meet the upright wall over it at this angle in radians, 0 upright, ½ π at
+    right angles like a mirror: N · ν = cos(angle), ν the wall's outward normal. mirrors: (edges, plane normal) pairs;
+    these sides slide in the plane of their drawn points and meet it at right angles. anchors: (k,) vertices of drawn
+    lines that stay where they were drawn; the plan adapts to them, the surface is the same.
+
+    holes: "adapt" moves the plan's holes until the map is conformal, "keep" keeps the plan's conformal type, and the
+    surface is then not quite of constant mean curvature. corners: "sharp" holds corners in place and shifts the plan's
+    sides for that, "round" lets all vertices slide; round the line first. A plan too unlike the lines has its vertices
+    moved under them. initial: an earlier span of this plan, to continue from. tolerance: of the residual, which has no
+    unit. progress(step, residual) is called at each step; False cancels.
 
     Raises `ConditionError` on input that contradicts itself or fits no plan. That no surface was found is a status.
     """
+    options = replace(
+        options,
+        leans=[(boundary_edges(domain, edges), angle) for edges, angle in options.leans],
+        mirrors=[(boundary_edges(domain, edges), normal) for edges, normal in options.mirrors],
+    )
     domain = as_domain(domain)
     points = in_space(domain, positions)
     span = _spanned(domain, points, options)
@@ -110,10 +123,21 @@ def _on_other_plans(domain: Domain, points: Array, options: SpanOptions, span: S
         laid = under_lines(domain, flattest)
         if laid is not None and (again := _spanned(laid, points, options)).ok:
             return again
-    for f in (span.points, flattest):
-        laid = rolled_out(domain, f)
-        if laid is not None and (again := _spanned(laid, points, options)).ok:
-            return again
+    layout = flat_layout(domain, points)
+    if layout is None:
+        return span
+    for round_ in range(_ROUNDS):
+        for f in (span.points, flattest)[: 2 - round_]:
+            laid = rolled_out(layout[0], layout[1], f)
+            if laid is None:
+                continue
+            again = _spanned(laid, points, options)
+            if again.ok:
+                return again
+            if again.status is SpanStatus.NOT_CONFORMAL and distortion(again.kept.descent) < distortion(
+                span.kept.descent
+            ):
+                span = again
     return span
 
 
@@ -124,10 +148,12 @@ def _setting(domain: Domain, points: Array, options: SpanOptions) -> tuple[SpanP
         options.curve,
         options.mirrors,
         options.leans,
+        options.anchors,
         sharp=options.corners == "sharp",
         moving_holes=options.holes == "adapt",
         solver=options.solver.harmonic if options.solver is not None and options.solver.domain is domain else None,
         mean_curvature=options.wish[1] if options.wish[0] == "mean_curvature" else None,
+        earlier=options.initial.kept.descent.problem if options.initial is not None else None,
     )
 
 
@@ -135,8 +161,9 @@ def _spanned(domain: Domain, points: Array, options: SpanOptions) -> Span:
     problem, lines = _setting(domain, points, options)
     start, slope = None, None
     if options.initial is not None:
-        problem, start = problem.continued(options.initial.kept.descent.problem, options.initial.kept.descent.state)
-        slope = options.initial.kept.slope
+        earlier = options.initial.kept.descent
+        if problem.coordinates is earlier.problem.coordinates:
+            start, slope = problem.continued(earlier.problem, earlier.state), options.initial.kept.slope
     search = Search(
         problem,
         lines,
@@ -149,4 +176,4 @@ def _spanned(domain: Domain, points: Array, options: SpanOptions) -> Span:
     if name == "rise":
         name, number = "height", number * 0.5 * lines.extent
     found = search(Wish(name, number), start)
-    return finished(found, lines, options.mirrors, number if name == "mean_curvature" else None)
+    return finished(found, domain, lines, options.mirrors, number if name == "mean_curvature" else None)

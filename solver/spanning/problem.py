@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +16,13 @@ from numpy.typing import NDArray
 from ..domain.domain import Domain
 from ..gauss.harmonic import HarmonicSolver
 from .coordinates import Coordinates, Step
-from .douglas import angles, douglas_kernel
+from .douglas import angles
 from .moduli import Motions
 from .plan_fields import plan_fields
+from .refine import refined
 from .rim import Rim
 from .volume import Volume
-from .walls import Walls
+from .walls import RimVolume, Walls
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -30,6 +30,8 @@ Int = NDArray[np.integer]
 # No modulus changes by more in one step; beyond this the plan that it leads to takes the place of the first one.
 _MODULUS_STEP = 0.2
 _REBASED = 0.15
+# The part of its first size to which a hole may shrink: catenoids at their limit are above a tenth.
+_CLOSED = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +62,7 @@ class SpanProblem:
     loops: places of the boundary loops' vertices in `coordinates.rim`, the outer one first; omegas: their angles, see
     `douglas`; marks: places of the marked points along each, see `plan_fields`. has_gauge: whether the outer loop is
     taken up to Möbius transformations. moving_holes: whether the holes of the plan move. walls: under leaning sides.
+    drawn (B, 2): the rim of the first plan. kernel (B, B): Douglas'.
     """
 
     domain: Domain
@@ -74,10 +77,8 @@ class SpanProblem:
     has_gauge: bool
     moving_holes: bool
     walls: Walls
-
-    @cached_property
-    def kernel(self) -> Array:
-        return douglas_kernel(self.omegas, self.loops, self.rim.count)
+    drawn: Array
+    kernel: Array
 
     def start(self) -> State:
         """The harmonic surface over the rim at the start of its numbers."""
@@ -97,29 +98,45 @@ class SpanProblem:
         """Whether the plan has moved so far that coordinates of the new one are better."""
         return float(np.abs(state.q).max(initial=0.0)) > _REBASED
 
+    def has_closed_neck(self, state: State) -> bool:
+        """Whether a hole has shrunk so far that its neck must be closing."""
+        rim = self.motions.at(state.q)[self.coordinates.rim]
+        sizes = [np.linalg.norm(np.ptp(p[loop], axis=0)) for loop in self.loops[1:] for p in (rim, self.drawn)]
+        return any(now < _CLOSED * before for now, before in zip(sizes[::2], sizes[1::2], strict=True))
+
     def rebased(self, state: State) -> tuple[SpanProblem, State]:
-        """The same surface over the plan that it has reached, with coordinates of that plan."""
-        domain, positions = self.motions.moved(state.q), self.motions.at(state.q)
+        """The same surface over the plan that it has reached, with coordinates of that plan; refined around holes."""
+        domain, positions, f = self.motions.moved(state.q), self.motions.at(state.q), state.f
+        if len(self.loops) > 1:
+            domain, positions, f = refined(domain, positions, f) or (domain, positions, f)
         solver = HarmonicSolver(domain)
         dirichlet = solver.dirichlet(self.coordinates.rim)
         coordinates = Coordinates(dirichlet)
         coordinates.solves = self.coordinates.solves
         loops = [self.coordinates.rim[loop] for loop in self.loops]
         fields = plan_fields(dirichlet, positions, loops, angles(self.omegas[0]), self.marks, self.moving_holes)
-        motions = Motions(domain, positions, fields)
-        problem = replace(self, domain=domain, solver=solver, coordinates=coordinates, motions=motions)
+        problem = replace(
+            self,
+            domain=domain,
+            solver=solver,
+            coordinates=coordinates,
+            motions=Motions(domain, positions, fields),
+            volume=self.volume if domain.faces is self.domain.faces else Volume(domain, self.volume.rim),
+        )
         rim = coordinates.extend(self.rim.at(state.x).points)
-        u = (state.f - rim)[coordinates.inside]
+        u = (f - rim)[coordinates.inside]
         return problem, problem.state(u, state.x, np.zeros(problem.motions.count))
 
-    def continued(self, earlier: SpanProblem, state: State) -> tuple[SpanProblem, State | None]:
-        """This rim over the plan that an earlier problem has reached, and its last state carried over to it."""
-        x = self.rim.adopted(earlier.rim, state.x)
-        if x is None or not np.array_equal(self.domain.faces, earlier.domain.faces):
-            return self, None
-        problem = replace(earlier, rim=self.rim)
+    def on(self, rim: Rim, parts: Sequence[RimVolume]) -> SpanProblem:
+        """The same plan, as far as it has moved, with another rim of like tracks and its parts of the volume."""
+        problem = replace(self, rim=rim, walls=Walls.under(rim), volume=self.volume.with_rim(parts))
         problem.coordinates.solves = 0
-        return problem, problem.state(state.u, x, state.q)
+        return problem
+
+    def continued(self, earlier: SpanProblem, state: State) -> State | None:
+        """An earlier state of the same plan, its rim's vertices carried over to this rim; None if rims are unlike."""
+        x = self.rim.adopted(earlier.rim, state.x)
+        return None if x is None else self.state(state.u, x, state.q)
 
     def lifted(self, state: State, d: Array) -> State:
         """The state with u changed by d (I, 3)."""

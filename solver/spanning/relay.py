@@ -20,6 +20,8 @@ from ..linalg import sum_rows
 
 Array = NDArray[np.float64]
 
+# Steps from the plan to the surface rolled out.
+_WAY = 8
 # Newton's steps to close an outline, and the part of its length by which it may stay open.
 _STEPS = 30
 _CLOSED = 1e-9
@@ -30,27 +32,56 @@ def under_lines(domain: Domain, f: Array) -> Domain | None:
     return _flat(domain, f[:, :2])
 
 
-def rolled_out(domain: Domain, f: Array) -> Domain | None:
-    """The plan of one loop whose outline has the lengths and angles of that of the surface f (V, 3), harmonic inside.
+def rolled_out(domain: Domain, positions: Array, f: Array) -> Domain | None:
+    """The plan of one loop whose outline has the lengths and angles of that of the surface f (V, 3), or comes near.
 
-    None where the outline does not close or faces turn over.
+    From the flat `positions` (V, 2) it goes there in steps, along which displacements are harmonic; it ends before the
+    first at which a face would turn over. None where there is no such step.
     """
     if len(domain.boundary_loops) != 1:
         return None
+    loop = domain.boundary_loops[0].astype(np.int64)
+    first, last = _outline(domain, np.column_stack([positions, 0.0 * positions[:, 0]])), _outline(domain, f)
+    if first is None or last is None:
+        return None
+    reached, now = None, positions
+    for t in np.arange(1, _WAY + 1) / _WAY:
+        turns, lengths = ((1.0 - t) * a + t * b for a, b in zip(first, last, strict=True))
+        outline = closed_outline(turns, lengths)
+        if outline is None:
+            break
+        now = _moved(reached or domain, now, loop, _laid_over(outline, now[loop]))
+        moved = _flat(domain, now)
+        if moved is None:
+            break
+        reached = moved
+    return reached
+
+
+def _outline(domain: Domain, f: Array) -> tuple[Array, Array] | None:
+    """Turns and edge lengths (n,) of the boundary of a surface f (V, 3), from the angles of its faces."""
     try:
         surface = Domain.from_positions(f, domain.faces)
     except MeshError:
         return None
     loop = domain.boundary_loops[0].astype(np.int64)
     angles = sum_rows(domain.faces.ravel(), surface.corner_angles.ravel(), domain.vertex_count)
-    lengths = np.linalg.norm(np.roll(f[loop], -1, axis=0) - f[loop], axis=1)
-    outline = closed_outline(np.pi - angles[loop], lengths)
-    if outline is None:
-        return None
-    dirichlet = HarmonicSolver(surface).dirichlet(domain.boundary_vertices.astype(np.int64))
-    rim = np.zeros((len(loop), 2))
-    rim[np.searchsorted(dirichlet.fixed, loop)] = outline
-    return _flat(domain, dirichlet.extend(rim))
+    return np.pi - angles[loop], np.linalg.norm(np.roll(f[loop], -1, axis=0) - f[loop], axis=1)
+
+
+def _laid_over(outline: Array, rim: Array) -> Array:
+    """The outline (n, 2) turned and moved to where it is nearest to the rim (n, 2)."""
+    z, w = (each @ [1.0, 1.0j] for each in (outline - outline.mean(axis=0), rim - rim.mean(axis=0)))
+    turned = z * np.exp(1j * np.angle(np.vdot(z, w)))
+    return np.column_stack([turned.real, turned.imag]) + rim.mean(axis=0)
+
+
+def _moved(domain: Domain, positions: Array, loop: NDArray[np.integer], rim: Array) -> Array:
+    """Positions (V, 2) with the loop at `rim` (n, 2), displaced harmonically."""
+    dirichlet = HarmonicSolver(domain).dirichlet(domain.boundary_vertices.astype(np.int64))
+    off = np.zeros((len(loop), 2))
+    off[np.searchsorted(dirichlet.fixed, loop)] = rim - positions[loop]
+    return positions + dirichlet.extend(off)
 
 
 def closed_outline(turns: Array, lengths: Array) -> Array | None:

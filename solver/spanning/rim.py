@@ -176,9 +176,14 @@ class Rim:
             bends.append(bend.reshape(-1, 3))
         return RimPoint(points, np.concatenate(tangents), np.concatenate(bends), self.owner)
 
+    def is_like(self, other: Rim) -> bool:
+        """Whether the other rim moves the same vertices by tracks of the same kinds."""
+        kinds = [[(type(t), len(t.vertices), t.width) for t in rim.tracks] for rim in (self, other)]
+        return kinds[0] == kinds[1] and np.array_equal(self.owner, other.owner)
+
     def adopted(self, other: Rim, x: Array) -> Array | None:
         """The numbers (n,) that put the vertices where x puts them on another rim with like tracks; None if unlike."""
-        if [len(t.start) for t in self.tracks] != [len(t.start) for t in other.tracks] or len(x) != len(self.owner):
+        if not self.is_like(other):
             return None
         mine = []
         for track, its, part in zip(self.tracks, other.tracks, other.parts(x), strict=True):

@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
-from ..errors import ConditionError
+from ..errors import ConditionError, plural
 from ..gauss.frames import boundary_edges, unit
 from ..gauss.harmonic import HarmonicSolver
 from ..linalg import sum_rows
-from .boundary import LINE, Lean, Plane, Side, checked_lean, mixed_loop, other_line, own_line
+from .boundary import LINE, Lean, Plane, checked_lean, mixed_loop, other_line, own_line
 from .coordinates import Coordinates
 from .curves import enclosed
-from .douglas import angles, rim_angles
+from .douglas import angles, douglas_kernel, rim_angles
 from .feasible import check_balance, check_corners
 from .layout import flat_layout
 from .lines import boundary_lines
@@ -82,13 +82,17 @@ def setting(
     curve: ArrayLike | Sequence[ArrayLike] | None = None,
     mirrors: Sequence[tuple[ArrayLike, ArrayLike]] = (),
     leans: Sequence[tuple[ArrayLike, float]] = (),
+    anchors: ArrayLike | None = None,
     *,
     sharp: bool = True,
     moving_holes: bool = True,
     solver: HarmonicSolver | None = None,
     mean_curvature: float | None = None,
+    earlier: SpanProblem | None = None,
 ) -> tuple[SpanProblem, Lines]:
     """The problem of a plan with these points (V, 3), and its lines. mean_curvature: the wanted one, if any.
+
+    earlier: a problem of the same plan, whose factors are used again if its rim has like tracks.
 
     Raises `ConditionError` where they do not fit.
     """
@@ -103,18 +107,26 @@ def setting(
     loops = [domain.boundary_loops[k].astype(np.int64) for k in order]
     places = [np.searchsorted(domain.boundary_vertices, loop) for loop in loops]
     conditions = conditions.centred(lines.centre)
+    anchored = _anchored(domain, anchors)
     sides = []
     for k, place, loop in zip(order, places, loops, strict=True):
         labels = conditions.labels[domain.boundary_loop_edges[k]]
         mine, its = points[loop] - lines.centre, given[k] - lines.centre
         if (labels == LINE).all():
-            sides.append(own_line(place, mine, sharp) if own[k] else other_line(place, mine, its, sharp))
+            stays = np.flatnonzero(np.isin(loop, anchored))
+            sides.append(own_line(place, mine, sharp, stays) if own[k] else other_line(place, mine, its, sharp))
         elif own[k]:
             check_corners(loop, mine, labels, conditions.kinds)
             sides.append(mixed_loop(place, mine, labels, conditions.kinds, sharp))
         else:
             raise ConditionError("A loop with mirrors or leans spans its own points; leave out its curve.")
-    problem = _problem(domain, points, loops, sides, conditions, moving_holes, solver or HarmonicSolver(domain))
+    rim = Rim([track for side in sides for track in side.tracks], len(domain.boundary_vertices))
+    parts = _rim_volumes(domain, conditions)
+    if earlier is not None and np.array_equal(earlier.domain.faces, domain.faces) and rim.is_like(earlier.rim):
+        problem = earlier.on(rim, parts)
+    else:
+        marks = [side.marks for side in sides]
+        problem = _problem(domain, points, loops, rim, marks, parts, moving_holes, solver or HarmonicSolver(domain))
     if len(conditions.edges_of(Lean)):
         if not problem.rim.on_line.any():
             raise ConditionError("Nothing holds the height: all sides lean. Keep a side or an edge on its line.")
@@ -128,6 +140,18 @@ def _check_balance(conditions: Conditions, H: float, loops: Sequence[Array], edg
     cosines = np.array([np.cos(kind.angle) if isinstance(kind, Lean) else 0.0 for kind in conditions.kinds] + [0.0])
     labels = [conditions.labels[each] for each in edges]  # `LINE` is the last
     check_balance(H, loops, [cosines[each] for each in labels], [(each == LINE).astype(float) for each in labels])
+
+
+def _anchored(domain: Domain, anchors: ArrayLike | None) -> Int:
+    """Vertices (k,) that stay; raises `ConditionError` on others than those of the boundary."""
+    vertices = np.unique(np.asarray([] if anchors is None else anchors, dtype=np.int64))
+    inside = np.setdiff1d(vertices, domain.boundary_vertices)
+    if inside.size:
+        raise ConditionError(
+            f"Anchors are vertices of the boundary; inside it are {plural('vertex', inside)}. Leave them out.",
+            vertices=inside.tolist(),
+        )
+    return vertices
 
 
 def _conditions(
@@ -180,12 +204,12 @@ def _problem(
     domain: Domain,
     points: Array,
     loops: Sequence[Int],
-    sides: Sequence[Side],
-    conditions: Conditions,
+    rim: Rim,
+    marks: list[Int],
+    parts: Sequence[RimVolume],
     moving_holes: bool,
     solver: HarmonicSolver,
 ) -> SpanProblem:
-    marks = [side.marks for side in sides]
     layout = flat_layout(domain, points) if _has_moduli(marks, moving_holes) else None
     if layout is not None and layout[0] is not domain:
         domain, solver = layout[0], HarmonicSolver(layout[0])
@@ -196,20 +220,21 @@ def _problem(
     fields = np.zeros((0, *positions.shape))
     if layout is not None:
         fields = plan_fields(dirichlet, positions, loops, angles(omegas[0]), marks, moving_holes)
-    rim = Rim([track for side in sides for track in side.tracks], len(dirichlet.fixed))
     return SpanProblem(
         domain=domain,
         solver=solver,
         coordinates=Coordinates(dirichlet),
         rim=rim,
         motions=Motions(domain, positions, fields),
-        volume=Volume(domain, _rim_volumes(domain, conditions)),
+        volume=Volume(domain, parts),
         loops=places,
         omegas=omegas,
         marks=marks,
         has_gauge=len(loops) == 1 or (moving_holes and layout is not None),
         moving_holes=moving_holes,
         walls=Walls.under(rim),
+        drawn=positions[dirichlet.fixed],
+        kernel=douglas_kernel(omegas, places, rim.count),
     )
 
 

@@ -153,23 +153,29 @@ class Span:
         return notebook.table("Span", numbers, notebook.picture(self.points, self.faces))
 
 
-def finished(found: Found, lines: Lines, mirrors: Mirrors, wanted: float | None) -> Span:
-    """The span at the end of a search; wanted: the mean curvature asked for, if one was."""
+def finished(found: Found, plan: Domain, lines: Lines, mirrors: Mirrors, wanted: float | None) -> Span:
+    """The span at the end of a search over the faces of `plan`; wanted: the mean curvature asked for, if one was."""
     descent = found.descent
     problem, state, H = descent.problem, descent.state, descent.mean_curvature
-    domain = problem.motions.moved(state.q) if state.q.any() else problem.domain
+    searched = problem.motions.moved(state.q) if state.q.any() else problem.domain
     status, message = judged(descent, lines.is_drawn)
     if found.largest is not None and wanted is not None:
         status, message = SpanStatus.NO_SURFACE, largest_sentence(wanted, found.largest)
-    conditions, start = _conditions(domain, problem, state, H, mirrors)
-    solver = problem.solver if domain is problem.domain else problem.solver.moved(domain)
+    conditions, start = _conditions(searched, problem, state, H, mirrors)
+    solver = problem.solver if searched is problem.domain else problem.solver.moved(searched)
     harmonic = solver.solve(conditions, initial=start)
+    count = plan.vertex_count
+    positions = problem.motions.at(state.q)[:count]
+    domain = searched
+    if plan.vertex_count < searched.vertex_count:  # the search had vertices of its own
+        i, j = plan.edges.T
+        domain = plan.with_lengths(np.linalg.norm(positions[j] - positions[i], axis=1))
     return Span(
-        points=state.f + lines.centre,
-        normals=harmonic.normals,
+        points=state.f[:count] + lines.centre,
+        normals=harmonic.normals[:count],
         faces=domain.faces,
         domain=domain,
-        positions=problem.motions.at(state.q),
+        positions=positions,
         mean_curvature=H,
         curve_parameters=state.x,
         status=status,

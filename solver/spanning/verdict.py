@@ -54,13 +54,15 @@ _ENDS = {
     "iteration limit": SpanStatus.ITERATION_LIMIT,
     "cancelled": SpanStatus.CANCELLED,
     "runaway": SpanStatus.NO_SURFACE,
+    "neck": SpanStatus.NO_SURFACE,
     "crowded": SpanStatus.UNLIKE,
 }
 
 
 def judged(descent: Descent, is_drawn: bool) -> tuple[SpanStatus, str]:
     """The status of a search that ended, and its sentence. is_drawn: whether the lines are the plan's own boundary."""
-    status, sentence = _ENDS[descent.end], _ENDS[descent.end].sentence
+    status = _ENDS[descent.end]
+    sentence = NECK if descent.end == "neck" else status.sentence
     if status is SpanStatus.CONVERGED:
         status, sentence = _if_conformal(descent)
     if not is_drawn and status not in (SpanStatus.CONVERGED, SpanStatus.CANCELLED) and _crowding(descent):

@@ -12,6 +12,7 @@ order in the edge length only: the volume between two surfaces through one curve
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -72,6 +73,12 @@ class Volume:
         self._columns = cols[order].astype(np.int32)
         self._starts = np.concatenate([[0], np.cumsum(np.bincount(rows, minlength=count))]).astype(np.int32)
         self._shape = (count, count)
+
+    def with_rim(self, rim: Sequence[RimVolume]) -> Volume:
+        """The same with other parts over walls and planes."""
+        other = copy(self)
+        other.rim = tuple(rim)
+        return other
 
     def of(self, f: Array) -> float:
         """V(f), f (V, 3)."""

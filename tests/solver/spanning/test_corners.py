@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from solver import Domain, shapes, span_outline
+from solver import ConditionError, Domain, shapes, span_outline
 from solver.fitting.curves import Curve
 from solver.spanning.curves import SmoothCurve, corners
 from solver.spanning.layout import flat_layout
@@ -124,3 +124,19 @@ def test_layouts_as_drawn_unrolled_and_from_above():
     domain, positions = flat_layout(Domain.from_positions(hill, plan.domain.faces), hill)
     assert_allclose(domain.edge_lengths, plan.domain.edge_lengths, rtol=1e-12)
     assert flat_layout(Domain.from_positions(hill, plan.domain.faces), hill * [1, 0.5, 1] * [-1, 1, 1]) is None
+
+
+def test_anchors_stay_and_the_surface_is_the_same():
+    domain, points = disc(800)
+    free = span_outline(domain, points, mean_curvature=0.6)
+    loop = domain.boundary_loops[0]
+    held = loop[[0, 9, 30, 41, 60]]
+    wave = np.column_stack([points, 0.2 * points[:, 0] * points[:, 1]])
+    span = span_outline(domain, points, mean_curvature=0.6, anchors=held)
+    assert span.ok, span.message
+    assert_allclose(span.points[held, :2], points[held], rtol=0, atol=1e-12)
+    assert_allclose(span.points[:, 2].max(), free.points[:, 2].max(), rtol=3e-3)
+    assert span_outline(domain, wave, anchors=held).ok
+    inside = np.setdiff1d(np.arange(domain.vertex_count), domain.boundary_vertices)[0]
+    with pytest.raises(ConditionError, match="Anchors are vertices of the boundary"):
+        span_outline(domain, points, anchors=[inside])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from solver import ConditionError, Domain, Side, complete, mean_curvature_of, report, shapes, span_outline
+from solver import CmcSolver, ConditionError, Domain, Side, complete, mean_curvature_of, report, shapes, span_outline
 from tests.solver.exact_surfaces import disc
 from tests.solver.spanned_plans import enneper, quarter_disc
 
@@ -36,6 +36,17 @@ def test_the_harmonic_surface_beside_it(H):
     assert span.distance() < 0.02
     assert_allclose(np.median(mean_curvature_of(paper.f_plus, paper.faces, paper.normals)), H, rtol=0.01)
     assert np.abs(paper.harmonic.normals - span.normals).max() < 1e-6
+
+
+def test_a_solver_lends_its_factors(square):
+    plan, span = square
+    solver = CmcSolver(plan)
+    again = span_outline(plan, plan.positions, mean_curvature=0.5, solver=solver)
+    assert_allclose(again.points, span.points, rtol=0, atol=1e-12)
+    assert again.kept.descent.problem.solver is solver.harmonic
+    by_name = span_outline(plan, plan.positions, mirrors=[("side0", [0, 1, 0])], mean_curvature=0.1)
+    by_edges = span_outline(plan, plan.positions, mirrors=[(plan.sides["side0"], [0, 1, 0])], mean_curvature=0.1)
+    assert_allclose(by_name.points, by_edges.points, rtol=0, atol=1e-12)
 
 
 def test_a_film_has_no_twin(square):
