@@ -109,14 +109,12 @@ def _check_lengths(max_edge: float, corner_radius: float | None, size: float) ->
 
 def _check_count(loops: list[Loop], max_edge: float) -> None:
     area = sum(signed_area(loop.points) for loop in loops)
-    count = area / _ROW / max_edge**2
-    around = sum(float(loop.lengths.sum()) for loop in loops) / max_edge
-    longer = max(np.sqrt(count / MOST_VERTICES), around / MOST_ON_RIM)
-    if longer > 1.0:
+    around = sum(float(loop.lengths.sum()) for loop in loops)
+    shortest = max(np.sqrt(area / _ROW / MOST_VERTICES), around / MOST_ON_RIM)
+    if max_edge < shortest:
         raise MeshError(
-            f"The edge length {max_edge:.6g} would make about {max(count, around):.2g} vertices, and "
-            f"{MOST_VERTICES:,} ({MOST_ON_RIM:,} on the rim) are the most; choose one longer than "
-            f"{max_edge * longer:.2g}."
+            f"The edge length {max_edge:.6g} would make more than {MOST_VERTICES:,} vertices, or more than "
+            f"{MOST_ON_RIM:,} on the rim; choose one longer than {shortest:.2g}."
         )
 
 

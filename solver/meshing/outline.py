@@ -179,7 +179,7 @@ def _check_repeated(given: list[np.ndarray], names: list[str], numbers: list[int
         a, b = one - int(first[i]), other - int(first[j])
         text = f"Points {a} and {b} of {names[i]}" if i == j else f"Point {a} of {names[i]} and point {b} of {names[j]}"
         raise MeshError(
-            f"{text} are at the same place; merge them by distance, or move one.",
+            f"{text} are within a millionth of the plan's size of each other; merge them by distance, or move one.",
             vertices=(numbers[i] + a, numbers[j] + b),
         )
 

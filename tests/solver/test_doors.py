@@ -109,6 +109,17 @@ CALLS: dict[str, list[Callable]] = {
         lambda x: solver.solve_cmc(DISC, RIM, max_iterations=x),
         lambda x: solver.solve_cmc(DISC, RIM, method=x),
     ],
+    "span_outline": [
+        lambda x: solver.span_outline(x, DISC.positions),
+        lambda x: solver.span_outline(DISC, x),
+        lambda x: solver.span_outline(DISC, DISC.positions, x),
+        lambda x: solver.span_outline(DISC, DISC.positions, rise=x),
+        lambda x: solver.span_outline(DISC, DISC.positions, mirrors=x),
+        lambda x: solver.span_outline(DISC, DISC.positions, leans=x),
+        lambda x: solver.span_outline(DISC, DISC.positions, anchors=x),
+        lambda x: solver.span_outline(DISC, DISC.positions, solver=x),
+        lambda x: solver.span_outline(DISC, DISC.positions, progress=x),
+    ],
     "tube": [
         lambda x: solver.tube(DISC, x, [0], [0, 1]),
         lambda x: solver.tube(DISC, DISC.positions[FACES], x, [0, 1]),
@@ -140,7 +151,7 @@ CALLS: dict[str, list[Callable]] = {
     ],
 }
 # Results, which nobody makes, and names that are no calls.
-NO_CALLS = {"ClosingResult", "Completion", "Fit", "HarmonicMap", "Report", "Shape", "Shell", "Status"}
+NO_CALLS = {"ClosingResult", "Completion", "Fit", "HarmonicMap", "Report", "Shape", "Shell", "Span", "Status"}
 
 
 def test_every_public_name_has_a_call():
@@ -161,7 +172,7 @@ def test_an_argument_of_another_type_ends_in_nothing_but_a_sentence(name: str, v
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: solver.report(SIDE), r"report: surface must be a CmcSurface, not Side\("),
+        (lambda: solver.report(SIDE), r"report: surface must be a CmcSurface or a SurfaceResult, not Side\("),
         (lambda: solver.form(PLAN, "y"), 'form: settings must be a Settings.*, not "y"'),
         (lambda: solver.solve_cmc(DISC, RIM, delaunay="no"), 'delaunay must be True or False, not "no"'),
         (lambda: solver.solve_cmc(DISC, RIM, progress=3), "progress must be a function or None, not 3"),

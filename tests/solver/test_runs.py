@@ -87,7 +87,7 @@ def test_what_has_changed_is_done_again(jobs, capsys, change, monkeypatch):
 
 
 def test_a_shell_that_is_not_as_asked_keeps_its_code(jobs):
-    Path("a.toml").write_text(JOB.format(n=100, name="a") + "[solver]\ntolerance = 1e-300\n")
+    Path("a.toml").write_text(JOB.format(n=100, name="a") + "[solver]\ndegree = 3\n")
     assert main(["a.toml"]) == 1
     assert main(["a.toml", "--resume"]) == 1
     assert made("a.json")["code"] == 1

@@ -192,7 +192,7 @@ def test_mirrors_go_with_their_edges_to_another_triangulation(strip):
         (lambda s: mirrors(s, left=[0, 0, 0]), "zero or not finite"),
         (lambda s: mirrors(s, left=[E_X, E_Y]), r"one vector \(3,\)"),
         (lambda s: conditions.mirror(s.domain, s.sides["left"], E_X, winding=0.5), "whole number of turns"),
-        (lambda s: conditions.mirror(s.domain, s.sides["left"], E_X, winding=np.nan), "whole number of turns"),
+        (lambda s: conditions.mirror(s.domain, s.sides["left"], E_X, winding=np.nan), "winding must be a number"),
         (lambda s: conditions.mirror(s.domain, [2], E_X), "not on the boundary"),
         (lambda s: mirrors(s, left=E_X) + conditions.corner(s.domain, [0], E_Z), "vertex 0, where no two mirrors"),
         (lambda s: mirrors(s, left=E_X, bottom=E_Y) + conditions.corner(s.domain, [0], E_X), "vertex 0, where it is"),

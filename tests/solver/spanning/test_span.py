@@ -68,7 +68,7 @@ def test_reports(square):
     for line in (enneper(0.7 * np.exp(1j * t)), None):
         film = report(span_outline(domain, points, line))
         assert film.ok and set(film.sheets) == {"f+"}
-        assert "nan" not in film.summary("m") and "wanted 0, error" in film.summary("m")
+        assert "nan" not in film.summary("m") and "wanted 0, off by" in film.summary("m")
         film.to_json()
 
 
@@ -104,9 +104,9 @@ def test_a_quarter_is_completed():
     ("keywords", "message"),
     [
         ({"rise": 0.3, "volume": 1.0}, "Give one of rise and volume"),
-        ({"rise": np.nan}, "finite number"),
-        ({"corners": "square"}, "choose one of sharp, round"),
-        ({"holes": "drop"}, "choose one of adapt, keep"),
+        ({"rise": np.nan}, "rise must be a number"),
+        ({"corners": "square"}, "known are sharp, round"),
+        ({"holes": "drop"}, "known are adapt, keep"),
         ({"curve": [[0, 0], [1, 1]]}, "three or more points"),
         ({"curve": [[[0, 0], [1, 0], [0, 1]]] * 2}, "1 boundary loops"),
     ],
