@@ -48,9 +48,10 @@ def _cause(sheet: SheetReport, domain: Domain, drawn: Array, squares: Array) -> 
             f", most of it next to corners of the plan, first of all that at ({place}): round them, or have the "
             "boundary normals differ less there."
         )
+    flatter = ", or choose smaller tilts" if len(domain.boundary_edges) else ""
     if sheet.intersections is not None and sheet.intersections.count:
-        return ", and it goes through itself: choose smaller tilts, or refine the mesh."
-    return ": the mesh is too coarse for it; halve its edge length, or choose smaller tilts."
+        return f", and it goes through itself: refine the mesh{flatter}."
+    return f": the mesh is too coarse for it; halve its edge length{flatter}."
 
 
 def _worst(corners: NDArray[np.int64], domain: Domain, squares: Array) -> int:

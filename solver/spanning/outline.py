@@ -14,6 +14,7 @@ from ..errors import ConditionError, Progress, check_choice
 from ..gauss.frames import boundary_edges, in_space
 from ..gauss.options import with_options
 from ..limits import COUNT, NUMBERS, TOLERANCE, check_number
+from ..signatures import check_fields
 from ..surface.solve import CmcSolver
 from .layout import flat_layout
 from .problem import SpanProblem
@@ -56,6 +57,7 @@ class SpanOptions:
     progress: Progress | None = None
 
     def __post_init__(self) -> None:
+        check_fields(self)
         check_choice(self.holes, ("adapt", "keep"), "treatment of holes")
         check_choice(self.corners, ("sharp", "round"), "treatment of corners")
         check_number(self.tolerance, "tolerance", TOLERANCE)

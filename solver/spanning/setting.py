@@ -12,7 +12,8 @@ from ..domain.domain import Domain
 from ..errors import ConditionError, plural
 from ..gauss.frames import boundary_edges, unit
 from ..gauss.harmonic import HarmonicSolver
-from ..linalg import sum_rows
+from ..limits import shown
+from ..linalg import as_array, sum_rows
 from .boundary import LINE, Lean, Plane, checked_lean, mixed_loop, other_line, own_line
 from .coordinates import Coordinates
 from .curves import enclosed
@@ -144,7 +145,10 @@ def _check_balance(conditions: Conditions, H: float, loops: Sequence[Array], edg
 
 def _anchored(domain: Domain, anchors: ArrayLike | None) -> Int:
     """Vertices (k,) that stay; raises `ConditionError` on others than those of the boundary."""
-    vertices = np.unique(np.asarray([] if anchors is None else anchors, dtype=np.int64))
+    given = as_array([] if anchors is None else anchors, "Anchors", ConditionError)
+    if given.size and not np.issubdtype(given.dtype, np.integer):
+        raise ConditionError(f"Anchors must be indices of vertices (k,), not {shown(anchors)}.")
+    vertices = np.unique(given.astype(np.int64))
     inside = np.setdiff1d(vertices, domain.boundary_vertices)
     if inside.size:
         raise ConditionError(

@@ -7,8 +7,9 @@ import json
 import numpy as np
 import pytest
 
-from solver.__main__ import FAILED, OK, main
+from solver.__main__ import main
 from solver.catalogue import shapes
+from solver.jobs.outcomes import FAILED, OK
 from solver.measure.curvature_fault import boundary_corners, curvature_note
 from solver.shells.form import form
 from solver.shells.plan import Group, Plan
