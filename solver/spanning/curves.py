@@ -1,7 +1,7 @@
-"""Smooth curves through the points of drawn lines: C² cubic splines, split at sharp corners.
+"""Smooth curves through the points of drawn lines: cubic splines, split at sharp corners, straight along straight runs.
 
-A spline through points h apart is O(h⁴) off the smooth curve that they were taken from; along straight runs that end in
-corners it is straight. Its parameter s is the length of the polyline.
+A spline through points h apart is O(h⁴) off the smooth curve that they were taken from. Where a straight run meets an
+arc it is C¹, elsewhere C². Its parameter s is the length of the polyline.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -22,6 +22,8 @@ Int = NDArray[np.integer]
 _SHARP = np.radians(35.0)
 _SINGLE = np.radians(25.0)
 _ALONE = 3.0
+# Sine of the turn up to which a polyline goes straight on: single precision leaves 1e-6.
+_STRAIGHT = 1e-5
 # Points closer than this part of the length are one.
 _SAME = 1e-9
 
@@ -47,6 +49,9 @@ class SmoothCurve:
     @cached_property
     def _spline(self) -> Any:  # scipy ships no types
         way = np.concatenate([self.points, self.points[:1]]) if self.closed else self.points
+        straight = _straight_segments(way, self.closed)
+        if straight.any() and not straight.all():
+            return CubicHermiteSpline(self.knots, way, _slopes(self.knots, way, straight, self.closed))
         return CubicSpline(self.knots, way, bc_type="periodic" if self.closed else "not-a-knot")
 
     def at(self, s: Array) -> tuple[Array, Array, Array]:
@@ -57,6 +62,53 @@ class SmoothCurve:
     def wrapped(self, change: Array) -> Array:
         """Differences of s, on a closed curve between -½ and ½ of its length."""
         return (change + 0.5 * self.length) % self.length - 0.5 * self.length if self.closed else change
+
+
+def _straight_segments(way: Array, closed: bool) -> NDArray[np.bool_]:
+    """(m - 1,) which segments of a polyline (m, 3) continue a neighbour straight on."""
+    ahead = np.diff(way, axis=0)
+    turned = np.linalg.norm(np.cross(ahead[:-1], ahead[1:]), axis=1)
+    on = (turned < _STRAIGHT * np.linalg.norm(ahead[:-1], axis=1) * np.linalg.norm(ahead[1:], axis=1)).tolist()
+    around = np.linalg.norm(np.cross(ahead[-1], ahead[0])) < _STRAIGHT * np.linalg.norm(ahead[-1]) * np.linalg.norm(
+        ahead[0]
+    )
+    end = [bool(closed and around)]
+    joints = np.array([*end, *on, *end])
+    return joints[:-1] | joints[1:]
+
+
+def _slopes(knots: Array, way: Array, straight: NDArray[np.bool_], closed: bool) -> Array:
+    """γ' (m, 3) at the knots: that of the line along straight runs, and between them that of a spline with these ends.
+
+    Where an arc begins the curvature jumps, and a spline through both would swing about the line.
+    """
+    count = len(straight)
+    way_out = np.diff(way, axis=0) / np.diff(knots)[:, None]
+    slopes = np.empty_like(way)
+    slopes[:-1][straight] = way_out[straight]
+    slopes[1:][straight] = way_out[straight]
+    if closed:  # the first knot is the last, too
+        if straight[-1]:
+            slopes[0] = slopes[-1]
+        else:
+            slopes[-1] = slopes[0]
+    first = int(np.argmax(straight)) if closed else 0  # a closed curve is walked from a straight segment on
+    order = (first + np.arange(count)) % count
+    bends = np.flatnonzero(~straight[order])
+    for run in np.split(bends, np.flatnonzero(np.diff(bends) > 1) + 1):
+        segments = order[run]
+        steps = np.diff(knots)[segments]
+        s = np.concatenate([[0.0], np.cumsum(steps)])
+        points = np.concatenate([way[segments], way[segments[-1:] + 1]])
+        ends: Any = [
+            (1, slopes[segments[0]]) if run[0] > 0 or closed else (2, np.zeros(3)),
+            (1, slopes[segments[-1] + 1]) if run[-1] < count - 1 or closed else (2, np.zeros(3)),
+        ]
+        made = CubicSpline(s, points, bc_type=ends)
+        slopes[segments], slopes[segments[-1] + 1] = made(s[:-1], 1), made(s[-1], 1)
+    if closed:
+        slopes[-1] = slopes[0]
+    return slopes
 
 
 def turns(points: Array) -> Array:

@@ -29,8 +29,8 @@ Array = NDArray[np.float64]
 # Ends of a search that another plan may do away with.
 _UNLIKE = (SpanStatus.UNLIKE, SpanStatus.STALLED, SpanStatus.NOT_CONFORMAL, SpanStatus.ITERATION_LIMIT)
 
-# Times that a surface is rolled out to be the plan of a better one.
-_ROUNDS = 2
+# Times that a surface is rolled out to be the plan of a better one, at most.
+_ROLLED = 5
 
 KNOBS = ("mean_curvature", "rise", "height", "volume")
 
@@ -126,20 +126,17 @@ def _on_other_plans(domain: Domain, points: Array, options: SpanOptions, span: S
         if laid is not None and (again := _spanned(laid, points, options)).ok:
             return again
     layout = flat_layout(domain, points)
-    if layout is None:
-        return span
-    for round_ in range(_ROUNDS):
-        for f in (span.points, flattest)[: 2 - round_]:
-            laid = rolled_out(layout[0], layout[1], f)
-            if laid is None:
-                continue
-            again = _spanned(laid, points, options)
-            if again.ok:
-                return again
-            if again.status is SpanStatus.NOT_CONFORMAL and distortion(again.kept.descent) < distortion(
-                span.kept.descent
-            ):
-                span = again
+    surfaces = [span.points, flattest]
+    for _ in range(_ROLLED):
+        laid = rolled_out(layout[0], layout[1], surfaces.pop(0)) if layout is not None and surfaces else None
+        if laid is None:
+            continue
+        again = _spanned(laid, points, options)
+        if again.ok:
+            return again
+        if again.status is SpanStatus.NOT_CONFORMAL and distortion(again.kept.descent) < distortion(span.kept.descent):
+            span, layout = again, (again.domain, again.positions)
+            surfaces.insert(0, again.points)
     return span
 
 

@@ -140,3 +140,26 @@ def test_anchors_stay_and_the_surface_is_the_same():
     inside = np.setdiff1d(np.arange(domain.vertex_count), domain.boundary_vertices)[0]
     with pytest.raises(ConditionError, match="Anchors are vertices of the boundary"):
         span_outline(domain, points, anchors=[inside])
+
+
+def test_a_rounded_outline_is_made_of_lines_and_arcs():
+    """Between its points the curve stays on the rectangle with arcs that the points were taken from."""
+    off = []
+    for count in (7, 13):
+        t = np.linspace(0, 0.5 * np.pi, count)
+        arc = 0.4 * np.column_stack([np.cos(t), np.sin(t)])
+        runs = []
+        for k, centre in enumerate([[1.6, 0.6], [-1.6, 0.6], [-1.6, -0.6], [1.6, -0.6]]):
+            turn = np.array([[0, 1], [-1, 0]]) if k % 2 else np.eye(2)
+            runs.append(arc @ turn * (1 if k < 2 else -1) + centre)
+        sides = [run[-1] + (runs[(k + 1) % 4][0] - run[-1]) * [[0.4], [0.7]] for k, run in enumerate(runs)]
+        outline = np.concatenate([part for pair in zip(runs, sides, strict=True) for part in pair])
+        curve = SmoothCurve(np.column_stack([np.roll(outline, 3, axis=0), np.zeros(len(outline))]), closed=True)
+        points, tangents, _ = curve.at(np.linspace(0, curve.length, 3000))
+        beyond = np.maximum(np.abs(points[:, :2]) - [1.6, 0.6], 0.0)
+        distance = np.linalg.norm(beyond, axis=1) - 0.4
+        inner = (np.abs(points[:, 0]) < 1.6) | (np.abs(points[:, 1]) < 0.6)
+        assert np.abs(distance[inner]).max() < 1e-12
+        assert np.abs(np.linalg.norm(tangents, axis=1) - 1).max() < 0.02
+        off.append(np.abs(distance).max())
+    assert off[0] < 2e-5 and off[0] / off[1] > 8, off
