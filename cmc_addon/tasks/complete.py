@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ...solver.errors import CmcError, Progress
 from ...solver.jobs.outputs import completed_report
+from ...solver.measure.summary import percent
 from ...solver.notes import Note
 from ...solver.shells.complete import Completed, CopySelection, complete_plan
 from ...solver.shells.plan import Group, Plan
@@ -27,7 +28,7 @@ from ..properties.attributes import ATTRIBUTES, DEVIATION
 from ..properties.links import result_of
 from ..properties.stored import ROLES
 from ..properties.symmetry_settings import COMPLETE_SETTINGS
-from ..properties.units import in_scene_units
+from ..properties.units import in_scene_units, length_text
 from ..results import colours
 from ..results.instances import delete_instances, write_instances
 from ..results.measures import Measured
@@ -76,14 +77,14 @@ class CompleteResult(ShellResult):
         notes = [] if self.converged else [Note("not-converged", self.solved.message)]
         scale = self.solved.shell.similarity.scale
         if self.report["relative_gap"] > _WIDE:
+            gap, part = length_text(self.completed.largest_gap, digits=2), percent(self.report["relative_gap"])
             text = (
-                f"Seams were up to {self.completed.largest_gap:.2g} apart, {100 * self.report['relative_gap']:.2g} % "
-                "of the shell's size, and were closed. A finer mesh, or a plan with the corner angles of the surface, "
-                "makes them meet by themselves."
+                f"Seams were up to {gap} apart, {part} of the shell's size, and were closed. A finer mesh, or a plan "
+                "with the corner angles of the surface, makes them meet by themselves."
             )
             notes.append(Note("seams", text))
         if self.completed.largest_offset > _WIDE * surface_size(self.solved.shell.surface) * scale:
-            text = f"Sides that share a plane are up to {self.completed.largest_offset:.2g} apart."
+            text = f"Sides that share a plane are up to {length_text(self.completed.largest_offset, digits=2)} apart."
             notes.append(Note("seams", text))
         return notes
 
