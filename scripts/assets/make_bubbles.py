@@ -29,7 +29,7 @@ from scripts.gallery import scene, staging
 
 FOLDER = asset_files.ASSETS / "bubbles"
 # Coarse enough for small files, fine enough for the solver; None: the menu's own.
-COLUMNS = {"WENTE": None, "TORUS": 24, "RING": 10}
+COLUMNS = {"WENTE": None, "TORUS": 20, "RING": 10}
 MADE = "../../build/jobs"
 
 

@@ -114,6 +114,8 @@ class _Search:
     def at(self, log: float) -> _Trial:
         middle = self.hole.mean(axis=0)
         hole = middle + np.exp(log) * (self.hole - middle)
+        if not _area(hole) < _area(self.outline):
+            raise CmcError("The hole has grown through the outline.")
         edge = float(np.sqrt((_area(self.outline) - _area(hole)) / np.sqrt(0.75) / _COUNT))
         mesh = mesh_plan(self.outline, [hole], max_edge=edge)
         domain = Domain.from_positions(mesh.positions, mesh.triangles)

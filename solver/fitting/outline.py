@@ -79,7 +79,9 @@ def fit_outline(domain: DomainLike, positions: ArrayLike, options: OutlineOption
     left = options.max_evaluations - len(result.history)
     if goals.is_off(result) and result.status is not FitStatus.CANCELLED and left >= _STRAIGHT:
         result = search.around(goals, result, left)
-    is_off = goals.is_off(result) and result.status is not FitStatus.CANCELLED
+    # the advice takes several fits, and a fit that has hardly begun may still reach its curves
+    is_last = result.status is FitStatus.CONVERGED or options.max_evaluations > _STRAIGHT
+    is_off = is_last and goals.is_off(result) and result.status is not FitStatus.CANCELLED
     advice = _hole_advice(goals, points, options) if is_off else None
     result = replace(result, shift=result.shift + [0.0, 0.0, goals.base])
     return replace(result, unmet=goals.unmet(result, advice))

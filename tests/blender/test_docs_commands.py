@@ -20,6 +20,8 @@ FILES = {
     ".toml": ASSETS / "jobs" / "canopy.toml",
     ".obj": ASSETS / "jobs" / "canopy.obj",
 }
+# What is closed has a hole.
+COURT = ASSETS / "courtyard.blend"
 
 
 def examples() -> list[str]:
@@ -40,9 +42,10 @@ def test_there_are_commands():
 def test_commands_run(command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(tmp_path)
     shutil.copy(FILES[".obj"], tmp_path)  # the mesh of the job
-    arguments = shlex.split(command)
+    arguments = [name.replace("*", "a") for name in shlex.split(command)]  # as a shell would, with one file
     for name in arguments:
         if (suffix := Path(name).suffix) in FILES:
-            shutil.copy(FILES[suffix], tmp_path / name)
+            (tmp_path / name).parent.mkdir(exist_ok=True)
+            shutil.copy(COURT if "close" in arguments else FILES[suffix], tmp_path / name)
     assert cli.run(arguments) == 0
     assert list(tmp_path.rglob("report.json"))

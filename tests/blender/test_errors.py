@@ -125,7 +125,7 @@ def test_zero_area():
 def test_nan():
     ob = quad_disc()
     ob.data.vertices[7].co.x = float("nan")
-    fails("vertex 7 of 'Disc' is not finite")
+    fails("vertex 7 of 'Disc' are not finite")
 
 
 def test_flat_transform():

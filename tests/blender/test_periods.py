@@ -114,7 +114,7 @@ def test_a_court_closes_in_place(plan, way):
     assert uv_corners(shell.data) == uv_corners(plan.data) and seams(shell.data) == seams(plan.data)
     closing = reported["closing"]
     assert closing["closed"] and not reported["is_open"] and reported["gap"] < 1e-7 * before
-    assert plan.cmc.message == closing["message"] and plan.cmc.close_by == way
+    assert plan.cmc.message.split(":")[0] == closing["message"].split(":")[0] and plan.cmc.close_by == way
     assert [(g.name, g.kind, g.tilt) for g in plan.data.cmc.groups] == groups
     moved = positions(plan) - drawn
     if way in ("HOLE", "BOTH"):

@@ -298,16 +298,3 @@ def test_edit_mode_is_refused():
     bpy.ops.object.mode_set(mode="EDIT")
     with pytest.raises(RuntimeError, match="Leave edit mode"):
         bpy.ops.cmc.complete()
-
-
-def test_jobs_that_are_completed_are_not_for_blender(tmp_path):
-    from cmc_formfinding.cmc_addon.headless.batch_files import open_input
-    from cmc_formfinding.solver.errors import JobError
-
-    path = tmp_path / "job.toml"
-    mirror = '[[conditions]]\nside = "left"\nkind = "mirror"\nnormal = [-1, 0, 0]\n'
-    path.write_text('[shape]\nkind = "strip"\nwidth = 2\nheight = 1\ncolumns = 6\n' + mirror)
-    open_input(path)
-    path.write_text(path.read_text() + '[complete]\nmesh = "a.obj"\n')
-    with pytest.raises(JobError, match=r"has a \[complete\], which is not run in Blender"):
-        open_input(path)
