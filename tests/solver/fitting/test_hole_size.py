@@ -33,7 +33,7 @@ def fitted(hole: float, inner: float, height: float, **more):
     curves = [circle(1.0, 0.0), circle(inner, height)]
     first = np.linalg.norm(ring.positions[ring.domain.boundary_loops[0][0]])
     lines = curves if first > 0.99 else curves[::-1]
-    return fit_outline(ring, ring.positions, lines, mean_curvature=zone(inner, height)[0], max_evaluations=80, **more)
+    return fit_outline(ring, ring.positions, lines, mean_curvature=zone(inner, height)[0], max_evaluations=150, **more)
 
 
 def advised(message: str) -> tuple[str, float, float]:
