@@ -48,6 +48,14 @@ def numbers(layout: bpy.types.UILayout, rows: list[tuple[str, str]]) -> None:
 _SOME = 1e-4
 
 
+# Longer names run over the title of the panel.
+_LONGEST = 20
+
+
+def _fitting(name: str) -> str:
+    return name if len(name) <= _LONGEST else f"{name[:_LONGEST - 1].rstrip()}…"
+
+
 class ResultPanel(Tab):
     """Shown once the plan has a shell; draws from the report of the one that is shown."""
 
@@ -69,7 +77,7 @@ class CMC_PT_results(ResultPanel, bpy.types.Panel):
     def draw_header_preset(self, context):
         shell = shown_shell(context)
         if shell is not None:
-            self.layout.label(text=shell.name)
+            self.layout.label(text=_fitting(shell.name))
 
     def draw_report(self, context, report):
         warnings = warnings_in(report)

@@ -20,7 +20,7 @@ from .objects import Writer, world_box, write_report
 
 # Distance of the image from the shell, in radii.
 _APART = 0.35
-# A view whose right is nearly vertical, as after a roll, has no level direction to the right.
+# A view whose left is nearly vertical, as after a roll, has no level direction to the left.
 _LEVEL = 0.1
 
 
@@ -50,7 +50,7 @@ def show(context: bpy.types.Context, plan: bpy.types.Object) -> bpy.types.Object
     image.cmc.parked = image.hide_viewport = image.hide_render = False
     context.view_layer.update()
     if np.allclose(image.location, image.cmc.placed_at, atol=1e-6):
-        sideways = right_of(context.space_data)
+        sideways = left_of(context.space_data)
         image.location += sideways * _beside(shell, image, sideways)
     colours.repaint(plan)
     return image
@@ -80,17 +80,17 @@ def _middle(mesh: PlanMesh) -> NDArray[np.float64]:
     return np.average(mesh.positions[rim], axis=0, weights=weights)
 
 
-def right_of(space: bpy.types.Space | None) -> Vector:
-    """The level direction to the right of the viewer, so that the image is not in front of the shell; X without a
-    view."""
+def left_of(space: bpy.types.Space | None) -> Vector:
+    """The level direction to the left of the viewer: the image is not in front of the shell then, nor behind the
+    sidebar; -X without a view."""
     if space is None or space.type != "VIEW_3D":
-        return Vector((1.0, 0.0, 0.0))
-    right = space.region_3d.view_rotation @ Vector((1.0, 0.0, 0.0))
-    right.z = 0.0
-    return right.normalized() if right.length > _LEVEL else Vector((1.0, 0.0, 0.0))
+        return Vector((-1.0, 0.0, 0.0))
+    left = space.region_3d.view_rotation @ Vector((-1.0, 0.0, 0.0))
+    left.z = 0.0
+    return left.normalized() if left.length > _LEVEL else Vector((-1.0, 0.0, 0.0))
 
 
 def _beside(shell: bpy.types.Object, image: bpy.types.Object, sideways: Vector) -> float:
     """How far to move the image sideways to clear the shell."""
-    right, left = (side(world_box(ob) @ np.array(sideways)) for ob, side in ((shell, np.max), (image, np.min)))
-    return float(right - left) + _APART * 0.5 * max(image.dimensions)
+    far, near = (side(world_box(ob) @ np.array(sideways)) for ob, side in ((shell, np.max), (image, np.min)))
+    return float(far - near) + _APART * 0.5 * max(image.dimensions)

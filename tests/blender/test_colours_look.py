@@ -233,7 +233,7 @@ def test_the_gauss_image_is_made_without_a_solve(monkeypatch):
         assert bpy.ops.cmc.gauss_image() == {"FINISHED"}
     image = plan.cmc.gauss
     assert plan.cmc.want_gauss and image.name == "Hall Gauss image"
-    assert positions(image)[:, 0].min() > positions(shell)[:, 0].max()
+    assert positions(image)[:, 0].max() < positions(shell)[:, 0].min()
     assert_allclose(colours(image), colours(shell))
     assert bpy.context.view_layer.objects.active == plan
     made, place = positions(image), tuple(image.location)
@@ -272,10 +272,10 @@ def test_one_that_solve_has_made_is_moved_aside():
     plan = hall()
     shell = solve(plan, want_gauss=True)
     image = plan.cmc.gauss
-    assert positions(image)[:, 0].min() < positions(shell)[:, 0].max()
+    assert positions(image)[:, 0].max() > positions(shell)[:, 0].min()
     bpy.ops.cmc.gauss_image()
     bpy.ops.cmc.gauss_image()
-    assert positions(image)[:, 0].min() > positions(shell)[:, 0].max()
+    assert positions(image)[:, 0].max() < positions(shell)[:, 0].min()
 
 
 @pytest.mark.parametrize("turn", [0.0, 46.7, 135.0, 200.0])
@@ -289,7 +289,7 @@ def test_it_is_beside_the_shell_as_it_is_seen(turn, tip):
     image = module("results.gauss_image").show(
         SimpleNamespace(space_data=space, view_layer=bpy.context.view_layer, scene=bpy.context.scene), plan)
     right = np.array(view @ Vector((1.0, 0.0, 0.0)))
-    assert (positions(image) @ right).min() > (positions(shell) @ right).max()
+    assert (positions(image) @ right).max() < (positions(shell) @ right).min()
     ahead = np.array(view @ Vector((0.0, 0.0, -1.0)))
     assert abs(np.array(image.location - image.cmc.placed_at) @ ahead) < 1e-4
 
