@@ -6,6 +6,7 @@ import ast
 import re
 import shlex
 import shutil
+from glob import glob
 from pathlib import Path
 
 import pytest
@@ -41,8 +42,11 @@ def test_commands_run(command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPa
     monkeypatch.chdir(tmp_path)
     shutil.copy(FILES[".obj"], tmp_path)  # the mesh of the job
     arguments = shlex.split(command)
-    for name in arguments:
+    for name in [argument.replace("*", "hall") for argument in arguments]:
         if (suffix := Path(name).suffix) in FILES:
-            shutil.copy(FILES[suffix], tmp_path / name)
+            asset = ASSETS / name
+            (tmp_path / name).parent.mkdir(exist_ok=True)
+            shutil.copy(asset if suffix == ".blend" and asset.is_file() else FILES[suffix], tmp_path / name)
+    arguments = [part for argument in arguments for part in (sorted(glob(argument)) if "*" in argument else [argument])]
     assert cli.run(arguments) == 0
     assert list(tmp_path.rglob("report.json"))
