@@ -139,13 +139,17 @@ class FileRun:
         made = is_done(self.place / self.folders[name] / REPORT, self.key(name), list(files.values()))
         if made is None:
             return None
-        named = {suffix: str(file) for suffix, file in files.items()}
-        return Outcome(str(self.path), name, made["code"], files=named, skipped=True, of=self.count)
+        return Outcome(str(self.path), name, made["code"], files=self._named(name, files), skipped=True, of=self.count)
 
     def files(self, name: str, steps: Steps) -> dict[str, Path]:
         """Format → file of a plan."""
         place = self.place / self.folders[name]
         return {suffix: place / f"{steps.file}.{suffix}" for suffix in self.request.formats if suffix in EXPORTED}
+
+    def _named(self, name: str, files: Mapping[str, Path]) -> dict[str, str]:
+        """Format → file of a plan, and its report, as outcomes name them."""
+        report = self.place / self.folders[name] / REPORT
+        return {form: str(file) for form, file in [*files.items(), ("report", report)]}
 
     # --- a plan
 
@@ -193,8 +197,8 @@ class FileRun:
         self, plan: bpy.types.Object, steps: Steps, formed: Formed, task: Task, started: float
     ) -> dict[str, str]:
         """Write the files of a plan, its report last; returns format → file."""
-        place = self.place / self.folders[plan.name]
-        files = self.files(plan.name, steps)
+        name, place = plan.name, self.place / self.folders[plan.name]
+        files = self.files(name, steps)
         solve = getattr(task, "solve", task)
         groups = solve.groups if isinstance(solve, SolveTask) else []
         settings = {**plain(steps.settings(plan)), "job": self.job.data if self.job is not None else {}}
@@ -210,7 +214,7 @@ class FileRun:
             report |= {"warnings": notes_data(formed.warnings), "made": made}
             _take_json(outbox, place / REPORT, report)
             outbox.send()
-        return {suffix: str(file) for suffix, file in files.items()}
+        return self._named(name, files)
 
     def _kept(self, outbox: Outbox, place: Path, key: str) -> dict[str, int]:
         """The files of an earlier run that are of the same shell, in other formats; the others of it go."""

@@ -138,7 +138,7 @@ def check_rows(report: dict) -> list[tuple[str, str]]:
         rows.append(("Overhang", f"{percent(share)}, by {lean:.1f}°" if share >= _SOME else "None"))
     if shown["intersections"]:
         pairs = shown["intersections"]["count"]
-        rows.append(("Crossing", f"{pairs} pairs of faces" if pairs else "None"))
+        rows.append(("Crossing", f"{pairs} pair{'s' * (pairs != 1)} of faces" if pairs else "None"))
     if report["periods"]:
         rows.append(("Gap", length_text(report["gap"])))
     return rows

@@ -10,6 +10,8 @@ import os
 import warnings
 from collections.abc import Sequence
 from dataclasses import replace
+from difflib import get_close_matches
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +31,7 @@ Int = NDArray[np.int32]
 
 FORMATS = (".obj", ".ply", ".stl", ".glb")
 _WELDED = (".stl", ".glb")
+_BESIDE = 1000
 
 _Y_TO_Z = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 
@@ -45,7 +48,7 @@ def read_mesh(path: str | os.PathLike[str], *, up: str | None = None) -> MeshDat
     file = Path(path)
     suffix = _format(file)
     if "\0" in str(file) or not file.is_file():
-        raise JobError(f"There is no file {file}.")
+        raise JobError(f"There is no file {file}{_meant(file) or '.'}")
     try:
         mesh = read_obj(file) if suffix == ".obj" else _read_by_trimesh(file)
     except OSError as error:
@@ -61,6 +64,17 @@ def read_mesh(path: str | os.PathLike[str], *, up: str | None = None) -> MeshDat
     if not mesh.polygons:
         raise MeshError(f"{file} has no face with an area.")
     return replace(mesh, positions=mesh.positions @ _Y_TO_Z.T) if _up(file, up) == "y" else mesh
+
+
+def _meant(missing: Path) -> str:
+    """"; did you mean …?" where a mesh file beside a missing one has nearly its name, else nothing."""
+    try:
+        beside = [file for file in islice(missing.parent.iterdir(), _BESIDE) if file.suffix.lower() in FORMATS]
+    except (OSError, ValueError):
+        return ""
+    names = {file.stem.casefold(): file.name for file in beside}
+    near = get_close_matches(missing.stem.casefold(), names, n=1)
+    return f'; did you mean "{names[near[0]]}"?' if near else ""
 
 
 def oriented(points: Array, up: str) -> Array:

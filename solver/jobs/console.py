@@ -50,7 +50,8 @@ class Console:
         if self.json:
             self.say(json.dumps(outcome.to_dict(), ensure_ascii=False, allow_nan=False))
         elif outcome.skipped:
-            self._block(f"{outcome.where}: done before, skipped.")
+            rest = "; its shell is not as asked, see its report." if outcome.code else "."
+            self._block(f"{outcome.where}: done before, skipped{rest}")
         elif outcome.formed:
             files = [f"{name} → {file}" for name, file in outcome.files.items()]
             self._block("\n".join([f"{outcome.where}:", outcome.message, *files]))

@@ -202,8 +202,9 @@ def _moving(plan: Plan, domain: Domain, options: ClosingOptions) -> MovingHoles 
     numbers = tuple(move) if isinstance(move, Mapping) else options.holes or tuple(range(1, len(loops) + 1))
     wrong = [number for number in numbers if not 1 <= number <= len(loops)]
     if wrong or not loops:
-        count = f"{len(loops)} hole{'s' * (len(loops) != 1)}"
-        raise JobError(f"The plan has {count}" + (f"; there is no hole {wrong[0]}." if wrong else " that could move."))
+        if not loops:
+            raise JobError("The plan has no hole that could move.")
+        raise JobError(f"The plan has {len(loops)} hole{'s' * (len(loops) != 1)}; there is no hole {wrong[0]}.")
     motions = [move[n] for n in numbers] if isinstance(move, Mapping) else [move] * len(numbers)
     vertices, weights = rim_weights(plan.positions, domain.edges[domain.boundary_edges])
     if abs(plan_plane(plan.positions, domain.faces, vertices, weights).normal[2]) < _LEVEL:

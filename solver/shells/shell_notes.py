@@ -90,10 +90,9 @@ def _sheet_notes(plan: Plan, surface: CmcSurface, measured: Report) -> list[Note
     if shown.intersections is not None and shown.intersections.count:
         owner = plan.triangle_polygons
         pair = [int(i if owner is None else owner[i]) for i in shown.intersections.pairs[0]]
-        text = (
-            f"{shown.name} goes through itself: {shown.intersections.count} pairs of faces cross, the "
-            f"first of them {pair[0]} and {pair[1]}."
-        )
+        count = shown.intersections.count
+        which = f"{count} pairs of faces cross, the first of them" if count > 1 else "one pair of faces crosses,"
+        text = f"{shown.name} goes through itself: {which} {pair[0]} and {pair[1]}."
         notes.append(Note("crossing", text))
     leaning = None if surface.domain.genus else shown.overhang  # half of every tube overhangs
     if leaning is not None and leaning.area_share > _OVERHANG and leaning.largest_lean > _LEAN:

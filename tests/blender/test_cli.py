@@ -54,7 +54,8 @@ def test_all_plans_of_a_file(hall, tmp_path, capsys):
     for name in ("Disc", "Other"):
         assert report(folder / name)["converged"] is True
         assert report(folder / name)["plan"] == name
-    assert "Disc" in capsys.readouterr().out
+    shown = capsys.readouterr().out
+    assert "Disc" in shown and f"report → {folder / 'Disc' / 'report.json'}" in shown
     bpy.ops.wm.open_mainfile(filepath=str(folder / "hall.blend"))
     disc = bpy.data.objects["Disc"]
     assert set(results_of(disc)) == {"F_PLUS"}

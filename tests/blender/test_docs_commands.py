@@ -6,6 +6,7 @@ import ast
 import re
 import shlex
 import shutil
+from glob import glob
 from pathlib import Path
 
 import pytest
@@ -20,8 +21,6 @@ FILES = {
     ".toml": ASSETS / "jobs" / "canopy.toml",
     ".obj": ASSETS / "jobs" / "canopy.obj",
 }
-# What is closed has a hole.
-COURT = ASSETS / "courtyard.blend"
 
 
 def examples() -> list[str]:
@@ -42,10 +41,12 @@ def test_there_are_commands():
 def test_commands_run(command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(tmp_path)
     shutil.copy(FILES[".obj"], tmp_path)  # the mesh of the job
-    arguments = [name.replace("*", "a") for name in shlex.split(command)]  # as a shell would, with one file
-    for name in arguments:
+    arguments = shlex.split(command)
+    for name in [argument.replace("*", "hall") for argument in arguments]:
         if (suffix := Path(name).suffix) in FILES:
+            asset = ASSETS / name
             (tmp_path / name).parent.mkdir(exist_ok=True)
-            shutil.copy(COURT if "close" in arguments else FILES[suffix], tmp_path / name)
+            shutil.copy(asset if suffix == ".blend" and asset.is_file() else FILES[suffix], tmp_path / name)
+    arguments = [part for argument in arguments for part in (sorted(glob(argument)) if "*" in argument else [argument])]
     assert cli.run(arguments) == 0
     assert list(tmp_path.rglob("report.json"))

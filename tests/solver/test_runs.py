@@ -86,10 +86,11 @@ def test_what_has_changed_is_done_again(jobs, capsys, change, monkeypatch):
     assert "skipped" not in capsys.readouterr().out
 
 
-def test_a_shell_that_is_not_as_asked_keeps_its_code(jobs):
+def test_a_shell_that_is_not_as_asked_keeps_its_code(jobs, capsys):
     Path("a.toml").write_text(JOB.format(n=100, name="a") + "[solver]\ndegree = 3\n")
     assert main(["a.toml"]) == 1
     assert main(["a.toml", "--resume"]) == 1
+    assert "done before, skipped; its shell is not as asked, see its report." in capsys.readouterr().out
     assert made("a.json")["code"] == 1
 
 

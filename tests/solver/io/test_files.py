@@ -182,6 +182,9 @@ def test_broken_files_of_other_formats(plan, tmp_path, suffix):
 def test_missing_files_and_unknown_formats(plan, tmp_path):
     with pytest.raises(JobError, match=r"no file .*nosuch\.obj"):
         read_mesh(tmp_path / "nosuch.obj")
+    (tmp_path / "hall.obj").write_text("v 0 0 0\n")
+    with pytest.raises(JobError, match=r'no file .*hal\.obj; did you mean "hall\.obj"\?'):
+        read_mesh(tmp_path / "hal.obj")
     with pytest.raises(JobError, match=r'plan\.dxf has no format known here \("\.dxf"\); use one of \.obj'):
         read_mesh(tmp_path / "plan.dxf")
     with pytest.raises(JobError, match=r"no format known here"):

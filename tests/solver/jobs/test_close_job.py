@@ -49,7 +49,8 @@ def written(folder) -> dict:
 def test_a_court_closes_and_what_changed_is_told(tmp_path, way, capsys):
     path = job_file(tmp_path, f'[close]\nby = "{way}"\n')
     assert main(["-v", str(path)]) == OK
-    assert "step 1: gap" in capsys.readouterr().err
+    shown = capsys.readouterr()
+    assert "step 1: gap" in shown.err
     report, plan = written(tmp_path), load_job(path).plan
     closing = report["closing"]
     assert closing["closed"] and closing["gap_before"] > 0.1 and closing["gap"] < 1e-8 and closing["steps"] <= 10
@@ -60,6 +61,7 @@ def test_a_court_closes_and_what_changed_is_told(tmp_path, way, capsys):
     assert len(shell.positions) == len(plan.positions), "welded across the cut"
     turns, moves = closing["largest_turn"] > 1.0, bool(closing["moved"])
     assert (turns, moves) == {"hole": (False, True), "both": (True, True)}.get(way, (True, False))
+    assert closing["message"] in shown.out
     assert ("turned by" in closing["message"]) == turns and ("Holes moved" in closing["message"]) == moves
     if turns:
         assert closing["rms_turn"] < closing["largest_turn"]
@@ -174,7 +176,7 @@ def test_what_cannot_be_closed(tmp_path):
     disc = '[shape]\nkind = "disc"\nn = 60\n'
     for plan, close, message in (
         (disc, "[close]\n", "neither holes nor handles"),
-        (disc, '[close]\nby = "hole"\n', "The plan has 0 holes that could move"),
+        (disc, '[close]\nby = "hole"\n', "The plan has no hole that could move"),
         (COURT, '[close]\nby = "hole"\nholes = [3]\n', "The plan has 1 hole; there is no hole 3"),
         (COURT, '[close]\n[solver]\nsites = "faces"\n', "Closing needs normals on vertices"),
         (disc, "[fit]\nrise = 0.2\n[close]\n", "a fit closes its shell by itself"),
