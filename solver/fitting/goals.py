@@ -15,7 +15,7 @@ from ..linalg import as_numbers
 from ..meshing.rounding import CORNER
 from ..notes import Sentence
 from ..signatures import check_fields
-from ..spanning.curves import enclosed
+from ..spanning.curves import enclosed, turns, without_repeats
 from ..spanning.lines import boundary_lines
 from ..surface.cmc_surface import SHEETS
 from ..surface.solve import CmcSolver
@@ -224,7 +224,7 @@ class Goals:
 
     def _way_to_the_curve(self) -> str:
         less = _LESS.get(self.height_parameter, "flatter shell")
-        if any(curve.turns.max() > CORNER for _, curve in self.loops):
+        if any(turns(without_repeats(curve.points)).max() > CORNER for _, curve in self.loops):
             return f"round its corners, or choose a {less}"
         sizes = ", or other sizes of the holes" if len(self.loops) > 1 else ""
         return f"choose a {less}{sizes}"

@@ -194,7 +194,8 @@ def _parse(file: Path) -> dict[str, object]:
     try:
         text = decoded(file.read_bytes())
         if deep := _DOTTED.search(text):
-            raise JobError(f"{file}, line {text.count(chr(10), 0, deep.start()) + 1}: a key of thirty names or more; shorten it.")
+            line = text.count("\n", 0, deep.start()) + 1
+            raise JobError(f"{file}, line {line}: a key of thirty names or more; shorten it.")
         return tomllib.loads(text)
     except OSError as error:
         raise JobError(f"{file} cannot be read: {error.strerror or error}.") from error
