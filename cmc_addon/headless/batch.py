@@ -201,9 +201,7 @@ class FileRun:
         with Outbox(seal=place / REPORT, scratch=_made(place.parent)) as outbox:
             for target in files.values():
                 take_export(outbox, bpy.context, formed.objects, target)
-            made = provenance(
-                self.hashes, settings, conditions_of(groups), started=started, blender=bpy.app.version_string
-            )
+            made = self._provenance(settings, conditions_of(groups), started)
             made |= {"key": self.key(plan.name), "code": exit_code(formed.ok, formed.warnings)}
             made["files"] = file_sizes(outbox.pending(), place) | self._kept(outbox, place, made["key"])
             report = {**formed.report, "plan": plan.name, "task": steps.last}
@@ -211,6 +209,11 @@ class FileRun:
             _take_json(outbox, place / REPORT, report)
             outbox.send()
         return {suffix: str(file) for suffix, file in files.items()}
+
+    def _provenance(
+        self, settings: Mapping[str, object], conditions: Sequence[object], started: float
+    ) -> dict[str, object]:
+        return provenance(self.hashes, settings, conditions, started=started, blender=bpy.app.version_string)
 
     def _kept(self, outbox: Outbox, place: Path, key: str) -> dict[str, int]:
         """The files of an earlier run that are of the same shell, in other formats; the others of it go."""
@@ -235,9 +238,7 @@ class FileRun:
             if writing and (place / REPORT).exists():
                 return outcome
             with Outbox(seal=place / REPORT, scratch=_made(place.parent)) as outbox:
-                made = provenance(
-                    self.hashes, self._wanted(), [], started=self.started, blender=bpy.app.version_string
-                )
+                made = self._provenance(self._wanted(), [], self.started)
                 outbox.at(place / REPORT)
                 self._kept(outbox, place, "")
                 _take_json(outbox, place / REPORT, report | {"made": {**made, "files": {}}})
@@ -255,9 +256,7 @@ class FileRun:
                 outbox.remove(self.place / REPORT)  # of a run that could not use the input
                 if "blend" in self.request.formats:
                     take_blend(outbox, self.blend)
-                made = provenance(
-                    self.hashes, self._wanted(), [], started=self.started, blender=bpy.app.version_string
-                )
+                made = self._provenance(self._wanted(), [], self.started)
                 made |= {"key": self.key("\n".join(self.codes)), "code": max(self.codes.values(), default=0)}
                 outbox.at(self.place / LIST)
                 made["files"] = file_sizes(outbox.pending(), self.place)
