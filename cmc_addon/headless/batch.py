@@ -22,6 +22,7 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import bpy
 
@@ -212,7 +213,7 @@ class FileRun:
 
     def _provenance(
         self, settings: Mapping[str, object], conditions: Sequence[object], started: float
-    ) -> dict[str, object]:
+    ) -> dict[str, Any]:
         return provenance(self.hashes, settings, conditions, started=started, blender=bpy.app.version_string)
 
     def _kept(self, outbox: Outbox, place: Path, key: str) -> dict[str, int]:
