@@ -120,6 +120,14 @@ def check_choice(name: object, known: Iterable[str], what: str, error: type[CmcE
         raise error(f"There is no {what} {shown}{suggestion(name, names)}")
 
 
+def unexpected(error: Exception, way_out: str) -> str:
+    """The sentence for an error that is no `CmcError`. way_out: what to do, where it is the program's own fault."""
+    if isinstance(error, MemoryError):
+        return "The memory is not enough; take a coarser mesh."
+    text = f"{type(error).__name__}: {error}".removesuffix(": ").split("\n")[0]
+    return f"An error of the program itself ({text}); {way_out}."
+
+
 def plural(noun: str, indices: Iterable[int]) -> str:
     """Noun and indices as a message names them: "vertex 3", "vertices 3, 5", "face 0", "edges 1, 2"."""
     items = list(indices)

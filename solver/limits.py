@@ -15,6 +15,8 @@ from .errors import CmcError, ConditionError
 SMALLEST, LARGEST = 1e-30, 1e30
 MOST_VERTICES = 1_000_000
 """Vertices of a plan that is made here; more is nearly always a mistake in the units."""
+EXTREME = 1e-6
+"""Part of a plan's size below which, and above whose inverse, no shell is one over this plan."""
 _DIGITS = 40
 
 

@@ -32,7 +32,7 @@ CODES = {
     "radians": "an angle looks as if it were given in radians",
     "not-seen": "a plan or an outline was taken otherwise than the viewport shows it",
     "hidden": "the result cannot be seen in this view layer",
-    "far": "an object is drawn so far from its origin that its points are rounded",
+    "far": "points lie so far from the origin that they are rounded",
 }
 """Every code, and what it says; docs/reference/warnings.md lists them with the way out."""
 

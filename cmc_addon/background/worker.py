@@ -15,7 +15,7 @@ from typing import TypeVar
 
 import bpy
 
-from ...solver.errors import CmcError, Progress
+from ...solver.errors import CmcError, Progress, unexpected
 from ...solver.linalg import Patience
 from .plan_cache import forget
 
@@ -108,11 +108,9 @@ def _in_a_sentence(error: BaseException) -> BaseException:
     """An error that nobody expected as one to show; its traceback goes to the console."""
     if isinstance(error, CmcError) or not isinstance(error, Exception):
         return error
-    if isinstance(error, MemoryError):
-        return CmcError("The memory is not enough; take a coarser mesh.")
-    traceback.print_exception(error)
-    text = f"{type(error).__name__}: {error}".removesuffix(": ").split("\n")[0]
-    return CmcError(f"An error of the program itself ({text}); please report it, with what the console says.")
+    if not isinstance(error, MemoryError):
+        traceback.print_exception(error)
+    return CmcError(unexpected(error, "please report it, with what the console says"))
 
 
 def _run(

@@ -22,6 +22,7 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import bpy
 
@@ -205,9 +206,7 @@ class FileRun:
         with Outbox(seal=place / REPORT, scratch=_made(place.parent)) as outbox:
             for target in files.values():
                 take_export(outbox, bpy.context, formed.objects, target)
-            made = provenance(
-                self.hashes, settings, conditions_of(groups), started=started, blender=bpy.app.version_string
-            )
+            made = self._provenance(settings, conditions_of(groups), started)
             made |= {"key": self.key(plan.name), "code": exit_code(formed.ok, formed.warnings)}
             made["files"] = file_sizes(outbox.pending(), place) | self._kept(outbox, place, made["key"])
             report = {**formed.report, "plan": plan.name, "task": steps.last}
@@ -215,6 +214,11 @@ class FileRun:
             _take_json(outbox, place / REPORT, report)
             outbox.send()
         return self._named(name, files)
+
+    def _provenance(
+        self, settings: Mapping[str, object], conditions: Sequence[object], started: float
+    ) -> dict[str, Any]:
+        return provenance(self.hashes, settings, conditions, started=started, blender=bpy.app.version_string)
 
     def _kept(self, outbox: Outbox, place: Path, key: str) -> dict[str, int]:
         """The files of an earlier run that are of the same shell, in other formats; the others of it go."""
@@ -239,9 +243,7 @@ class FileRun:
             if writing and (place / REPORT).exists():
                 return outcome
             with Outbox(seal=place / REPORT, scratch=_made(place.parent)) as outbox:
-                made = provenance(
-                    self.hashes, self._wanted(), [], started=self.started, blender=bpy.app.version_string
-                )
+                made = self._provenance(self._wanted(), [], self.started)
                 outbox.at(place / REPORT)
                 self._kept(outbox, place, "")
                 _take_json(outbox, place / REPORT, report | {"made": {**made, "files": {}}})
@@ -259,9 +261,7 @@ class FileRun:
                 outbox.remove(self.place / REPORT)  # of a run that could not use the input
                 if "blend" in self.request.formats:
                     take_blend(outbox, self.blend)
-                made = provenance(
-                    self.hashes, self._wanted(), [], started=self.started, blender=bpy.app.version_string
-                )
+                made = self._provenance(self._wanted(), [], self.started)
                 made |= {"key": self.key("\n".join(self.codes)), "code": max(self.codes.values(), default=0)}
                 outbox.at(self.place / LIST)
                 made["files"] = file_sizes(outbox.pending(), self.place)

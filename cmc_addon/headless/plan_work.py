@@ -216,9 +216,9 @@ def _of_job(job: Job) -> dict[str, Read]:
             wanted = SimpleNamespace(
                 close_by=close.by.upper(),
                 close_weight=close.weight,
-                close_shift="x" in close.move or "y" in close.move,
-                close_twist="twist" in close.move,
-                close_size="size" in close.move,
+                close_shift="x" in close.motions or "y" in close.motions,
+                close_twist="twist" in close.motions,
+                close_size="size" in close.motions,
             )
             return replace(CloseTask.read(context, plan, wanted), options=close)
 
@@ -244,4 +244,3 @@ def _read_copies(
     if selection.copies is not None:
         wanted.complete_extent, wanted.complete_count = "COUNT", selection.copies
     return CompleteTask(*read_solve(context, plan), selection, wanted)
-

@@ -63,4 +63,4 @@ def check_numbers(operator: bpy.types.Operator, names: Iterable[str]) -> None:
     """Raise `CmcError` where a script has given one of these properties a value that is no number."""
     for name in names:
         if not math.isfinite(getattr(operator, name)):
-            raise CmcError(f"{operator.properties.bl_rna.properties[name].name} is not a number.")
+            raise CmcError(f"{operator.properties.bl_rna.properties[name].name} is not a number; give one.")

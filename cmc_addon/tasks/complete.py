@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...solver.errors import CmcError, Progress
+from ...solver.errors import CmcError, Progress, Status
 from ...solver.jobs.outputs import completed_report
 from ...solver.measure.summary import percent
 from ...solver.notes import Note
@@ -74,7 +74,8 @@ class CompleteResult(ShellResult):
     @property
     def warnings(self) -> list[Note]:
         """Gaps and offsets that were closed, and how the solve ended."""
-        notes = [] if self.converged else [Note("not-converged", self.solved.message)]
+        code = "gap" if self.solved.shell.surface.status is Status.GAP else "not-converged"
+        notes = [] if self.converged else [Note(code, self.solved.message)]
         scale = self.solved.shell.similarity.scale
         if self.report["relative_gap"] > _WIDE:
             gap, part = length_text(self.completed.largest_gap, digits=2), percent(self.report["relative_gap"])
@@ -135,12 +136,11 @@ class CompleteTask(ShellTask[CompleteResult]):
         hide_completed(plan, False)
         park(result_of(plan, self.solve.settings.sheet))  # it is one of the copies
         plan.cmc.latest = "COMPLETED"
-
         report = {**result.report, "made": self.solve.made(self.wanted)}
         plan.cmc.complete_report = json.dumps(report, ensure_ascii=False)
         self.store(plan)
         colours.repaint(plan)
-        return [*warnings, *result.warnings]
+        return [*warnings, *(note for note in result.warnings if note not in warnings)]
 
     def store(self, plan: bpy.types.Object) -> None:
         """Keep the settings with the plan."""

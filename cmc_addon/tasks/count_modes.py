@@ -53,7 +53,7 @@ class CountTask(ShellTask[CountResult]):
         if not self.is_shown(plan):
             return self.solve.write(context, plan, result.solved)
         self.solve.check_unchanged(context, plan)
-        warnings = [*self.solve.warnings, *result.solved.shell.warnings]
+        warnings = self.solve.all_warnings(result.solved)
         write_reports(context, plan, result.solved, warnings, self.solve.made())
         return []
 

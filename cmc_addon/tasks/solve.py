@@ -128,6 +128,10 @@ class SolveTask(Task[SolveResult]):
         settings = vars(self.settings) | vars(more or SimpleNamespace())
         return made_here(self.name, plan_cache.fingerprint(self.mesh), settings, self.groups, self.started)
 
+    def all_warnings(self, result: SolveResult) -> list[Note]:
+        """Those of the plan and of its shell, in the units of the scene."""
+        return [*self.warnings, *map(in_scene_units, result.shell.warnings)]
+
     def shows(self) -> str:
         return self.settings.sheet
 
@@ -183,7 +187,7 @@ class SolveTask(Task[SolveResult]):
     def write_results(self, context: bpy.types.Context, plan: bpy.types.Object, result: SolveResult) -> list[Note]:
         """Write into a plan that has at least the polygons of this task; its settings stay."""
         shell, wanted = result.shell, wanted_roles(self.settings)
-        warnings = [*self.warnings, *map(in_scene_units, shell.warnings)]
+        warnings = self.all_warnings(result)
         writer = Writer(context, plan, plan_depsgraph(context, self.settings), self.mesh, result.cut)
         for role, sheet in ROLES.items():
             existing = result_of(plan, role)
@@ -247,7 +251,6 @@ def write_reports(
         "holes": [gap.to_dict() for gap in hole_gaps(result.shell)],
         **result.more,
         "warnings": notes_data(warnings),
-
         "made": made,
     }
     for ob in results_of(plan).values():

@@ -48,14 +48,6 @@ class Curve:
         return float(self.lengths.sum())
 
     @cached_property
-    def turns(self) -> Array:
-        """(m,) radians by which a closed curve turns at each point, between segments that have a length."""
-        ahead = (np.roll(self.points, -1, axis=0) - self.points)[self.lengths > 0.0]
-        ahead /= np.linalg.norm(ahead, axis=1, keepdims=True)
-        back = np.roll(ahead, 1, axis=0)
-        return 2.0 * np.arctan2(np.linalg.norm(ahead - back, axis=1), np.linalg.norm(ahead + back, axis=1))
-
-    @cached_property
     def shares(self) -> Array:
         """(m,) half of the segments at each point, as parts of the length."""
         start, end = self._segments

@@ -10,12 +10,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
 from ..errors import ConditionError, Progress, check_choice
-from ..limits import COUNT, POSITIVE, check_number
+from ..limits import COUNT, EXTREME, POSITIVE, check_number
 from ..linalg import as_numbers
 from ..meshing.rounding import CORNER
 from ..notes import Sentence
 from ..signatures import check_fields
-from ..spanning.curves import enclosed
+from ..spanning.curves import enclosed, turns, without_repeats
 from ..spanning.lines import boundary_lines
 from ..surface.cmc_surface import SHEETS
 from ..surface.solve import CmcSolver
@@ -37,8 +37,6 @@ _CLOSED = 1e-3
 _TILT_MET = 0.01
 _TILT_WEIGHT = 0.1
 _RISE = 0.5
-# Parts of the outline's size below which, and above whose inverse, a height is a mistake.
-_EXTREME = 1e-6
 # The way out where the rim stays off its curve.
 _LESS = {"mean_curvature": "smaller mean curvature", "volume": "smaller volume"}
 # Distance of an anchor from the plan at most, by the size.
@@ -226,7 +224,7 @@ class Goals:
 
     def _way_to_the_curve(self) -> str:
         less = _LESS.get(self.height_parameter, "flatter shell")
-        if any(curve.turns.max() > CORNER for _, curve in self.loops):
+        if any(turns(without_repeats(curve.points)).max() > CORNER for _, curve in self.loops):
             return f"round its corners, or choose a {less}"
         sizes = ", or other sizes of the holes" if len(self.loops) > 1 else ""
         return f"choose a {less}{sizes}"
@@ -249,7 +247,7 @@ def _check_bounds(tilt: tuple[float, float]) -> None:
 def _check_size(height_parameter: str, number: float, size: float) -> None:
     """Raise `ConditionError` on a height, volume or H that no shell over an outline of this size can have."""
     power = {"volume": 3, "mean_curvature": -1}.get(height_parameter, 1)
-    least, most = sorted(size**power * _EXTREME**end for end in (power, -power))
+    least, most = sorted(size**power * EXTREME**end for end in (power, -power))
     if not least <= number <= most:
         label = HEIGHT_PARAMETERS[height_parameter].label.lower()
         what = "height" if height_parameter == "rise" else label

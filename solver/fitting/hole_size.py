@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ..domain.domain import Domain
 from ..errors import CmcError
 from ..meshing.mesher import mesh_plan
+from ..spanning.curves import enclosed
 from .fit import Fit, FitStatus
 from .targets import RimOnCurve
 
@@ -114,12 +115,13 @@ class _Search:
     def at(self, log: float) -> _Trial:
         middle = self.hole.mean(axis=0)
         hole = middle + np.exp(log) * (self.hole - middle)
-        if not _area(hole) < _area(self.outline):
+        left = abs(enclosed(self.outline)) - abs(enclosed(hole))
+        if not left > 0.0:
             raise CmcError("The hole has grown through the outline.")
-        edge = float(np.sqrt((_area(self.outline) - _area(hole)) / np.sqrt(0.75) / _COUNT))
+        edge = float(np.sqrt(left / np.sqrt(0.75) / _COUNT))
         mesh = mesh_plan(self.outline, [hole], max_edge=edge)
         domain = Domain.from_positions(mesh.positions, mesh.triangles)
-        areas = [_area(mesh.positions[loop]) for loop in domain.boundary_loops]
+        areas = [abs(enclosed(mesh.positions[loop])) for loop in domain.boundary_loops]
         order = [0, 1] if areas[0] > areas[1] else [1, 0]
         fit = self.fit_over(domain, mesh.positions, [self.curves[k] for k in order])
         if fit.status is FitStatus.CANCELLED:
@@ -136,9 +138,3 @@ def _zero(first: _Trial, second: _Trial, sign: float) -> float:
     """Where the line through two roots is zero; sign -1 if they lie on different sides of it."""
     rise = first.root - sign * second.root
     return first.log - first.root * (first.log - second.log) / rise if rise else np.inf
-
-
-def _area(line: Array) -> float:
-    """The area that a closed line encloses, seen from above."""
-    x, y = line[:, 0], line[:, 1]
-    return 0.5 * abs(float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))))

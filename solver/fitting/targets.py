@@ -46,7 +46,7 @@ class GaussMap(Target):
 
     def distance(self, shape: Shape) -> float:
         """Root mean square of |N - N_φ|."""
-        return float(np.sqrt(max(2.0 * self.partials(shape).value, 0.0)))  # rounding may be negative
+        return _root_of_twice(self.partials(shape).value)
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +67,7 @@ class SmoothRim(Target):
         return graph_laplacian(domain.edges[domain.boundary_edges], lengths.sum() / lengths, domain.vertex_count)
 
     def distance(self, shape: Shape) -> float:
-        return float(np.sqrt(2.0 * max(self.partials(shape).value, 0.0)))  # rounding
+        return _root_of_twice(self.partials(shape).value)
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +89,7 @@ class MinimalChange(Target):
         return Curvature(stiffness=_diagonal(at_rim))
 
     def distance(self, shape: Shape) -> float:
-        return float(np.sqrt(max(2.0 * self.partials(shape).value, 0.0)))  # rounding may be negative
+        return _root_of_twice(self.partials(shape).value)
 
 
 @dataclass(frozen=True, eq=False)
@@ -331,6 +331,11 @@ class TiltBounds(Target):
     def _excess(self, shape: Shape) -> Array:
         rise = self._rise(shape)
         return rise - np.clip(rise, np.sin(self.least), np.sin(self.most))
+
+
+def _root_of_twice(value: float) -> float:
+    """sqrt(2 value) of a sum of squares, which rounding may leave negative."""
+    return float(np.sqrt(max(2.0 * value, 0.0)))
 
 
 def _diagonal(values: Array) -> sp.csr_array:

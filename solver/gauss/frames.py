@@ -202,7 +202,7 @@ def unit(normals: ArrayLike, owners: Int, noun: str) -> Array:
         raise ConditionError(
             f"Normals must have shape (3,) or ({len(owners)}, 3), one for each {noun}, not {given.shape}."
         )
-    rows = scaled_rows(np.broadcast_to(given, (len(owners), 3)))
+    rows = np.broadcast_to(given, (len(owners), 3))
     return unit_rows(rows, noun, "has a normal that is zero or not finite", owners)
 
 
@@ -221,7 +221,7 @@ def unit_rows(vectors: Array, noun: str, complaint: str, owners: Iterable[int] |
         raise ConditionError(
             f"{plural(noun, names[:1]).capitalize()} {complaint}; choose another.", **{_PLURALS[noun]: names}
         )
-    near_one = vectors / largest  # the squares of tiny and huge numbers are none
+    near_one = scaled_rows(vectors)
     return near_one / np.linalg.norm(near_one, axis=-1, keepdims=True)
 
 

@@ -2,8 +2,10 @@
 
 A file becomes a `MeshData`: positions and polygons as drawn, with UVs, groups, materials and named polylines. `obj`
 reads and writes all of these; `mesh_files` adds PLY, STL and GLB by trimesh, turns y-up files so that z is up, and
-writes a file whole or not at all. `polygons` triangulates without new vertices and returns the polygon of each
-triangle, so that triangles can be traced back to what was drawn. Positions and triangles make a `Domain`::
+keeps the digits of places far from the origin (`far_places`). Files are written by an `Outbox` (`whole_files`): whole,
+checked (`file_checks`), those of one piece of work together. `polygons` triangulates without new vertices and returns
+the polygon of each triangle, so that triangles can be traced back to what was drawn. Positions and triangles make a
+`Domain`::
 
     from solver.io.mesh_files import MeshData, read_mesh, triangulate_polygons, write_mesh
 

@@ -35,7 +35,7 @@ _BESIDE = 1000
 
 _Y_TO_Z = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 
-__all__ = ["FORMATS", "MeshData", "mesh_bytes", "read_mesh", "triangulate_polygons", "write_bytes", "write_mesh"]
+__all__ = ["FORMATS", "MeshData", "mesh_bytes", "read_mesh", "triangulate_polygons", "write_mesh"]
 
 
 def read_mesh(path: str | os.PathLike[str], *, up: str | None = None) -> MeshData:

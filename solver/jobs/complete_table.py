@@ -11,14 +11,12 @@ import numpy as np
 
 from ..errors import CmcError, suggestion
 from ..io.mesh_files import FORMATS
-from ..limits import Range
 from ..shells.complete import CopySelection
 from ..shells.plan import Group
 from ..shells.plan_sides import check_sides
-from ..symmetry.complete import MOST_COPIES
+from ..symmetry.complete import COPIES
 from .tables import Table
 
-_COPIES = Range(1, MOST_COPIES, whole=True)
 KEYS = ("sides", "copies", "box", "around", "repeat", "mesh", "instances")
 
 
@@ -72,7 +70,7 @@ def _copies(table: Table, groups: Sequence[Group]) -> CopySelection:
         raise table.fail(str(error)) from error
     return CopySelection(
         sides=sides,
-        copies=table.integer("copies", within=_COPIES) if "copies" in table else None,
+        copies=table.integer("copies", within=COPIES) if "copies" in table else None,
         box=_box(table) if "box" in table else None,
         around=_around(table, groups) if "around" in table else (),
         repeat=_repeat(table) if "repeat" in table else 1,
@@ -108,8 +106,8 @@ def _around(table: Table, groups: Sequence[Group]) -> list[list[str]]:
 def _repeat(table: Table) -> int | list[int]:
     value = table.data["repeat"]
     times = value if isinstance(value, list) else [value]
-    if not times or len(times) > 3 or not all(n in _COPIES for n in times):
-        raise table.fail(f'"repeat" must be {_COPIES}, or up to three of them, [3, 3].')
+    if not times or len(times) > 3 or not all(n in COPIES for n in times):
+        raise table.fail(f'"repeat" must be {COPIES}, or up to three of them, [3, 3].')
     return times if isinstance(value, list) else int(value)
 
 

@@ -34,7 +34,7 @@ from .close_table import read_close
 from .complete_table import CompleteOptions, read_complete
 from .fit_table import read_fit
 from .job_files import write_job
-from .job_paths import check_paths
+from .job_paths import check_paths, named_inputs
 from .outputs import SHEET_KEYS, completed_report, piece_file
 from .selection import Pairs, select
 from .settings_table import read_settings
@@ -194,7 +194,8 @@ def _parse(file: Path) -> dict[str, object]:
     try:
         text = decoded(file.read_bytes())
         if deep := _DOTTED.search(text):
-            raise JobError(f"{file}, line {text.count(chr(10), 0, deep.start()) + 1}: a key of thirty names or more.")
+            line = text.count("\n", 0, deep.start()) + 1
+            raise JobError(f"{file}, line {line}: a key of thirty names or more; shorten it.")
         return tomllib.loads(text)
     except OSError as error:
         raise JobError(f"{file} cannot be read: {error.strerror or error}.") from error
@@ -220,10 +221,7 @@ def _read_plan(root: Table, folder: Path) -> tuple[MadePlan, str | None]:
 
 def _reads(root: Table, mesh: MeshData, folder: Path) -> list[tuple[str, Path]]:
     """The files that a job reads, by what messages call them."""
-    named = [(f'"{key}"', root.data.get(key)) for key in ("mesh", "start")]
-    if "fit" in root:
-        named.append(('"outline" of [fit]', root.table("fit").data.get("outline")))
-    files = [(name, folder / value) for name, value in named if isinstance(value, str) and value]
+    files = [(what, folder / path) for what, path in named_inputs(root.data).items()]
     return files + [("a material file of the mesh", library) for library in mesh.libraries]
 
 

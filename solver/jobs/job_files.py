@@ -14,6 +14,7 @@ from ..shells.complete import Completed
 from ..shells.plan import Plan, Settings
 from ..shells.shell import Shell
 from .complete_table import CompleteOptions
+from .job_paths import named_inputs
 from .outcomes import exit_code
 from .outputs import report_data, take_completed, take_sheets
 from .provenance import file_sizes, hash_of, is_done, key_of, provenance
@@ -75,8 +76,4 @@ def _what(job: Job) -> dict[str, Any]:
 
 def job_inputs(job: Job) -> dict[str, str]:
     """Name → hash of the files that a job reads; the job file itself is in its settings and conditions."""
-    fit = job.data.get("fit")
-    named = [job.data.get("mesh"), job.data.get("start"), fit.get("outline") if isinstance(fit, dict) else None]
-    files = {name: job.path.parent / name for name in named if isinstance(name, str)}
-    return {name: hash_of(Path(file)) for name, file in files.items()}
-
+    return {path: hash_of(job.path.parent / path) for path in named_inputs(job.data).values()}

@@ -4,12 +4,21 @@ from __future__ import annotations
 
 import os
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from ..errors import JobError
 
 Named = tuple[str, Path]
+
+
+def named_inputs(data: Mapping[str, object]) -> dict[str, str]:
+    """The files that a job with these tables reads: what messages call each → its path as written."""
+    fit = data.get("fit")
+    named = {'"mesh"': data.get("mesh"), '"start"': data.get("start")}
+    if isinstance(fit, Mapping):
+        named['"outline" of [fit]'] = fit.get("outline")
+    return {what: path for what, path in named.items() if isinstance(path, str) and path}
 
 
 def check_paths(job: Path, reads: Iterable[Named], writes: Iterable[Named]) -> None:

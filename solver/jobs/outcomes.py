@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..errors import CmcError
+from ..errors import CmcError, unexpected
 from ..notes import Note, as_asked, notes_data
 
 OK, FAILED, UNUSABLE, INTERRUPTED = 0, 1, 2, 130
@@ -59,12 +59,8 @@ def failed(input: str, error: Exception, code: int = UNUSABLE, plan: str = "", o
     """The outcome of an error; one that nobody expected keeps its traceback for the log."""
     if isinstance(error, CmcError):
         return Outcome(input, plan, code, str(error), of=of)
-    if isinstance(error, MemoryError):
-        return Outcome(input, plan, FAILED, "The memory is not enough; take a coarser mesh.", of=of)
     if isinstance(error, OSError) and error.strerror:
         return Outcome(input, plan, FAILED, f"{error.filename or 'A file'} cannot be used: {error.strerror}.", of=of)
-    kind = type(error).__name__
-    text = f"{kind}: {error}".removesuffix(": ").split("\n")[0]
-    message = f"An error of the program itself ({text}); please report it with this input and the log."
-    details = "".join(traceback.format_exception(error))
+    message = unexpected(error, "please report it with this input and the log")
+    details = "" if isinstance(error, MemoryError) else "".join(traceback.format_exception(error))
     return Outcome(input, plan, FAILED, message, of=of, details=details)

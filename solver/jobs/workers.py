@@ -46,11 +46,11 @@ def in_turn(inputs: Iterable[str], run_one: RunOne) -> Outcomes:
 
 def in_processes(inputs: Sequence[str], count: int, command: Sequence[str], argv: Sequence[str]) -> Outcomes:
     """The same in `count` processes of a command line that answers to `--worker`; argv: its other arguments."""
-    waiting: queue.SimpleQueue[str] = queue.SimpleQueue()
+    left: queue.SimpleQueue[str] = queue.SimpleQueue()
     for path in inputs:
-        waiting.put(path)
+        left.put(path)
     news: queue.SimpleQueue[Outcome | BaseException | None] = queue.SimpleQueue()
-    crew = [_Worker(command, argv, waiting, news) for _ in range(min(count, len(inputs)))]
+    crew = [_Worker(command, argv, left, news) for _ in range(min(count, len(inputs)))]
     for worker in crew:
         worker.thread.start()
     try:
@@ -103,8 +103,8 @@ def _lines() -> Iterator[str]:
 class _Worker:
     """A process and the thread that feeds it."""
 
-    def __init__(self, command: Sequence[str], argv: Sequence[str], waiting: queue.SimpleQueue, news) -> None:
-        self.command, self.argv, self.waiting, self.news = command, argv, waiting, news
+    def __init__(self, command: Sequence[str], argv: Sequence[str], left: queue.SimpleQueue, news) -> None:
+        self.command, self.argv, self.left, self.news = command, argv, left, news
         self.process: subprocess.Popen[str] | None = None
         self.stopped = False
         self.noise = tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace")  # noqa: SIM115  closed in end
@@ -114,7 +114,7 @@ class _Worker:
         try:
             while not self.stopped:
                 try:
-                    path = self.waiting.get_nowait()
+                    path = self.left.get_nowait()
                 except queue.Empty:
                     break
                 for outcome in self._run(path):

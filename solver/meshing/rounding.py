@@ -22,7 +22,6 @@ CORNER = np.radians(23.5)  # between the turns of regular polygons of 15 and of 
 AUTOMATIC = 0.1  # the automatic radius, as a part of the size of the loop
 _OF_EDGE = 0.25  # the part of an edge that an arc of automatic radius takes at most
 
-_LEAST = 1e-9  # radius, in edge lengths; a smaller one is a corner
 _STEP = np.radians(2.0)  # the step of an arc before resampling: off by 1.5e-4 of its radius
 _LEAST = 1e-3  # a corner with less radius than this, in edge lengths, stays a corner
 
@@ -87,8 +86,8 @@ def round_corners(loops: list[Loop], radius: float | None) -> list[Curve]:
     if radius is None:
         radii = [automatic_radii(loop.points) for loop in loops]
     else:
-        least = radius if radius > _LEAST else 0.0
-        radii = [np.where(np.abs(turning(loop.points)) > CORNER, least, 0.0) for loop in loops]
+        radii = [np.where(np.abs(turning(loop.points)) > CORNER, radius, 0.0) for loop in loops]
+    radii = [np.where(of_loop < _LEAST, 0.0, of_loop) for of_loop in radii]
     for _ in range(16):
         rounded = [_round_loop(loop, r) for loop, r in zip(loops, radii, strict=True)]
         curves = [curve for curve, _ in rounded]
@@ -96,7 +95,8 @@ def round_corners(loops: list[Loop], radius: float | None) -> list[Curve]:
         if not in_the_way:
             return curves
         for loop, corner in in_the_way:
-            radii[loop][corner] = 0.5 * curves[loop].radii[corner]
+            smaller = 0.5 * curves[loop].radii[corner]
+            radii[loop][corner] = smaller if smaller >= _LEAST else 0.0
     return [_round_loop(loop, np.zeros(len(loop.points)))[0] for loop in loops]
 
 
@@ -126,7 +126,6 @@ def _misplaced(loops: list[Loop], curves: list[Curve], radii: list[np.ndarray]) 
 def _round_loop(loop: Loop, radii: np.ndarray) -> tuple[Curve, np.ndarray]:
     """The rounded loop, and the corner whose arc each of its points lies on (or -1)."""
     points, turn = loop.points, turning(loop.points)
-    radii = np.where(radii < _LEAST, 0.0, radii)
     corners = np.nonzero(radii > 0)[0].tolist()
     sharp = (np.abs(turn) > CORNER) & (radii == 0)
     if not len(corners):

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from ..errors import MeshError, plural
+from ..limits import MOST_VERTICES
 from ..linalg import out_of_range
 from .outline import inside, signed_area
 from .rounding import AUTOMATIC
@@ -20,7 +21,7 @@ _FLAT = 1e-5  # of the size: an outline this close to a plane counts as flat
 _TOUCHING = 1e-5  # of the size: loose ends this close are one
 _LEVEL = 1e-4  # the horizontal part of a normal below which its plane counts as level
 
-MOST_TRIANGLES = 1_000_000
+MOST_TRIANGLES = 2 * MOST_VERTICES
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,8 @@ A `Plan` is a mesh with `Group`s of boundary edges, each with a kind of conditio
 how to size and place the result. `form` goes the whole way to a `Shell`: domain, conditions, surface, size and place,
 measures. `close_plan` does the same for shells that close around holes, `fit_plan` for shells near an outline or a
 mesh, `complete_plan` and `tile_plan` add the copies by symmetry and by periods, and `update` follows a plan while it is
-drawn. A polygon mesh of the shell (`polygon_sheet`) and its measures (`vertex_measures`) serve files and pictures::
+drawn. What the user of a shell should know is in `shell_notes`. A polygon mesh of the shell (`polygon_sheet`) and its
+measures (`vertex_measures`) serve files and pictures::
 
     from solver import Plan, Settings, form, shapes
 

@@ -62,16 +62,24 @@ class ClosingOptions:
 
     def __post_init__(self) -> None:
         check_choice(self.by, WAYS, "way to close", JobError)
-        each = list(self.move.values()) if isinstance(self.move, Mapping) else [self.move]
-        for name in [name for names in each for name in names]:
+        for name in self.motions:
             check_choice(name, MOTIONS, "motion of a hole", JobError)
         if isinstance(self.move, Mapping) and self.holes is not None:
             raise JobError("The motions of each hole name the holes already; leave the numbers of holes out.")
-        if self.by in MOVING and not (each and all(each)):
+        if self.by in MOVING and not (self._each and all(self._each)):
             raise JobError(f"The holes need a motion: one or more of {', '.join(MOTIONS)}.")
         check_number(self.weight, "weight", POSITIVE, JobError)
         check_number(self.max_steps, "limit of steps", COUNT, JobError)
         check_fields(self)
+
+    @property
+    def motions(self) -> tuple[str, ...]:
+        """The motions of any hole."""
+        return tuple(name for names in self._each for name in names)
+
+    @property
+    def _each(self) -> list[tuple[str, ...]]:
+        return list(self.move.values()) if isinstance(self.move, Mapping) else [self.move]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -202,7 +202,6 @@ class Settings:
         check_number(self.blend, "blend", NOT_NEGATIVE, JobError)
         for what, name, known in (
             ("reference for the lean", self.against, AGAINST),
-
             ("sheet", self.sheet, SHEETS),
             ("boundary condition", self.default_kind, KINDS),
             ("kind of sites", self.sites, SITES),

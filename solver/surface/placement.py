@@ -16,7 +16,7 @@ from scipy.spatial.distance import pdist
 from ..domain.domain import Domain
 from ..errors import CmcError, check_choice
 from ..gauss.sphere import tangent_axes
-from ..limits import POSITIVE, check_number
+from ..limits import EXTREME, POSITIVE, check_number
 
 Array = NDArray[np.float64]
 
@@ -36,8 +36,6 @@ _LEVEL = 1.0 - 1e-11
 ALIKE = 0.25
 # An extent below this fraction of 1/H is none: a point, or a flat rim without rise.
 _NO_EXTENT = 1e-9
-# Parts of the plan's size below which, and above whose inverse, a shell is no longer one over this plan.
-_EXTREME = 1e-6
 # All pairs of up to this many rim points are compared for the largest distance; with more points, this many
 # directions are.
 _SPAN_POINTS = 2000
@@ -258,7 +256,7 @@ def _scale(rule: Rule, points: Array, edge: Array, plane: Plane, H: float, name:
 
 
 def _check_scale(ratio: float, rule: Rule) -> None:
-    if not _EXTREME < ratio < 1.0 / _EXTREME:
+    if not EXTREME < ratio < 1.0 / EXTREME:
         raise PlacementError(
             f"With the {SIZES[rule.size].lower()} {rule.value:.3g} the shell is {ratio:.1g} times as large as its "
             "plan; choose another size."

@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..limits import Range, check_number
 from ..linalg import as_numbers
 from ..signatures import checked
 from ..surface.cmc_surface import CmcSurface, SurfaceLike, as_surface
@@ -27,6 +28,7 @@ Array = NDArray[np.float64]
 
 # The most copies that are made.
 MOST_COPIES = 20_000
+COPIES = Range(1, MOST_COPIES, whole=True)
 # The most directions of a group that is searched for a unit cell: the largest point group of a lattice has 48, each
 # with two sheets.
 _MOST_DIRECTIONS = 512
@@ -116,8 +118,7 @@ def _check_extent(surface: CmcSurface, sheet: str, made: Sequence[Isometry]) -> 
 def _limit(copies: int | None) -> int:
     if copies is None:
         return MOST_COPIES
-    if not (isinstance(copies, (int, np.integer)) and 1 <= copies <= MOST_COPIES):
-        raise SymmetryError(f"The number of copies must be from 1 to {MOST_COPIES}, not {copies!r}.")
+    check_number(copies, "number of copies", COPIES, SymmetryError)
     return int(copies)
 
 

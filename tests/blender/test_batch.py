@@ -133,6 +133,7 @@ def job(folder: Path, name: str, text: str) -> Path:
     [
         ("fit", DISC + "[fit]\nrise = 0.3\n", "FIT", "fit"),
         ("close", COURT, "F_PLUS", "close"),
+        ("each", COURT + 'by = "both"\nmove = { 1 = ["x", "y"] }\n', "F_PLUS", "close"),
         ("complete", UNDULOID, "COMPLETED", "complete"),
     ],
 )

@@ -157,7 +157,7 @@ def test_every_length_has_the_unit_of_the_scene(make, system, scale, unit, capfd
     assert len(lengths) > 3
     for name, value in lengths.items():
         assert re.search(unit, value), (name, value)
-    said = " ".join([*draw().texts, capfd.readouterr().out])
+    said = " ".join([*draw().texts, capfd.readouterr().out]).replace("\u00a0", " ")
     assert not re.search(r"\d(?:e[-+]\d+)\s*(?:long|apart|off|m\b|%)", said), said
     for words in ("is {} long", "up to {} apart", "stays up to {} off", "is {} off at most", "missed by {}"):
         for found in re.findall(words.format(r"([\d.]+\S*(?: \S+)?)"), said):
