@@ -45,7 +45,9 @@ def as_array(values: ArrayLike, what: str, error: type[CmcError]) -> NDArray[Any
 def as_numbers(values: ArrayLike, what: str, error: type[CmcError]) -> Array:
     """The values as a float64 array; raises `error`, naming `what`, where they are ragged, no numbers or too large."""
     try:
-        numbers = np.asarray(values, dtype=np.float64)
+        if np.iscomplexobj(given := np.asarray(values)):
+            raise TypeError
+        numbers = given.astype(np.float64)
     except (OverflowError, TypeError, ValueError):
         raise error(f"{what} must be numbers in a regular array.") from None
     if (np.isfinite(numbers) & (np.abs(numbers) > LARGEST)).any():
