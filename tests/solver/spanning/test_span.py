@@ -127,6 +127,12 @@ def test_a_crown_below_the_line_is_refused():
     assert span_outline(domain, wave, height=0.3).ok
 
 
+def test_a_film_has_no_gauss_image_of_its_size():
+    domain, points = disc(100)
+    with pytest.raises(ConditionError, match="no sphere of its size"):
+        span_outline(domain, points).sheet("gauss")
+
+
 def test_a_boundary_without_extent_is_refused():
     domain, points = disc(200)
     rim = domain.boundary_loops[0]
