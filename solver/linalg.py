@@ -45,7 +45,9 @@ def as_array(values: ArrayLike, what: str, error: type[CmcError]) -> NDArray[Any
 def as_numbers(values: ArrayLike, what: str, error: type[CmcError]) -> Array:
     """The values as a float64 array; raises `error`, naming `what`, where they are ragged, no numbers or too large."""
     try:
-        numbers = np.asarray(values, dtype=np.float64)
+        if np.iscomplexobj(given := np.asarray(values)):
+            raise TypeError
+        numbers = given.astype(np.float64)
     except (OverflowError, TypeError, ValueError):
         raise error(f"{what} must be numbers in a regular array.") from None
     if (np.isfinite(numbers) & (np.abs(numbers) > LARGEST)).any():
@@ -55,7 +57,7 @@ def as_numbers(values: ArrayLike, what: str, error: type[CmcError]) -> Array:
 
 def out_of_range(points: Array) -> tuple[NDArray[np.int64], str]:
     """The rows of points (n, …) that are no places, and what they are, "not finite" or "beyond 1e+30"."""
-    largest = np.abs(points.reshape(len(points), -1)).max(axis=1, initial=0.0)
+    largest = np.abs(points).max(axis=tuple(range(1, points.ndim)), initial=0.0)
     bad = np.flatnonzero(~(largest <= LARGEST))
     return bad, "not finite" if not np.isfinite(largest).all() else f"beyond {LARGEST:g}"
 

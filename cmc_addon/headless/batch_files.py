@@ -21,6 +21,7 @@ from ..bridges.start_bridge import write_start
 from ..properties.settings import SIDES, SIZE_PROPERTY
 from ..properties.stored import ROLES
 from .exporters import call
+from .ranges import check_range
 
 INPUTS = (".blend", ".toml", *FORMATS)
 
@@ -46,6 +47,7 @@ def open_input(path: Path, conditions: Sequence[Mapping[str, object]] = (), up: 
         flip(plan.data, vertex)
     write_start(plan.data, job.plan)
     for name, value in _object_settings(job.settings).items():
+        check_range(plan.cmc.bl_rna.properties[name], value)
         setattr(plan.cmc, name, value)
     return job
 

@@ -6,7 +6,7 @@ import argparse
 import math
 import sys
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -22,6 +22,7 @@ from .batch import OUTPUTS, Request, run_file
 from .batch_files import INPUTS
 from .folders import input_folders
 from .plan_work import GIVEN, TASKS, task_for
+from .ranges import check_range
 
 _EPILOG = f"""\
 examples:
@@ -168,14 +169,30 @@ def _add_setting(group: argparse._ArgumentGroup, rna: bpy.types.Property) -> Non
         group.add_argument(option, type=_identifier, choices=choices, metavar="|".join(choices).lower(), help=text)
     elif rna.type == "BOOLEAN":
         group.add_argument(option, action=argparse.BooleanOptionalAction, default=None, help=text)
-    elif rna.is_array:
-        group.add_argument(option, type=int, nargs=rna.array_length, metavar="N", help=text)
     elif rna.type == "INT":
-        group.add_argument(option, type=int, metavar="N", help=text)
+        count = rna.array_length if rna.is_array else None
+        group.add_argument(option, type=_within(rna, int), nargs=count, metavar="N", help=text)
     elif rna.unit == "ROTATION":
-        group.add_argument(option, type=_angle, metavar="DEGREES", help=text)
+        group.add_argument(option, type=_within(rna, _angle), metavar="DEGREES", help=text)
     else:
-        group.add_argument(option, type=float, metavar="X", help=text)
+        group.add_argument(option, type=_within(rna, float), metavar="X", help=text)
+
+
+def _within(rna: bpy.types.Property, number: Callable[[str], float]) -> Callable[[str], float]:
+    """Reads a number in the range of a property."""
+
+    def read(text: str) -> float:
+        try:
+            value = number(text)
+        except ValueError:
+            raise argparse.ArgumentTypeError(f"it is a number, not {text!r}") from None
+        try:
+            check_range(rna, value)
+        except JobError as error:
+            raise argparse.ArgumentTypeError(str(error)) from None
+        return value
+
+    return read
 
 
 def _angle(text: str) -> float:

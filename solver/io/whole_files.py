@@ -109,6 +109,8 @@ class Outbox:
                 raise cannot_write(target, error) from error
             if target.is_dir():
                 raise JobError(f"{target} cannot be written: it is a folder.")
+            if target.exists() and not target.is_file():
+                raise JobError(f"{target} cannot be written: it is a device or a pipe, no file.")
         with locked(sorted(self._folders)):
             self._move(moves)
         for place in self._folders:

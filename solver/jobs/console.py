@@ -64,7 +64,10 @@ class Console:
             self.complain("", f"{self.done} of {self.total}{self._left()}")
 
     def say(self, text: str) -> None:
-        _print(text, self.out or sys.stdout)
+        fault = _print(text, self.out or sys.stdout)
+        if fault:
+            self.code = max(self.code, 1)
+            self.complain("", f"The output cannot be written: {fault}.")
 
     def complain(self, where: str, text: str) -> None:
         """A sentence on stderr, after the place it is about, unless it begins with it."""
@@ -107,6 +110,7 @@ class Console:
                 with open(place, "a", encoding="utf-8", errors="replace") as stream:
                     stream.write(text)
             except OSError as error:
+                self.code = max(self.code, 1)
                 self.complain(str(place), f"the log cannot be written: {error.strerror or error}.")
             else:
                 if outcome.details:
@@ -114,13 +118,18 @@ class Console:
                 return
 
 
-def _print(text: str, stream: TextIO) -> None:
+def _print(text: str, stream: TextIO) -> str:
+    """What went wrong, as on a full disk; then the stream is silent from here on."""
     try:
         print(text, file=stream, flush=True)
     except UnicodeEncodeError:  # a console of another alphabet
         print(text.encode("ascii", "backslashreplace").decode(), file=stream, flush=True)
     except BrokenPipeError:
         silence(stream)
+    except OSError as error:
+        silence(stream)
+        return error.strerror or str(error)
+    return ""
 
 
 def silence(stream: TextIO) -> None:

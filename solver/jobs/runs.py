@@ -7,11 +7,14 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from ..errors import CmcError
+from ..errors import CmcError, JobError
 from ..interrupts import SENTENCE, interruptible
 from .console import Console, own_stdout, silence
 from .outcomes import INTERRUPTED, UNUSABLE
 from .workers import WORKER, RunOne, in_processes, in_turn, serve
+
+# How the names of files end into which no log belongs.
+_NO_LOGS = (".toml", ".blend", ".obj", ".mtl", ".ply", ".stl", ".glb", ".npz")
 
 Read = Callable[[argparse.Namespace], tuple[list[str], RunOne]]
 """From the arguments to the inputs and what runs one of them. Raises `CmcError` where they do not fit."""
@@ -53,6 +56,7 @@ def command_line(
             arguments = parser.parse_args(list(argv))
             try:
                 inputs, run_one = read(arguments)
+                _check_log(arguments.log, inputs)
             except CmcError as error:
                 print(f"{parser.prog.split()[-1]}: {error}", file=sys.stderr)
                 return UNUSABLE
@@ -63,6 +67,14 @@ def command_line(
     except SystemExit:
         _flush()
         raise
+
+
+def _check_log(log: Path | None, inputs: Sequence[str]) -> None:
+    """Raise `JobError` on a log that is an input, or a file of a kind that inputs and results have."""
+    if log is None:
+        return
+    if log.resolve() in [Path(each).resolve() for each in inputs] or log.suffix.lower() in _NO_LOGS:
+        raise JobError(f"The log {log} would go into a file of another kind; choose another name, like log.txt.")
 
 
 def _flush() -> None:

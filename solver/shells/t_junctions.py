@@ -20,7 +20,7 @@ def rim_of(triangles: Int, count: int) -> Int:
     """Edges (n, 2) that one triangle has, of triangles that may be no surface; none where they are no triangles."""
     corners = as_array(triangles, "Triangles", MeshError)
     is_list = corners.ndim == 2 and corners.shape[1] == 3 and len(corners) > 0
-    if not is_list or corners.min() < 0 or corners.max() >= count:
+    if not is_list or corners.dtype.kind not in "iu" or corners.min() < 0 or corners.max() >= count:
         return np.zeros((0, 2), dtype=np.int64)
     pairs = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
     ends, uses = np.unique(np.sort(pairs, axis=1), axis=0, return_counts=True)

@@ -19,8 +19,11 @@ Array = NDArray[np.float64]
 _MET = 1e-6
 _STEP = 0.5
 _LEAST = 0.2
-# Differences of k give a slope where they are this multiple of its noise.
+# Differences of k give a slope where they are this multiple of its noise, and those of V this part of V.
 _CLEAR = 10.0
+_MOVED = 1e-9
+# Points within this part of the size are equally high.
+_LEVEL = 1e-6
 
 
 class MeanCurvature(Knob):
@@ -73,13 +76,16 @@ class Measured(Knob):
         self._last = (k, noise, volume)
         if abs(self.wanted - k) < noise:
             return 0.0
-        most = _STEP * max(abs(volume), _LEAST * self.size**3)
-        return float(np.clip((self.wanted - k) / self.slope, -most, most))
+        most, rest = _STEP * max(abs(volume), _LEAST * self.size**3), self.wanted - k
+        if abs(rest) < most * abs(self.slope):
+            return rest / self.slope
+        return float(np.copysign(most, rest * np.copysign(1.0, self.slope)))
 
     def _secant(self, here: Linearised, k: float, noise: float, volume: float) -> float:
         if self._last is not None:
             before, last_noise, last_volume = self._last
-            if abs(k - before) > _CLEAR * (noise + last_noise):
+            moved = abs(volume - last_volume) > _MOVED * abs(last_volume)
+            if moved and abs(k - before) > _CLEAR * (noise + last_noise):
                 return (k - before) / (volume - last_volume)
         return self.slope if self.slope is not None else self.first_slope(here)
 
@@ -95,8 +101,9 @@ class Crown(Measured):
         return self.up * float((self.up * here.state.f[:, 2]).max())
 
     def first_slope(self, here: Linearised) -> float:
-        top = int(np.argmax(self.up * here.state.f[:, 2]))
-        return float(here.push(here.along)[top, 2] / here.gain)
+        inside = here.problem.coordinates.inside
+        heights, rising = self.up * here.state.f[inside, 2], here.push(here.along)[inside, 2]
+        return float(rising[heights >= heights.max() - _LEVEL * self.size].max() / here.gain)
 
 
 class PastTheLargest(Measured):

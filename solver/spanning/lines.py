@@ -15,6 +15,8 @@ from .curves import enclosed
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
+# A line narrower than this part of its length is straight.
+_STRAIGHT = 1e-9
 # Places tried for the first vertex of a loop on a curve that was drawn elsewhere.
 _STARTS = 256
 
@@ -29,9 +31,13 @@ def boundary_lines(
     above. Raises `ConditionError` where they do not fit the domain.
     """
     own = [points[loop] for loop in domain.boundary_loops]
+    for loop, line in zip(domain.boundary_loops, own, strict=True):
+        _check_apart(loop, line)
     areas = [enclosed(line) for line in own]
     outer = int(np.argmax(np.abs(areas)))
     if given is None:
+        for line in own:
+            _check_bent(line, "The boundary of the plan")
         return own, outer, [True] * len(own)
     if not isinstance(given, (list, tuple)) or not _are_lines(given):
         lines = [_as_line(given, areas[k]) if k == outer else line for k, line in enumerate(own)]  # pyright: ignore[reportArgumentType]
@@ -56,9 +62,28 @@ def _as_line(given: ArrayLike, direction: float) -> Array:
         raise ConditionError("The curve must be three or more points (m, 3), finite numbers, in order.")
     if not np.ptp(line, axis=0).any():
         raise ConditionError("All points of the curve are in one place; draw it around the plan.")
+    _check_bent(line, "The curve")
     if line.shape[1] == 2:
         line = np.column_stack([line, np.zeros(len(line))])
     return line[::-1] if enclosed(line) * direction < 0.0 else line
+
+
+def _check_apart(loop: Int, line: Array) -> None:
+    """Raise `ConditionError` where neighbours on a boundary loop are in one place."""
+    twice = np.flatnonzero((line == np.roll(line, -1, axis=0)).all(axis=1))
+    if len(twice):
+        pair = [int(loop[twice[0]]), int(loop[(twice[0] + 1) % len(loop)])]
+        raise ConditionError(
+            f"Vertices {pair[0]} and {pair[1]} of the boundary are in one place; merge them by distance, or move one.",
+            vertices=pair,
+        )
+
+
+def _check_bent(line: Array, what: str) -> None:
+    """Raise `ConditionError` on a line that encloses nothing, since it is straight."""
+    wide = np.linalg.svd(line - line.mean(axis=0), compute_uv=False)
+    if wide[1] <= _STRAIGHT * wide[0]:
+        raise ConditionError(f"{what} is straight, so it encloses no surface; draw it around the plan.")
 
 
 def parts_of_length(points: Array) -> Array:

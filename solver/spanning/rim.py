@@ -72,7 +72,8 @@ class AlongCurve:
             return np.inf
         closing = np.maximum(-self.gaps(change[:, 0], moved=True), 1e-300)
         furthest = max(float(np.abs(change).max()), 1e-300)
-        steps = _GAP * np.maximum(self.gaps(x[:, 0]), 0.0) / closing
+        with np.errstate(over="ignore"):  # gaps that do not close
+            steps = _GAP * np.maximum(self.gaps(x[:, 0]), 0.0) / closing
         return min(float(steps.min()), _FAR * self.curve.length / furthest)
 
     def gaps(self, s: Array, *, moved: bool = False) -> Array:

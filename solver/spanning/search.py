@@ -56,9 +56,12 @@ class Search:
     slope: float | None = None
 
     def __call__(self, wish: Wish, start: State | None) -> Found:
-        """The surface with the wanted number, from `start` or from the flattest."""
-        way = {"mean_curvature": self._by_curvature, "height": self._by_height, "volume": self._by_volume}[wish.name]
-        return way(wish.number, start)
+        """The surface with the wanted number, from `start`, and from the flattest without it or if that fails."""
+        name = {"mean_curvature": "_by_curvature", "height": "_by_height", "volume": "_by_volume"}[wish.name]
+        found = getattr(self, name)(wish.number, start)
+        if start is None or found.descent.end in ("converged", "cancelled") or found.largest is not None:
+            return found
+        return getattr(replace(self, slope=None), name)(wish.number, None)
 
     def _descend(self, state: State, knob: Knob, tolerance: float | None = None) -> Descent:
         return descend(

@@ -115,7 +115,7 @@ def setting(
         mine, its = points[loop] - lines.centre, given[k] - lines.centre
         if (labels == LINE).all():
             stays = np.flatnonzero(np.isin(loop, anchored))
-            sides.append(own_line(place, mine, sharp, stays) if own[k] else other_line(place, mine, its, sharp))
+            sides.append(own_line(place, mine, sharp, stays) if own[k] else other_line(place, points[loop], its, sharp))
         elif own[k]:
             check_corners(loop, mine, labels, conditions.kinds)
             sides.append(mixed_loop(place, mine, labels, conditions.kinds, sharp))

@@ -46,6 +46,7 @@ _SENTENCES = {
     "none. Choose a flatter shell, or allow more steps.",
     SpanStatus.CANCELLED: "The search was cancelled; this is the last surface reached.",
 }
+_CROWDED_RIM = "The vertices of the plan crowd on one part of its boundary. Choose a flatter shell, or refine the mesh."
 NECK = "No surface joins these lines: the neck between them closes. Bring the lines nearer to each other."
 
 _ENDS = {
@@ -65,6 +66,8 @@ def judged(descent: Descent, is_drawn: bool) -> tuple[SpanStatus, str]:
     sentence = NECK if descent.end == "neck" else status.sentence
     if status is SpanStatus.CONVERGED:
         status, sentence = _if_conformal(descent)
+    if is_drawn and status is SpanStatus.UNLIKE:
+        sentence = _CROWDED_RIM
     if not is_drawn and status not in (SpanStatus.CONVERGED, SpanStatus.CANCELLED) and _crowding(descent):
         status, sentence = SpanStatus.UNLIKE, SpanStatus.UNLIKE.sentence
     return status, sentence

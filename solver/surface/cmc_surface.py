@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..domain.domain import Domain
 from ..domain.sites import SiteGraph
-from ..errors import Status, check_choice
+from ..errors import ConditionError, Status, check_choice
 from ..gauss.harmonic import HarmonicMap
 from ..signatures import checked
 from . import convert, notebook
@@ -143,6 +143,8 @@ class CmcSurface:
     def sheet(self, name: str) -> Array:
         """Points (n, 3) of "f+", "f-", "g", or "gauss" (the normals as points of a sphere of radius `scale`)."""
         check_choice(name, ("f+", "f-", "g", "gauss"), "sheet")
+        if name == "gauss" and not np.isfinite(self.scale):
+            raise ConditionError("A surface of mean curvature 0 has no sphere of its size; take its normals.")
         sheets = {"f+": self.f_plus, "f-": self.f_minus, "g": self.g}
         return self.scale * self.normals if name == "gauss" else sheets[name]
 

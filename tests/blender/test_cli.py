@@ -226,11 +226,29 @@ def test_a_surface_with_a_gap_is_written_and_is_a_failure(tmp_path, capsys):
         (["a.blend", "--sites", "vertices", "--energy", "mobius"], "Möbius is not defined for normals on vertices"),
         (["a.blend", "--span", "3", "--rise", "1"], "Give one size, not span and rise"),
         (["a.obj", "--condition", "group: street"], "is not valid TOML"),
+        (["a.blend", "--span", "-7"], "The span is a number from 1e-06 to"),
+        (["a.blend", "--fit-rise", "7"], "from 0.01 to 2 in Blender, not 7."),
+        (["a.blend", "--tilt-max", "100"], "from -90 to 90 in Blender, not 100."),
+        (["a.blend", "--complete-repeat", "1", "1", "99999999999"], "from 1 to 1000 in Blender, not 1e+11."),
+        (["a.blend", "--span", "wide"], "it is a number, not 'wide'"),
+        (["a.blend", "--tolerance", "nan"], "not nan."),
     ],
 )
 def test_bad_arguments(arguments, message, capsys):
     assert cli.run(arguments) == 2
     assert message in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("table", "message"), [("[size]\nspan = 1e-9", "The span"), ("[solver]\ntolerance = 1e-15", "The tolerance")]
+)
+def test_a_job_beyond_what_properties_take_is_refused(tmp_path, table, message, capsys):
+    file = tmp_path / "small.toml"
+    file.write_text(f'[shape]\nkind = "disc"\nn = 60\n[default]\ntilt = 20\n{table}\n')
+    assert cli.run([str(file), "-o", str(tmp_path / "out"), "-f", "obj"]) == 2
+    error = capsys.readouterr().err
+    assert message in error and "in Blender, not 1e-" in error
+    assert not list(tmp_path.rglob("shell.obj"))
 
 
 @pytest.mark.parametrize(

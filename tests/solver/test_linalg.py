@@ -82,3 +82,8 @@ def test_rows_are_summed():
     assert_array_equal(linalg.sum_rows(rows, np.array([1.0, 2.0, 4.0]), 4), [2, 0, 5, 0])
     values = np.arange(6.0).reshape(3, 2)
     assert_array_equal(linalg.sum_rows(rows, values, 4), [[2, 3], [0, 0], [4, 6], [0, 0]])
+
+
+def test_no_points_are_in_range():
+    assert linalg.out_of_range(np.zeros((0, 3)))[0].size == 0
+    assert linalg.out_of_range(np.array([[1.0, np.nan], [1.0, 2.0]]))[0].tolist() == [0]

@@ -209,6 +209,29 @@ def test_a_reader_that_leaves(jobs, arguments):
         assert Path("a.obj").exists()
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="This system has no /dev/full.")
+@pytest.mark.parametrize("arguments", [["a.toml"], ["a.toml", "b.toml", "--json"], ["a.toml", "b.toml", "--jobs", "2"]])
+def test_an_output_on_a_full_disk(jobs, arguments):
+    with open("/dev/full", "w") as full:
+        process = call(*arguments, stdout=full)
+        _, error = process.communicate(timeout=60)
+    assert process.returncode == 1 and "Traceback" not in error and Path("a.obj").exists()
+    assert error.count("The output cannot be written: No space left on device.") == 1
+
+
+@pytest.mark.parametrize("log", ["b.toml", "./a.toml", "plan.obj", "new.blend"])
+def test_a_log_is_no_file_of_another_kind(jobs, capsys, log):
+    before = Path("b.toml").read_text()
+    assert main(["a.toml", "b.toml", "--log", log]) == 2
+    assert f"The log {Path(log)} would go into a file of another kind" in capsys.readouterr().err
+    assert Path("b.toml").read_text() == before and not Path("a.obj").exists()
+
+
+def test_a_log_that_cannot_be_written_is_a_fault(jobs, capsys):
+    assert main(["a.toml", "--log", "."]) == 1
+    assert "the log cannot be written" in capsys.readouterr().err and Path("a.obj").exists()
+
+
 def test_a_killed_run_leaves_nothing_half_and_is_resumed(jobs):
     for number in range(30):
         Path(f"j{number:02}.toml").write_text(JOB.format(n=600, name=f"j{number:02}"))

@@ -93,6 +93,14 @@ def test_a_folder_of_that_name(tmp_path):
         write_bytes(tmp_path / "a.obj", b"v\n")
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="This system has no pipes in folders.")
+def test_a_pipe_of_that_name_stays(tmp_path):
+    os.mkfifo(tmp_path / "a.obj")
+    with pytest.raises(JobError, match=r"a\.obj cannot be written: it is a device or a pipe, no file"):
+        write_bytes(tmp_path / "a.obj", b"v\n")
+    assert (tmp_path / "a.obj").is_fifo()
+
+
 @pytest.mark.parametrize("suffix", [".obj", ".ply", ".stl", ".glb"])
 def test_what_is_written_passes_and_a_part_of_it_does_not(tmp_path, suffix):
     file = tmp_path / f"mesh{suffix}"

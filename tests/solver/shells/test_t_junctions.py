@@ -56,3 +56,9 @@ def test_a_row_of_large_squares_over_a_row_of_small_ones():
 
 def test_sound_plans_have_none():
     plan_domain(Plan(*grid(8, 4)))
+
+
+def test_triangles_that_are_no_whole_numbers():
+    points, triangles = grid(3, 3)
+    with pytest.raises(MeshError, match="Faces must hold integers"):
+        plan_domain(Plan(points, triangles + 0.5))

@@ -98,4 +98,5 @@ def test_mirrors_that_contradict_each_other():
     with pytest.raises(ConditionError, match="parallel"):
         span_outline(plan, plan.positions, mirrors=[(plan.sides["side0"], [1, 0, 0]), (plan.sides[last], [1, 0, 0])])
     with pytest.raises(ConditionError, match="spans its own points"):
-        span_outline(plan, plan.positions, plan.positions[:5], mirrors=walls(plan, "side0", last))
+        curve = plan.positions[plan.domain.boundary_loops[0]]
+        span_outline(plan, plan.positions, curve, mirrors=walls(plan, "side0", last))

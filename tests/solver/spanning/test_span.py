@@ -109,6 +109,8 @@ def test_a_quarter_is_completed():
         ({"holes": "drop"}, "known are adapt, keep"),
         ({"curve": [[0, 0], [1, 1]]}, "three or more points"),
         ({"curve": [[[0, 0], [1, 0], [0, 1]]] * 2}, "1 boundary loops"),
+        ({"curve": [[0, 0, 0], [1, 1, 0], [2, 2, 0]]}, "The curve is straight"),
+        ({"curve": np.eye(3) + 1j}, "must be numbers"),
     ],
 )
 def test_input_that_contradicts_itself(keywords, message):
@@ -123,6 +125,48 @@ def test_a_crown_below_the_line_is_refused():
     with pytest.raises(ConditionError, match=r"The lines themselves reach 0\.15"):
         span_outline(domain, wave, height=0.1)
     assert span_outline(domain, wave, height=0.3).ok
+
+
+def test_a_film_has_no_gauss_image_of_its_size():
+    domain, points = disc(100)
+    with pytest.raises(ConditionError, match="no sphere of its size"):
+        span_outline(domain, points).sheet("gauss")
+
+
+def test_a_boundary_without_extent_is_refused():
+    domain, points = disc(200)
+    rim = domain.boundary_loops[0]
+    points[rim[1]] = points[rim[0]]
+    with pytest.raises(ConditionError, match=f"Vertices {rim[0]} and {rim[1]} of the boundary are in one place"):
+        span_outline(domain, points)
+    with pytest.raises(ConditionError, match="The boundary of the plan is straight"):
+        span_outline(domain, disc(200)[1] * [1.0, 0.0])
+
+
+@pytest.mark.parametrize("height", [1e3, -1e9, 1e30])
+def test_a_height_out_of_reach_is_a_status(height):
+    plan = shapes.polygon([[0, 0], [4, 0], [4, 3], [0, 3]], max_edge=0.5)
+    span = span_outline(plan, plan.positions, height=height)
+    assert not span.ok and "Choose a flatter shell" in span.message
+
+
+def test_heights_from_a_flat_film_and_back():
+    plan = shapes.polygon([[0, 0], [4, 0], [4, 3], [0, 3]], max_edge=0.5)
+    flat = span_outline(plan, plan.positions)
+    for height in (0.5, -0.5, 1.0):
+        shell = span_outline(plan, plan.positions, height=height, initial=flat)
+        assert shell.ok and shell.points[np.argmax(np.abs(shell.points[:, 2])), 2] == pytest.approx(height, rel=1e-5)
+    assert span_outline(plan, plan.positions, height=0.0, initial=shell).ok
+
+
+def test_a_curve_far_away():
+    plan = shapes.polygon([[0, 0], [4, 0], [4, 3], [0, 3]], max_edge=0.5)
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0.2, 1, 0]])
+    near = span_outline(plan, plan.positions, corners)
+    with np.errstate(invalid="raise"):
+        far = span_outline(plan, plan.positions, 1e25 * (corners + 3.0))
+    assert near.ok and far.ok
+    assert_allclose(far.points, 1e25 * (near.points + 3.0), rtol=1e-9)
 
 
 def test_domains_without_a_plan():
