@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import bpy
 
@@ -12,7 +13,7 @@ from ...solver.errors import JobError
 _SLACK = 1e-6
 
 
-def check_range(rna: bpy.types.Property, value: object) -> None:
+def check_range(rna: bpy.types.Property, value: Any) -> None:
     """Raise `JobError` on a number, or one of several, that the property does not take."""
     if rna.type not in ("FLOAT", "INT"):
         return
