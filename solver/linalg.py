@@ -47,7 +47,7 @@ def as_numbers(values: ArrayLike, what: str, error: type[CmcError]) -> Array:
     try:
         if np.iscomplexobj(given := np.asarray(values)):
             raise TypeError
-        numbers = given.astype(np.float64)
+        numbers = given.astype(np.float64, copy=False)
     except (OverflowError, TypeError, ValueError):
         raise error(f"{what} must be numbers in a regular array.") from None
     if (np.isfinite(numbers) & (np.abs(numbers) > LARGEST)).any():

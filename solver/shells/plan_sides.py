@@ -78,6 +78,7 @@ def group_sides(group: Group, domain: Domain) -> list[Side]:
 
 def _unit(normal: object) -> Array:
     vector = np.asarray(normal, dtype=np.float64)
+    vector = vector / np.abs(vector).max()  # its square may be too small for a number
     return vector / np.linalg.norm(vector)
 
 

