@@ -53,7 +53,8 @@ _LONGEST = 20
 
 
 def _fitting(name: str) -> str:
-    return name if len(name) <= _LONGEST else f"{name[:_LONGEST - 1].rstrip()}…"
+    """The name, its middle left out if it is long: it ends in what kind of shell it is."""
+    return name if len(name) <= _LONGEST else f"{name[:9].rstrip()}…{name[-10:].lstrip()}"
 
 
 class ResultPanel(Tab):
