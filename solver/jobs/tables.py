@@ -145,7 +145,7 @@ class Table:
         return Table(data, f"{self.where}, {name}", name, self.notes)
 
     def finish(self, known: Sequence[str] = ()) -> None:
-        """Raise on a key that no method has read, and that is not among those `known` besides."""
+        """Raise on a key that no method has read, and that is not `known` either."""
         names = [*self.known, *known]
         for key in self.data:
             if key not in names:

@@ -64,8 +64,9 @@ def sequence(seed: int, folder: Path, say=lambda text: None) -> tuple[Counter, l
 def _checked(call, and_undo: bool) -> tuple[str, list[str]]:
     import bpy
 
+    from .blend_checks import not_finite, wrong_bounds
     from .blend_digest import differences, digest
-    from .blend_scenes import may_undo, not_finite, wrong_bounds
+    from .blend_scenes import may_undo
     from .operator_calls import is_sentence
 
     # in other modes undo is that of the mode alone
