@@ -46,6 +46,11 @@ def picture(file: str | Path) -> None:
     subprocess.run(["import", "-window", "root", str(file)], check=True)
 
 
+def _is_dark(box: Box, window_height: int) -> bool:
+    command = [*_crop(box, window_height), "-format", "%[fx:mean]", "info:-"]
+    return float(subprocess.run(command, check=True, capture_output=True).stdout) < 0.5
+
+
 def _crop(box: Box, window_height: int) -> list[str]:
     """The command that takes a picture of a part of the window."""
     corner = f"+{box.x}+{window_height - box.y - box.height}"
@@ -54,7 +59,8 @@ def _crop(box: Box, window_height: int) -> list[str]:
 
 def read(box: Box, window_height: int, scattered: bool = False) -> list[Line]:
     """The lines of text in a part of the window, read as a column of lines or as scattered words."""
-    larger = [*_crop(box, window_height), "-resize", f"{LARGER}00%", "-negate", "png:-"]
+    negative = ["-negate"] if _is_dark(box, window_height) else []  # the reader knows dark letters on light paper
+    larger = [*_crop(box, window_height), "-resize", f"{LARGER}00%", *negative, "png:-"]
     shot = subprocess.run(larger, check=True, capture_output=True).stdout
     command = ["tesseract", "-", "-", "--psm", "11" if scattered else "6", "tsv"]
     single = {**os.environ, "OMP_THREAD_LIMIT": "1"}

@@ -104,7 +104,7 @@ def main(stories: list[str]) -> int:
     passed = len(results) - len(failed)
     print(f"{passed} of {len(results)} stories passed, in {took} minutes, {worked} of processor time")
     for story in failed:
-        print(f"  not {story}: build/gui/{story}.log, build/gui/{story}-failed.png")
+        print(f"  not {story}: {story}.log, {story}-failed.png, beside the other pictures")
     return 1 if failed else 0
 
 

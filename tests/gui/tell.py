@@ -38,8 +38,16 @@ def prepare() -> None:
         raise failures[0]
     from_its_wheels()
     bpy.context.preferences.view.show_splash = False
+    dress()
     for ob in list(bpy.data.objects):
         bpy.data.objects.remove(ob)
+
+
+def dress() -> None:
+    """Blender's theme for these stories; factory settings are the dark one."""
+    presets = Path(bpy.utils.system_resource("SCRIPTS"), "presets", "interface_theme")
+    theme = presets / f"Blender_{os.environ.get('CMC_GUI_THEME', 'dark').title()}.xml"
+    bpy.ops.script.execute_preset(filepath=str(theme), menu_idname="USERPREF_MT_interface_theme_presets")
 
 
 def from_its_wheels() -> None:
