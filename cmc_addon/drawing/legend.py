@@ -26,6 +26,8 @@ from . import shading
 _BAR, _HEIGHT, _MARGIN, _FONT, _LINE = 16, 190, 22, 11, 15
 # Number of pieces of the bar, and its largest height as a part of the viewport.
 _PIECES, _LARGEST = 48, 0.5
+# Text of a colour nearer than this to the ground's is black or white instead.
+_LIKE = 0.5
 
 _handle = None
 
@@ -119,12 +121,12 @@ def _draw() -> None:
     y = 0.5 * (context.region.height - height)
     if legend.range is not None:
         _bar(legend.range, x, y, _BAR * scale, height)
-    text = (*context.preferences.themes[0].view_3d.space.text_hi, 1.0)
+    text, shadow = inks(context.preferences.themes[0].view_3d.space)
     top = y + height if legend.range is not None else y
-    _write(legend.title, x, top + (_MARGIN + _LINE) * scale, _FONT * scale, text)
-    _write(legend.subtitle, x, top + _MARGIN * scale, _FONT * scale, text)
+    _write(legend.title, x, top + (_MARGIN + _LINE) * scale, _FONT * scale, text, shadow)
+    _write(legend.subtitle, x, top + _MARGIN * scale, _FONT * scale, text, shadow)
     for place, words in legend.labels:
-        _write(words, x + 1.5 * _BAR * scale, y + place * height - 0.35 * _FONT * scale, _FONT * scale, text)
+        _write(words, x + 1.5 * _BAR * scale, y + place * height - 0.35 * _FONT * scale, _FONT * scale, text, shadow)
 
 
 def _left(context: bpy.types.Context) -> float:
@@ -150,11 +152,22 @@ def _bar(span: Range, x: float, y: float, width: float, height: float) -> None:
     batch_for_shader(plain, "LINE_STRIP", {"pos": frame}).draw(plain)
 
 
-def _write(words: str, x: float, y: float, size: float, colour: tuple[float, ...]) -> None:
+def inks(space: bpy.types.ThemeSpaceGradient) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Colours of the text and of its shadow: the theme's, or black or white where that is too like the ground, and the
+    shadow the other one, as Blender's own text in the viewport."""
+    text, ground = np.array(space.text_hi), np.array(space.gradients.high_gradient)
+    if np.linalg.norm(text - ground) < _LIKE:
+        text = np.full(3, float(ground.mean() < 0.5))
+    return (*text.tolist(), 1.0), (*[float(text.mean() < 0.5)] * 3, 0.7)
+
+
+def _write(
+    words: str, x: float, y: float, size: float, colour: tuple[float, ...], shadow: tuple[float, ...]
+) -> None:
     blf.size(0, size)
     blf.color(0, *colour)
     blf.enable(0, blf.SHADOW)
-    blf.shadow(0, 3, 0.0, 0.0, 0.0, 0.7)
+    blf.shadow(0, 3, *shadow)
     blf.shadow_offset(0, 1, -1)
     blf.position(0, round(x), round(y), 0)
     blf.draw(0, words)

@@ -25,7 +25,6 @@ class CMC_UL_groups(bpy.types.UIList):
         split.prop(item, "name", text="", emboss=False, icon=icon_of(item.uid))
         row = split.row()
         row.alignment = "RIGHT"
-        row.active = False
         row.label(text=summary(item))
 
 
@@ -56,7 +55,7 @@ class CMC_PT_boundary(Tab, bpy.types.Panel):
     bl_order = 1
 
     def draw_header_preset(self, context):
-        self.layout.prop(context.scene.cmc, "show_groups", text="", icon="OVERLAY", emboss=False)
+        self.layout.prop(context.scene.cmc, "show_groups", text="", icon="OVERLAY")
 
     def draw(self, context):
         layout, plan = self.layout, plan_to_solve(context)
@@ -132,7 +131,6 @@ class CMC_PT_boundary(Tab, bpy.types.Panel):
             row.label(text=f"{ungrouped} of {boundary} edges in no group")
             row.operator("cmc.select_ungrouped", text="", icon="RESTRICT_SELECT_OFF", emboss=False)
             note = layout.row()
-            note.active = False
             note.scale_y = 0.6
             note.label(text="They stand upright (0°)")
 

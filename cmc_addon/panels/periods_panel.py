@@ -28,7 +28,7 @@ class CMC_PT_periods(ResultPanel, bpy.types.Panel):
         return has_holes(context)
 
     def draw_header_preset(self, context):
-        self.layout.prop(context.scene.cmc, "show_gaps", text="", icon="OVERLAY", emboss=False)
+        self.layout.prop(context.scene.cmc, "show_gaps", text="", icon="OVERLAY")
 
     def draw_report(self, context, report):
         layout, plan = self.layout, plan_to_solve(context)

@@ -39,7 +39,6 @@ def numbers(layout: bpy.types.UILayout, rows: list[tuple[str, str]]) -> None:
         split = column.split(factor=0.4)
         left = split.row()
         left.alignment = "RIGHT"
-        left.active = False
         left.label(text=name)
         split.label(text=value)
 

@@ -4,7 +4,8 @@ The `bl_order` of the panels:
 
     Plan 0, Boundary 1, Shell 2 (Options, Advanced, Design), Results 3, Look 4, Overlay 5, Repeat 50, Export 60
 
-The panels depend on the active object alone, and no state raises. A button that cannot be pressed is disabled by
+The panels depend on the active object alone, and no state raises. Grey is what has no effect now; texts are not, since
+Blender's light theme makes grey ones hard to read. A button that cannot be pressed is disabled by
 its operator's `poll`, and its tooltip explains why.
 """
 
@@ -45,7 +46,6 @@ class Tab:
 def hint(layout: bpy.types.UILayout, *lines: str) -> None:
     """A hint on the next step, in lines short enough for a narrow sidebar."""
     column = layout.column(align=True)
-    column.active = False
     column.scale_y = 0.8
     for k, line in enumerate(lines):
         column.label(text=line, icon="INFO" if k == 0 else "BLANK1")
@@ -134,9 +134,7 @@ def running_row(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
 
 def automatic(column: bpy.types.UILayout, length: float, bound: str = "") -> None:
     """The value that a setting of 0 stands for, below that setting; bound: "up to " where it is the largest one."""
-    row = column.row()
-    row.active = False
-    split = row.split(factor=0.4)
+    split = column.split(factor=0.4)
     split.label()
     split.label(text=f"Automatic: {bound}{length_text(length)}")
 

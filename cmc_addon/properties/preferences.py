@@ -80,7 +80,6 @@ class CmcPreferences(bpy.types.AddonPreferences):
         for name in _LOOKS:
             column.prop(self, name)
         note = self.layout.column(align=True)
-        note.active = False
         note.label(text="Boundary groups take their colours from the theme: Themes > Bone Color Sets", icon="INFO")
 
 

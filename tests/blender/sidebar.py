@@ -16,18 +16,21 @@ LISTS = {"CMC_UL_groups"}
 
 
 class Layout:
-    """Records texts, properties and operators; rows and columns write into the same record."""
+    """Records texts, properties and operators; rows and columns write into the same record. No text is grey, which is
+    hard to read in the light theme."""
 
-    def __init__(self, record=None) -> None:
+    def __init__(self, record=None, active=True) -> None:
+        self.active = active
         self.record = record if record is not None else SimpleNamespace(texts=[], props=[], operators=[])
 
     def _part(self, **_):
-        return Layout(self.record)
+        return Layout(self.record, self.active)
 
     row = column = split = box = _part
 
     def label(self, *, text="", icon="NONE"):
         assert icon in ICONS
+        assert self.active or not text, f"{text!r} is grey"
         self.record.texts.append(text)
 
     def prop(self, data, name, *, text=None, icon="NONE", index=-1, **_):

@@ -51,6 +51,16 @@ def test_the_legend_says_what_is_shown():
     assert legend().subtitle == "per unit  Hall f+"
 
 
+@pytest.mark.parametrize(
+    ("ground", "theme", "text", "shadow"),
+    [(0.2, 1.0, 1.0, 0.0), (0.39, 1.0, 1.0, 0.0), (0.9, 1.0, 0.0, 1.0), (0.9, 0.0, 0.0, 1.0), (0.1, 0.0, 1.0, 0.0)],
+)
+def test_its_text_is_unlike_the_ground(ground, theme, text, shadow):
+    """The dark theme, Blender's light one, and colours of one's own."""
+    space = SimpleNamespace(text_hi=(theme,) * 3, gradients=SimpleNamespace(high_gradient=(ground,) * 3))
+    assert module("drawing.legend").inks(space) == ((text, text, text, 1.0), (shadow, shadow, shadow, 0.7))
+
+
 def test_it_is_about_the_result_that_is_active_and_seen():
     plan = hall()
     plan.cmc.colour_by = "GAUSS_CURVATURE"
