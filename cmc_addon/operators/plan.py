@@ -28,7 +28,6 @@ from ...solver.meshing.mesher import PlanMesh, mesh_plan
 from ...solver.meshing.rounding import rounded_sentence
 from ...solver.meshing.wires import (
     Outline,
-    check_count,
     default_edge_length,
     explained,
     is_flat,
@@ -157,7 +156,6 @@ def _mesh(outline: Outline, edge_length: float, corner_radius: float | None) -> 
     """Mesh an outline, in any thread; a length of 0 means automatic, a radius of None sharp corners."""
     first, *holes = outline.loops
     edge = edge_length or default_edge_length(outline.size)
-    check_count(outline, edge)
     radius = 0.0 if corner_radius is None else corner_radius or None
     borders = [border.tolist() for border in outline.borders()]
     try:

@@ -27,7 +27,7 @@ from .energies import ENERGIES, energy_on
 from .initial_map import harmonic_start, leaning, wound_start
 from .methods import BALANCED, METHODS, Method
 from .mirror_start import side_normals
-from .newton import Iterate
+from .newton import Iterate, Minimum
 from .options import MapOptions, with_options
 from .problem import EnergyProblem, equal_laplacian
 from .rivals import Lowest, escaped, lower, lowest_start
@@ -167,45 +167,62 @@ class HarmonicSolver:
         """The same with the options as one object."""
         check_conditions(conditions)
         method = _method(options.method, conditions.is_balanced)
-        initial, side, degree = options.initial, options.side, options.degree
+        admissible = self._admissible(conditions, options.side)
+        lowest = self._lowest_start(admissible, conditions, options) if method.minimises else None
+        admissible, start = self._chosen_start(admissible, conditions, options, lowest)
+        dirichlet = self.dirichlet(admissible.fixed)
+        problem = EnergyProblem(self.graph, self.energy, dirichlet, self._laplacian, admissible.mirrors)
         limits: dict[str, Any] = {"tolerance": options.tolerance, "progress": options.progress}
+        steps = {} if options.max_iterations is None else {"max_iterations": options.max_iterations}
+        minimum = method.of(problem, start, **limits, **steps)
+        if lowest is not None and not lowest.is_sure and minimum.status is not Status.CANCELLED:
+            usual = self._usual_start(admissible, conditions, options.side)
+            if usual is not None:
+                minimum = lower(minimum, method.of(problem, usual, **limits, **steps))
+        if lowest is not None and minimum.status in (Status.CONVERGED, Status.STALLED):
+            minimum = escaped(problem, minimum, conditions.up, options.side, **limits)
+        return self._map(problem, minimum, admissible, options.degree)
+
+    def _admissible(self, conditions: Conditions, side: int) -> Admissible:
+        """The maps that the conditions admit; raises where there is but one."""
         admissible = resolved(conditions, self.graph, side)
         if len(admissible.fixed) == self.graph.count:
             raise ConditionError(
                 f"All normals are fixed, at {self.graph.count} {_AT[self.graph.name]}, so none is unknown; "
                 f"subdivide the mesh, so that it has {_AT[self.graph.name]} inside."
             )
-        lowest = self._lowest_start(admissible, conditions, options) if method.minimises else None
+        return admissible
+
+    def _chosen_start(
+        self, admissible: Admissible, conditions: Conditions, options: MapOptions, lowest: Lowest | None
+    ) -> tuple[Admissible, Array]:
+        """The admissible maps, whose corner normals face an initial map, and the map (S, 3) to start from."""
         if lowest is not None:
             held, start = admissible.fixed, admissible.pin(lowest.start)
-        elif initial is None:
-            held, start = self._start(admissible, conditions, side)
+        elif options.initial is None:
+            held, start = self._start(admissible, conditions, options.side)
         else:
-            given = _as_unit(initial, self.graph)
+            given = _as_unit(options.initial, self.graph)
             admissible = admissible.facing(given)
             held, start = np.union1d(admissible.fixed, admissible.mirrors.sites), admissible.pin(given)
-        if degree is not None:
-            start = admissible.pin(wound_start(self.dirichlet(held), start, degree))
-        limit = {} if options.max_iterations is None else {"max_iterations": options.max_iterations}
-        dirichlet = self.dirichlet(admissible.fixed)
-        problem = EnergyProblem(self.graph, self.energy, dirichlet, self._laplacian, admissible.mirrors)
-        minimum = method.of(problem, start, **limits, **limit)
-        if lowest is not None and not lowest.is_sure and minimum.status is not Status.CANCELLED:
-            usual = self._usual_start(admissible, conditions, side)
-            if usual is not None:
-                minimum = lower(minimum, method.of(problem, usual, **limits, **limit))
-        if lowest is not None and minimum.status in (Status.CONVERGED, Status.STALLED):
-            minimum = escaped(problem, minimum, conditions.up, side, **limits)
+        if options.degree is not None:
+            start = admissible.pin(wound_start(self.dirichlet(held), start, options.degree))
+        return admissible, start
+
+    def _map(
+        self, problem: EnergyProblem, minimum: Minimum, admissible: Admissible, wanted: float | None
+    ) -> HarmonicMap:
+        """What a minimiser reached, as a result; wanted: the degree asked for."""
         normals = admissible.pin(minimum.N)  # steps of length zero leave rounding
-        reached = sphere.degree(normals, self.graph.triangles)
-        status = self._status(normals, dirichlet, minimum.status)
-        if degree is not None and status is Status.CONVERGED and abs(reached - degree) > _OTHER_CLASS:
+        degree = sphere.degree(normals, self.graph.triangles)
+        status = self._status(normals, problem.dirichlet, minimum.status)
+        if wanted is not None and status is Status.CONVERGED and abs(degree - wanted) > _OTHER_CLASS:
             status = Status.OTHER_DEGREE
         return HarmonicMap(
             normals,
             minimum.history[-1].energy,
             minimum.residual,
-            reached,
+            degree,
             status,
             len(minimum.history) - 1,
             minimum.history,

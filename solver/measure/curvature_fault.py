@@ -6,14 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..domain.domain import Domain
+from ..meshing.rounding import CORNER
 from ..notes import Note
 from .arrays import Array, Indices, face_areas_in_space
 from .curvature import mean_curvature_of
 from .sheet import SheetReport
 from .summary import how_far
 
-# A boundary that turns by more than this many degrees at a vertex has a corner there.
-_CORNER = 30.0
 # A part of the shell holds the error if it has at least this share of it, and this many times as much as of the area.
 _MOST, _DENSER = 0.5, 2.0
 
@@ -61,11 +60,11 @@ def _worst(corners: NDArray[np.int64], domain: Domain, squares: Array) -> int:
 
 
 def boundary_corners(domain: Domain, drawn: Array) -> NDArray[np.int64]:
-    """Vertices at which the drawn boundary turns by more than 30 degrees; drawn (V, 2|3)."""
+    """Vertices at which the drawn boundary turns by more than `CORNER`; drawn (V, 2|3)."""
     found = []
     for loop in domain.boundary_loops:
         before, after = drawn[loop] - drawn[np.roll(loop, 1)], drawn[np.roll(loop, -1)] - drawn[loop]
         lengths = np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)
         cosine = np.einsum("ij,ij->i", before, after) / np.maximum(lengths, np.finfo(float).tiny)
-        found.append(loop[cosine < np.cos(np.radians(_CORNER))])
+        found.append(loop[cosine < np.cos(CORNER)])
     return np.concatenate([np.empty(0, dtype=np.int64), *found]).astype(np.int64)

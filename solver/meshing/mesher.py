@@ -65,7 +65,7 @@ def mesh_plan(
     everything = loops[0].points
     low, size = everything.min(axis=0), float(np.ptp(everything, axis=0).max())
     _check_lengths(max_edge, corner_radius, size)
-    _check_count(loops, max_edge)
+    _check_count(loops, max_edge, size)
     origin = low + np.ptp(everything, axis=0) / 2
     in_units = [loop.in_units(origin, max_edge) for loop in loops]
     curves = round_corners(in_units, None if corner_radius is None else corner_radius / max_edge)
@@ -107,14 +107,15 @@ def _check_lengths(max_edge: float, corner_radius: float | None, size: float) ->
         )
 
 
-def _check_count(loops: list[Loop], max_edge: float) -> None:
+def _check_count(loops: list[Loop], max_edge: float, size: float) -> None:
+    """Refuse far too many vertices, as after a slip of the unit."""
     area = sum(signed_area(loop.points) for loop in loops)
     around = sum(float(loop.lengths.sum()) for loop in loops)
     shortest = max(np.sqrt(area / _ROW / MOST_VERTICES), around / MOST_ON_RIM)
     if max_edge < shortest:
         raise MeshError(
-            f"The edge length {max_edge:.6g} would make more than {MOST_VERTICES:,} vertices, or more than "
-            f"{MOST_ON_RIM:,} on the rim; choose one longer than {shortest:.2g}."
+            f"The edge length {max_edge:.6g} would make more than {MOST_VERTICES:,} vertices of a plan that measures "
+            f"{size:.6g}, or more than {MOST_ON_RIM:,} on the rim; choose one longer than {shortest:.2g}."
         )
 
 

@@ -18,7 +18,9 @@ import numpy as np
 from ..notes import Sentence
 from .outline import Loop, crossing_pairs, following_of, inside
 
-CORNER = np.radians(23.5)  # between the turns of regular polygons of 15 and of 16 sides
+# Between the turns of regular polygons of 15 and of 16 sides. The splines of `spanning.curves` have one of their own,
+# a higher one: there a corner too many breaks a smooth rim, while here it only gets an arc.
+CORNER = np.radians(23.5)
 AUTOMATIC = 0.1  # the automatic radius, as a part of the size of the loop
 _OF_EDGE = 0.25  # the part of an edge that an arc of automatic radius takes at most
 

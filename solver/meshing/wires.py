@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from ..errors import MeshError, plural
-from ..limits import MOST_VERTICES
 from ..linalg import out_of_range
 from .outline import inside, signed_area
 from .rounding import AUTOMATIC
@@ -20,8 +19,6 @@ from .rounding import AUTOMATIC
 _FLAT = 1e-5  # of the size: an outline this close to a plane counts as flat
 _TOUCHING = 1e-5  # of the size: loose ends this close are one
 _LEVEL = 1e-4  # the horizontal part of a normal below which its plane counts as level
-
-MOST_TRIANGLES = 2 * MOST_VERTICES
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,19 +207,6 @@ def default_edge_length(size: float) -> float:
 def default_corner_radius(size: float) -> float:
     """The largest automatic radius on a plan of this size, see `rounding`."""
     return AUTOMATIC * size
-
-
-def check_count(outline: Outline, edge_length: float) -> None:
-    """Raise `MeshError` if the mesh would have far too many triangles, as after a slip of the unit."""
-    area = sum(abs(signed_area(loop)) * (1 if k == 0 else -1) for k, loop in enumerate(outline.loops))
-    length = sum(np.linalg.norm(loop - np.roll(loop, 1, axis=0), axis=1).sum() for loop in outline.loops)
-    count = max(area, 0.0) / (0.433 * edge_length**2) + length / edge_length
-    if count > MOST_TRIANGLES:
-        raise MeshError(
-            f"An edge length of {edge_length:.3g} would cut {outline.wire.name}, which is {outline.size:.3g} wide, "
-            f"into {count:.1g} triangles; a length near {default_edge_length(outline.size):.2g} is usual, and 0 "
-            "chooses it."
-        )
 
 
 def nearest(midpoints: NDArray[np.float64], starts: NDArray, ends: NDArray) -> NDArray[np.int64]:

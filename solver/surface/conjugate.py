@@ -147,21 +147,6 @@ def conjugate_form(graph: SiteGraph, N: Array, energy: EdgeEnergy) -> Array:
     return star[:, None] * cross(a, b)
 
 
-def solve_dual_poisson(graph: SiteGraph, N: Array) -> Array:
-    """The conjugate of normals at vertices by the dual Poisson equation, (F, 3) centred at its mean.
-
-    Σ w*_e (g_left - g_right) = Σ N_i × N_j around every face, w* = 1/w the dual cotangent weights, with the
-    natural condition along the boundary (paper, Eq. 10 and Appendix C). For simply connected Delaunay domains. It
-    agrees with the integral of tau as far as N is harmonic, and so checks it.
-    """
-    inside = graph.domain.interior_edges
-    i, j = graph.links[inside].T
-    faces = SiteGraph.of(graph.domain, "faces")
-    anchor = np.zeros(1, dtype=np.int64)
-    g = Dirichlet(faces, faces.weights, anchor).solve(faces.sums(cross(N[i], N[j])), np.zeros((1, 3)))
-    return g - g.mean(axis=0)
-
-
 def _closure_error(graph: SiteGraph, tau: Array) -> float:
     """Largest |Σ_j tau_ij| around an interior site i."""
     sums = graph.sums(tau)

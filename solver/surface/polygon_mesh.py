@@ -60,7 +60,3 @@ class PolygonMesh:
     def interpolate(self, values: Array) -> Array:
         """Values (n, k) at the mesh's vertices from `values` (V, k) at the domain's, linear in each triangle."""
         return np.einsum("nc,nck->nk", self.barycentric, np.asarray(values)[self.anchors])
-
-    def interpolate_corners(self, values: Array) -> Array:
-        """Values (n, k) at the mesh's vertices from `values` (F, 3, k) at the corners of the domain, which may jump."""
-        return np.einsum("nc,nck->nk", self.barycentric, np.asarray(values)[self.triangles])

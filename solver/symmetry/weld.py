@@ -18,7 +18,6 @@ from ..domain.gluing import Glued
 from ..signatures import checked
 from ..surface import convert
 from ..surface.cmc_surface import CmcSurface
-from ..surface.polygon_mesh import PolygonMesh
 from .sides import SidePlane
 
 if TYPE_CHECKING:
@@ -105,13 +104,6 @@ class CompletedMesh:
         a, b, c = (self.vertices[self.faces[:, k]] for k in range(3))
         seen = np.einsum("fi,fi->f", np.cross(b - a, c - a), self.normals[self.faces].sum(axis=1))
         return np.flatnonzero(seen <= 0.0)
-
-    def as_polygon_mesh(self, surface: CmcSurface) -> PolygonMesh:
-        """A `PolygonMesh` that carries attributes of the domain's vertices; those at corners go by `corners`."""
-        domain = surface.domain
-        first = np.empty((len(domain.faces), 3), dtype=np.int32)
-        first.reshape(-1)[self.corners[: len(domain.faces)].ravel()] = self.faces[: len(domain.faces)].ravel()
-        return PolygonMesh.of_triangles(self.vertices, self.faces, self.source, self.normals, domain, first)
 
 
 def welded(glued: Glued, points: Array, normals: Array, source: Int, gaps: list[Gap]) -> CompletedMesh:

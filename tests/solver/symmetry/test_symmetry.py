@@ -211,9 +211,6 @@ def test_what_is_known_at_vertices_and_corners_is_carried():
     assert_array_equal(np.bincount(mesh.copies), np.full(8, len(domain.faces)))
     folded = np.abs(mesh.vertices - mesh.vertices.mean(axis=0))
     assert_allclose(folded[: domain.vertex_count][mesh.source], folded, atol=0.02)
-    polygons = mesh.as_polygon_mesh(piece.surface)
-    values = np.random.default_rng(3).normal(size=(domain.vertex_count, 2))
-    assert_allclose(polygons.interpolate(values), values[mesh.source], atol=1e-12)
 
 
 def test_plain_instances_of_the_piece_meet_without_a_gap():
