@@ -77,7 +77,7 @@ class CloseTask(ShellTask[CloseResult]):
                 settings,
                 self.options or closure_of(self.wanted),
                 solver=prepared.solver,
-                initial=None if self.known is None else self.known.shell.surface.harmonic.normals,
+                start=None if self.known is None else self.known.shell.surface,
                 progress=progress,
                 intersections=self.solve.settings.intersections,
             )

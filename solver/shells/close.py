@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from ..closing.close import ClosingResult, close_periods
 from ..closing.holes import MOTIONS, MovingHoles
@@ -18,10 +18,11 @@ from ..measure.report import to_plain
 from ..measure.summary import percent
 from ..notes import Note, Sentence
 from ..signatures import check_fields
+from ..surface.cmc_surface import CmcSurface
 from ..surface.placement import plan_plane, rim_weights
 from ..surface.solve import CmcSolver
 from .form import place_and_measure, solve_plan
-from .gaps import hole_loops
+from .gaps import hole_loops, relative_lengths
 from .plan import Plan, Settings, plan_domain
 from .plan_conditions import plan_conditions
 from .shell import Shell
@@ -85,12 +86,17 @@ class ClosingOptions:
 @dataclass(frozen=True, eq=False, repr=False)
 class ClosedShell:
     """shell: the last one. plan: with other positions where its holes moved. moving: those holes, None where they
-    stay."""
+    stay. gap_before, gap: the longest gap around a hole as a part of the size of f+, see `HoleGap`."""
 
     shell: Shell
     plan: Plan
     closing: ClosingResult
     moving: MovingHoles | None
+    gap_before: float
+
+    @property
+    def gap(self) -> float:
+        return _longest_gap(self.shell.surface)
 
     @property
     def ok(self) -> bool:
@@ -114,9 +120,9 @@ class ClosedShell:
     def message(self) -> str:
         """How closing ended, and the changes of the boundary."""
         closing, turned = self.closing, np.degrees(self.closing.turned)
-        words = [closing.status.sentence, f"The gap was {percent(closing.gaps[0])} of the shell's size."]
+        words = [closing.status.sentence, f"The gap was {percent(self.gap_before)} of the shell's size."]
         if not closing.closed:
-            words[-1] = f"{words[-1][:-1]} and is {percent(closing.gaps[-1])}."
+            words[-1] = f"{words[-1][:-1]} and is {percent(self.gap)}."
         if turned.max(initial=0.0) > _LEAST_TURN:
             mean = np.sqrt(np.mean(turned**2))
             words.append(f"Normals along the boundary turned by {turned.max():.1f}° at most (RMS {mean:.1f}°).")
@@ -138,13 +144,13 @@ def close_plan(
     options: ClosingOptions,
     *,
     solver: CmcSolver | None = None,
-    initial: ArrayLike | None = None,
+    start: CmcSurface | None = None,
     progress: Progress | None = None,
     intersections: bool = True,
 ) -> ClosedShell:
     """Change normals or holes until the shell over a plan closes, then place and measure it as `form` does.
 
-    solver: one for the plan's domain. initial (V, 3): normals to start from, of an earlier solve. progress(step, gap)
+    solver: one for the plan's domain. start: the surface of `solve_plan`, if it is known. progress(step, gap)
     is called at every step of Newton's method; False cancels. The groups of the plan stay as they are.
     Raises `CmcError` on plans without holes and on unusable input; not closing is a status: see `ok` and `message`.
     """
@@ -152,8 +158,7 @@ def close_plan(
     solver = solver or CmcSolver(plan_domain(plan))
     domain = solver.domain
     conditions = plan_conditions(plan, settings, domain)
-    if initial is None:
-        initial = solve_plan(plan, settings, solver).harmonic.normals
+    start = start or solve_plan(plan, settings, solver)
     moving = _moving(plan, domain, options)
     closing = close_periods(
         domain,
@@ -162,14 +167,14 @@ def close_plan(
         moduli=None if moving is None else moving.moduli(),
         weight=options.weight,
         positions=plan.positions if options.by == "tilts" else None,
-        initial=initial,
+        initial=start.harmonic.normals,
         max_steps=options.max_steps,
         progress=progress,
     )
     if moving is not None and closing.moduli.any():
         plan, solver = replace(plan, positions=moving.positions(closing.moduli)), CmcSolver(closing.domain)
     shell = place_and_measure(plan, settings, closing.surface, solver, intersections=intersections)
-    closed = ClosedShell(shell, plan, closing, moving)
+    closed = ClosedShell(shell, plan, closing, moving, _longest_gap(start))
     return replace(closed, shell=_with_message(shell, closed))
 
 
@@ -182,14 +187,18 @@ def closing_report(closed: ClosedShell) -> dict[str, Any]:
         "status": closing.status.value,
         "message": closed.message,
         "steps": len(closing.gaps) - 1,
-        "gap_before": closing.gaps[0],
-        "gap": closing.gaps[-1],
+        "gap_before": closed.gap_before,
+        "gap": closed.gap,
         "left": to_plain(closing.left),
         "largest_turn": float(turned.max(initial=0.0)),
         "rms_turn": float(np.sqrt(np.mean(turned**2))) if turned.size else 0.0,
         "moved": to_plain(closed.moved),
         "area_ratio": float(closing.area_ratio),
     }
+
+
+def _longest_gap(surface: CmcSurface) -> float:
+    return float(relative_lengths(surface).max(initial=0.0))
 
 
 def _check_sites(settings: Settings) -> None:

@@ -57,9 +57,8 @@ def surface_gaps(surface: CmcSurface, similarity: Similarity, points: Array) -> 
     domain = surface.domain
     if not len(surface.periods):
         return []
-    size = similarity.scale * float(np.linalg.norm(np.ptp(surface.f_plus, axis=0)))
     periods = similarity.scale * similarity.directions(period_vectors(surface))
-    relative = (np.linalg.norm(periods, axis=1) / size).tolist()
+    relative = relative_lengths(surface).tolist()
     if _has_handles(domain):
         middle = points.mean(axis=0)
         return [HoleGap(f"period {k + 1}", period, relative[k], middle) for k, period in enumerate(periods)]
@@ -68,6 +67,12 @@ def surface_gaps(surface: CmcSurface, similarity: Similarity, points: Array) -> 
         at, period = _ends(surface.source, points, domain.boundary_loops[loop], periods[k])
         gaps.append(HoleGap(f"hole {k + 1}", period, relative[k], at))
     return gaps
+
+
+def relative_lengths(surface: CmcSurface) -> Array:
+    """(k,) the lengths of `period_vectors` as parts of the diagonal of the box of f+."""
+    size = float(np.linalg.norm(np.ptp(surface.f_plus, axis=0)))
+    return np.linalg.norm(period_vectors(surface), axis=1) / size
 
 
 def period_vectors(surface: CmcSurface) -> Array:

@@ -105,7 +105,7 @@ def test_a_court_closes_in_place(plan, way):
     groups = [(g.name, g.kind, g.tilt) for g in plan.data.cmc.groups]
     material = bpy.data.materials.new("Stone")
     shell.data.materials.append(material)
-    before = report(plan)["gap"]
+    before, (hole,) = report(plan)["gap"], report(plan)["holes"]
     assert bpy.ops.cmc.close_periods(close_by=way) == FINISHED
     reported = report(plan)
     assert plan.cmc.f_plus == shell and shell.data.materials[0] == material
@@ -113,6 +113,7 @@ def test_a_court_closes_in_place(plan, way):
     assert len(shell.data.polygons) == len(plan.data.polygons)
     assert uv_corners(shell.data) == uv_corners(plan.data) and seams(shell.data) == seams(plan.data)
     closing = reported["closing"]
+    assert closing["gap_before"] == hole["relative"], "one gap, one number"
     assert closing["closed"] and not reported["is_open"] and reported["gap"] < 1e-7 * before
     assert plan.cmc.message.split(":")[0] == closing["message"].split(":")[0] and plan.cmc.close_by == way
     assert [(g.name, g.kind, g.tilt) for g in plan.data.cmc.groups] == groups

@@ -84,6 +84,7 @@ def test_one_motion_does_not_close_and_says_what_is_left(tmp_path, capsys):
     assert main([str(path)]) == FAILED
     report = written(tmp_path)
     assert not report["closing"]["closed"] and report["closing"]["gap"] > 1e-3 and report["is_open"]
+    assert report["closing"]["gap"] == report["holes"][0]["relative"], "one gap, one number"
     assert report["closing"]["message"] == report["message"] == report["warnings"][0]["text"]
     assert " and is " in report["message"] and "The surface closes" not in report["message"]
     assert report["message"].split(".")[0] in capsys.readouterr().err
