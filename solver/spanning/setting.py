@@ -31,6 +31,9 @@ from .walls import OverPlanes, OverWalls, RimVolume, Walls
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
+# Lines within this part of their size from a plane lie in it.
+_IN_PLANE = 1e-6
+
 
 @dataclass(frozen=True, eq=False)
 class Lines:
@@ -105,6 +108,7 @@ def setting(
     order = [outer, *(k for k in range(len(given)) if k != outer)]
     conditions = _conditions(domain, points, mirrors, leans)
     lines = _measured([given[k] for k in order], conditions.planes, all(own))
+    _check_mirrors(domain, conditions, lines)
     loops = [domain.boundary_loops[k].astype(np.int64) for k in order]
     places = [np.searchsorted(domain.boundary_vertices, loop) for loop in loops]
     conditions = conditions.centred(lines.centre)
@@ -135,6 +139,19 @@ def setting(
             edges = [domain.boundary_loop_edges[k] for k in order]
             _check_balance(conditions, mean_curvature, [points[loop] for loop in loops], edges)
     return problem, lines
+
+
+def _check_mirrors(domain: Domain, conditions: Conditions, lines: Lines) -> None:
+    """A surface at right angles to the plane of all lines would shrink to them: nothing holds it up."""
+    points = np.concatenate(lines.loops)
+    for number, kind in enumerate(conditions.kinds):
+        if isinstance(kind, Plane) and np.abs(points @ kind.normal - kind.offset).max() <= _IN_PLANE * lines.size:
+            normal = ", ".join(f"{x:.3g}" for x in kind.normal)
+            raise ConditionError(
+                f"The plane of a mirror, with the normal ({normal}), holds all lines of the plan. A mirror stands upright "
+                "over its side, like a wall: give it the direction across that side.",
+                edges=np.flatnonzero(conditions.labels == number),
+            )
 
 
 def _check_balance(conditions: Conditions, H: float, loops: Sequence[Array], edges: Sequence[Int]) -> None:

@@ -100,3 +100,13 @@ def test_mirrors_that_contradict_each_other():
     with pytest.raises(ConditionError, match="spans its own points"):
         curve = plan.positions[plan.domain.boundary_loops[0]]
         span_outline(plan, plan.positions, curve, mirrors=walls(plan, "side0", last))
+
+
+@pytest.mark.parametrize("height", [{}, {"rise": 0.4}, {"mean_curvature": 0.05}])
+def test_a_mirror_that_lies_on_a_flat_plan_is_named(height):
+    plan = shapes.rectangle(12.0, 6.0, columns=12)
+    with pytest.raises(ConditionError, match=r"normal \(0, 0, 1\), holds all lines of the plan.*upright") as caught:
+        span_outline(plan, plan.positions, mirrors=[("left", [0, 0, 2])], **height)
+    assert set(caught.value.edges) == set(plan.sides["left"].tolist())
+    raised = np.column_stack([plan.positions[:, :2], 0.1 * plan.positions[:, 0]])
+    assert span_outline(plan, raised, mirrors=[("left", [-1, 0, 0])]).ok
