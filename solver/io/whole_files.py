@@ -9,6 +9,7 @@ to the disk and then moved to its place; where anything fails, what was there be
         outbox.send()
 
 The seal is moved last, and its predecessor is removed first: whoever finds a report finds the files that it is about.
+A link stays: the file that it leads to is replaced, wherever that is, as editors do it.
 Processes that write into one folder take turns (where the system can lock a folder, which Windows cannot).
 """
 
@@ -63,16 +64,19 @@ class Outbox:
             raise JobError(f"{target} cannot be written: its name has a null character.")
         place = target.parent
         if place not in self._folders:
-            where = self._in or place
-            try:
-                place.mkdir(parents=True, exist_ok=True)
-                folder = Path(tempfile.mkdtemp(prefix=SCRATCH, dir=where))
-            except OSError as error:
-                raise cannot_write(target, error) from error
-            self._stack.callback(shutil.rmtree, folder, ignore_errors=True)
-            self._stack.enter_context(locked([folder]))
-            self._folders[place] = folder
+            self._folders[place] = self._scratch(target, self._in or place)
         return self._folders[place] / target.name
+
+    def _scratch(self, target: Path, where: Path) -> Path:
+        """A new scratch folder there, for this file."""
+        try:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            folder = Path(tempfile.mkdtemp(prefix=SCRATCH, dir=where))
+        except OSError as error:
+            raise cannot_write(target, error) from error
+        self._stack.callback(shutil.rmtree, folder, ignore_errors=True)
+        self._stack.enter_context(locked([folder]))
+        return folder
 
     def write(self, target: Path, data: bytes) -> None:
         """Take a file with these contents. Raises `JobError`."""
@@ -111,20 +115,36 @@ class Outbox:
                 raise JobError(f"{target} cannot be written: it is a folder.")
             if target.exists() and not target.is_file():
                 raise JobError(f"{target} cannot be written: it is a device or a pipe, no file.")
-        with locked(sorted(self._folders)):
-            self._move(moves)
-        for place in self._folders:
-            _flush_folder(place)
+        places = _behind_links(moves)
+        moved = {places[target]: self._near(file, places[target], target) for target, file in moves.items()}
+        seal = None if self.seal is None else places.get(self.seal)
+        folders = sorted({*self._folders, *(place.parent for target, place in places.items() if place != target)})
+        with locked(folders):
+            self._move(moved, seal)
+        for folder in folders:
+            _flush_folder(folder)
         return list(moves)
 
-    def _move(self, moves: dict[Path, Path]) -> None:
+    def _near(self, file: Path, place: Path, target: Path) -> Path:
+        """The scratch file, copied beside its place where a link leads to another folder: that may be another disk."""
+        if place.parent == target.parent:
+            return file
+        copy = self._scratch(place, place.parent) / place.name
+        try:
+            shutil.copyfile(file, copy)
+            _flush(copy)
+        except OSError as error:
+            raise cannot_write(target, error) from error
+        return copy
+
+    def _move(self, moves: dict[Path, Path], seal: Path | None) -> None:
         """Where a move fails, the files of before come back."""
-        leaving = [*([self.seal] if self.seal is not None and self.seal in moves else []), *self._gone]
+        leaving = [*([] if seal is None else [seal]), *self._gone]
         kept: dict[Path, Path | None] = {}
         try:
             for number, target in enumerate(dict.fromkeys([*leaving, *moves])):
-                folder = self._folders.get(target.parent) or next(iter(self._folders.values()))
-                kept[target] = _keep(target, folder / f"before-{number}")
+                known = moves[target].parent if target in moves else self._folders.get(target.parent)
+                kept[target] = _keep(target, (known or next(iter(self._folders.values()))) / f"before-{number}")
             for target in leaving:
                 target.unlink(missing_ok=True)
             for target, file in moves.items():
@@ -150,6 +170,21 @@ def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
 
 def cannot_write(target: Path, error: OSError) -> JobError:
     return JobError(f"{target} cannot be written: {error.strerror or error}.")
+
+
+def _behind_links(targets: Iterable[Path]) -> dict[Path, Path]:
+    """Target → where its file goes: at the end of the links that the target may be."""
+    places: dict[Path, Path] = {}
+    seen: dict[str, Path] = {}
+    for target in targets:
+        real = os.path.realpath(target)
+        places[target] = Path(real) if target.is_symlink() else target
+        if places[target].is_symlink():
+            raise JobError(f"{target} cannot be written: it is a link that leads to itself.")
+        if real in seen:
+            raise JobError(f"{seen[real]} and {target} are one file; give one of them another name.")
+        seen[real] = target
+    return places
 
 
 def remove_stale(folders: Iterable[Path]) -> None:

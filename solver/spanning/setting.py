@@ -148,8 +148,8 @@ def _check_mirrors(domain: Domain, conditions: Conditions, lines: Lines) -> None
         if isinstance(kind, Plane) and np.abs(points @ kind.normal - kind.offset).max() <= _IN_PLANE * lines.size:
             normal = ", ".join(f"{x:.3g}" for x in kind.normal)
             raise ConditionError(
-                f"The plane of a mirror, with the normal ({normal}), holds all lines of the plan. A mirror stands upright "
-                "over its side, like a wall: give it the direction across that side.",
+                f"The plane of a mirror, with the normal ({normal}), holds all lines of the plan. A mirror stands "
+                "upright over its side, like a wall: give it the direction across that side.",
                 edges=np.flatnonzero(conditions.labels == number),
             )
 

@@ -101,6 +101,59 @@ def test_a_pipe_of_that_name_stays(tmp_path):
     assert (tmp_path / "a.obj").is_fifo()
 
 
+@pytest.fixture
+def linked(old) -> Path:
+    """A folder of links: to another folder, by way of another link, and to a file that is not there yet."""
+    folder = old / "links"
+    folder.mkdir()
+    (folder / "shell.obj").symlink_to("../shell.obj")
+    (folder / "report.json").symlink_to("next.json")
+    (folder / "next.json").symlink_to(old / "report.json")
+    (folder / "new.obj").symlink_to("../away/new.obj")
+    return folder
+
+
+def test_links_stay_and_their_files_are_replaced(linked):
+    names = ("shell.obj", "new.obj", "report.json")
+    with Outbox(seal=linked / "report.json") as outbox:
+        for name in names:
+            outbox.write(linked / name, b"new\n")
+        assert set(outbox.send()) == {linked / name for name in names}
+    assert all((linked / name).is_symlink() for name in names)
+    assert texts(linked.parent) == {"shell.obj": "new\n", "report.json": "new\n"}
+    assert texts(linked.parent / "away") == {"new.obj": "new\n"} and not list(linked.parent.rglob(".*"))
+
+
+def test_a_move_that_fails_brings_files_behind_links_back(linked, monkeypatch):
+    real = os.replace
+
+    def replace(source, target):
+        if Path(target).name == "report.json" and "before" not in Path(source).name:
+            raise OSError(28, "No space left on device")
+        real(source, target)
+
+    monkeypatch.setattr(os, "replace", replace)
+    with pytest.raises(JobError, match="No space left"), Outbox(seal=linked / "report.json") as outbox:
+        for name in ("shell.obj", "new.obj", "report.json"):
+            outbox.write(linked / name, b"new\n")
+        outbox.send()
+    assert texts(linked.parent) == {"shell.obj": "old\n", "report.json": "old\n"}
+    assert texts(linked.parent / "away") == {} and (linked / "report.json").is_symlink()
+
+
+def test_links_in_a_circle_and_two_links_to_one_file_are_named(old):
+    (old / "a.obj").symlink_to("b.obj")
+    (old / "b.obj").symlink_to("a.obj")
+    with pytest.raises(JobError, match=r"a\.obj cannot be written: it is a link that leads to itself"):
+        write_bytes(old / "a.obj", b"new\n")
+    (old / "one.obj").symlink_to("shell.obj")
+    with pytest.raises(JobError, match=r"one\.obj and .*shell\.obj are one file"), Outbox() as outbox:
+        outbox.write(old / "one.obj", b"1\n")
+        outbox.write(old / "shell.obj", b"2\n")
+        outbox.send()
+    assert (old / "shell.obj").read_text() == "old\n"
+
+
 @pytest.mark.parametrize("suffix", [".obj", ".ply", ".stl", ".glb"])
 def test_what_is_written_passes_and_a_part_of_it_does_not(tmp_path, suffix):
     file = tmp_path / f"mesh{suffix}"
