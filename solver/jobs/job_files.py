@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Protocol
@@ -42,7 +43,7 @@ def write_job(
 
     more: tables to add to the report. Raises `JobError`, with nothing changed, where they cannot be written.
     """
-    remove_stale({file.parent for file in job.files.values()})
+    _remove_stale(job)
     report, combinatorics = job.outputs.get("report"), job.settings.combinatorics
     with Outbox(seal=report) as outbox:
         missing = take_sheets(outbox, shell, plan, job.mesh, job.outputs, up=job.up, combinatorics=combinatorics)
@@ -61,11 +62,18 @@ def write_job(
 
 def done_before(job: Job) -> dict[str, Any] | None:
     """The table `made` of the report of an earlier run, if it has done all of this job; None without a report."""
+    _remove_stale(job)
     report = job.outputs.get("report")
     if report is None:
         return None
     wanted = [file for file in job.files.values() if file != report]
     return is_done(report, key_of(**_what(job)), wanted)
+
+
+def _remove_stale(job: Job) -> None:
+    """What interrupted runs have left beside the files of a job, or beside those that links lead to."""
+    files = [*job.files.values(), *(Path(os.path.realpath(file)) for file in job.files.values())]
+    remove_stale({file.parent for file in files})
 
 
 def _what(job: Job) -> dict[str, Any]:

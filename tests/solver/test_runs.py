@@ -67,6 +67,14 @@ def test_resume_does_the_rest_only(jobs, capsys):
     assert Path("b.obj").stat().st_size > 1000
 
 
+def test_resume_removes_what_was_left_beside_jobs_that_are_done(jobs):
+    """A run killed between its last move and its end leaves an empty scratch folder."""
+    assert main(jobs) == 0
+    Path(".export-left").mkdir()
+    assert main([*jobs, "--resume"]) == 0
+    assert not Path(".export-left").exists()
+
+
 @pytest.mark.parametrize("change", ["settings", "files", "version", "mesh"])
 def test_what_has_changed_is_done_again(jobs, capsys, change, monkeypatch):
     Path("p.obj").write_text((ROOT / "assets/jobs/canopy.obj").read_text())
