@@ -43,6 +43,19 @@ class Tab:
     bl_category = CATEGORY
 
 
+class PlanPart(Tab):
+    """Base of panels about the plan, which are shown where there is one."""
+
+    @classmethod
+    def poll(cls, context):
+        return plan_to_solve(context) is not None
+
+    def draw(self, context):
+        plan = plan_to_solve(context)
+        if plan is not None:
+            self.draw_plan(plan)
+
+
 def hint(layout: bpy.types.UILayout, *lines: str) -> None:
     """A hint on the next step, in lines short enough for a narrow sidebar."""
     column = layout.column(align=True)
@@ -193,20 +206,14 @@ class CMC_PT_shell(Tab, bpy.types.Panel):
         column.prop(settings, "ground")
 
 
-class CMC_PT_options(Tab, bpy.types.Panel):
+class CMC_PT_options(PlanPart, bpy.types.Panel):
     bl_idname = "CMC_PT_options"
     bl_label = "Options"
     bl_parent_id = "CMC_PT_shell"
     bl_options = {"DEFAULT_CLOSED"}
     bl_order = 1
 
-    @classmethod
-    def poll(cls, context):
-        return plan_to_solve(context) is not None
-
-    def draw(self, context):
-        plan = plan_to_solve(context)
-        assert plan is not None  # see `poll`
+    def draw_plan(self, plan):
         settings = plan.cmc
         column = properties_column(self.layout)
         column.enabled = keeps_changes(plan)
@@ -223,21 +230,14 @@ class CMC_PT_options(Tab, bpy.types.Panel):
             column.prop(settings, name)
 
 
-class CMC_PT_advanced(Tab, bpy.types.Panel):
+class CMC_PT_advanced(PlanPart, bpy.types.Panel):
     bl_idname = "CMC_PT_advanced"
     bl_label = "Advanced"
     bl_parent_id = "CMC_PT_shell"
     bl_options = {"DEFAULT_CLOSED"}
     bl_order = 1
 
-    @classmethod
-    def poll(cls, context):
-        return plan_to_solve(context) is not None
-
-    def draw(self, context):
-        plan = plan_to_solve(context)
-        if plan is None:
-            return
+    def draw_plan(self, plan):
         column = properties_column(self.layout)
         column.enabled = keeps_changes(plan)
         draw_advanced(column, plan.cmc)

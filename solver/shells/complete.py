@@ -186,7 +186,7 @@ def complete_plan(plan: Plan, shell: Shell, selection: CopySelection, sheet: str
     surface = shell.surface
     sides = plan_sides(plan, surface.domain, selection.sides)
     choice = {"copies": selection.copies, "box": selection.box, "around": selection.around, "frame": shell.similarity}
-    completion = complete(surface, sides, sheet=sheet, **choice)  # type: ignore[arg-type]
+    completion = complete(surface, sides, sheet=sheet, **choice)
     if selection.repeat != 1:
         known = len(completion.lattice)
         times = [selection.repeat] * known if isinstance(selection.repeat, int) else list(selection.repeat)[:known]
@@ -196,5 +196,5 @@ def complete_plan(plan: Plan, shell: Shell, selection: CopySelection, sheet: str
             count = len(completion.copies) * math.prod(times)
             raise JobError(f"That makes {count} copies, and {MOST_COPIES} are the most; repeat them less often.")
         if max(times, default=1) > 1:
-            completion = complete(surface, sides, sheet=sheet, repeat=times, **choice)  # type: ignore[arg-type]
+            completion = complete(surface, sides, sheet=sheet, repeat=times, **choice)
     return Completed(shell, completion)
