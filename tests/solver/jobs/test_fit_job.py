@@ -208,7 +208,7 @@ def test_a_goal_that_cannot_be_met(folder, capsys):
     """A circle of radius 5 spans no shell of 1/H = 2: the best one is written and the exit code is 1."""
     (folder / "job.toml").write_text(DISC + '[fit]\nmean_curvature = 0.5\n[output]\nf_plus = "best.obj"\n')
     assert main([str(folder / "job.toml")]) == 1
-    assert "choose a smaller mean curvature" in capsys.readouterr().err
+    assert "Choose a smaller one" in capsys.readouterr().err
     assert (folder / "best.obj").exists()
 
 
