@@ -167,7 +167,7 @@ def in_slices(
     while True:
         fit = call(initial=fit, max_evaluations=size, progress=counting)
         past += fit.history
-        if fit.span is not None or fit.status is not FitStatus.EVALUATION_LIMIT or len(past) >= LIMIT:
+        if fit.status is not FitStatus.EVALUATION_LIMIT or len(past) >= LIMIT:
             return replace(fit, history=past)
         show(fit)
         size = min(2 * size, LIMIT - len(past))

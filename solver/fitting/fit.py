@@ -54,7 +54,7 @@ class FitStatus(Enum):
         return {
             FitStatus.CONVERGED: "The fit converged: no change of the boundary normals comes nearer to the targets.",
             FitStatus.EVALUATION_LIMIT: "The fit reached its limit of evaluations; more may bring it nearer.",
-            FitStatus.NO_SURFACE: "No surface lies on these lines.",
+            FitStatus.NO_SURFACE: "No surface on these lines was found.",
             FitStatus.CANCELLED: "The fit was cancelled; this is the best surface up to then.",
         }[self]
 

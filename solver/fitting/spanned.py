@@ -22,11 +22,7 @@ from .target import Shape, Target
 
 Array = NDArray[np.float64]
 
-_STATUS = {
-    SpanStatus.CONVERGED: FitStatus.CONVERGED,
-    SpanStatus.ITERATION_LIMIT: FitStatus.EVALUATION_LIMIT,
-    SpanStatus.CANCELLED: FitStatus.CANCELLED,
-}
+_STATUS = {SpanStatus.CONVERGED: FitStatus.CONVERGED, SpanStatus.CANCELLED: FitStatus.CANCELLED}
 
 
 def spanned_fit(
