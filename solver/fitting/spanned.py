@@ -65,7 +65,8 @@ def start_from(span: Span, *, sheet: str, least: float, base: float = 0.0) -> St
 def _seated(span: Span) -> tuple[CmcSurface, Array, float]:
     """The surface with g centred, H >= 0; the shift and the sign that take it to its place.
 
-    It closes around each hole: a period of zero. The surface of the largest H, in place of one that does not exist, is as good as any.
+    It closes around each hole: a period of zero. The surface of the largest H, in place of one that does not exist, is
+    as good as any.
     """
     surface, sign = span.as_surface, -1.0 if span.mean_curvature < 0.0 else 1.0
     if span.kept.largest is not None:
