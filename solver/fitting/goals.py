@@ -102,8 +102,12 @@ class OutlineOptions:
     @property
     def has_lines_only(self) -> bool:
         """Whether lines and one number are all that is asked for, so that the span is the surface."""
-        others = self.free_heights or self.anchors is not None or self.tilt is not None
-        return self.on_curve and not others and self.smooth == _SMOOTH
+        return self.may_be_spanned and self.tilt is None
+
+    @property
+    def may_be_spanned(self) -> bool:
+        """Whether the span is the surface if it keeps the bounds on its tilt."""
+        return self.on_curve and self.anchors is None and self.smooth == _SMOOTH
 
     @property
     def height_parameter(self) -> tuple[str, float]:

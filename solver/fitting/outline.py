@@ -46,11 +46,11 @@ def fit_outline(domain: DomainLike, positions: ArrayLike, options: OutlineOption
     continue. progress(evaluation, value) is called at every step; False cancels.
 
     Where that is all, `span_outline` finds the surface, with its rim on the lines: at most sixty steps, holes and sharp
-    corners by moduli of the plan, mean_curvature of either sign or 0; see `Fit.span`. Other goals start a search from
-    there, over the plan that was found. free_heights: only the outline seen from above counts. anchors: vertices (k,),
-    places (k, 3) and weights (k,) of supports; with on_curve=False only they count. tilt: least and greatest tilt of
-    the tangent planes along the rim, radians, 0 a vertical wall, ½ π flat. smooth: weight of ½ ∮ |dN₀|², for quieter
-    boundary normals. max_evaluations: of the search.
+    corners by moduli of the plan, mean_curvature of either sign or 0; see `Fit.span`. free_heights: only the outline
+    seen from above counts, and the rim is level. Other goals that this surface does not meet start a search from there,
+    over the plan that was found. anchors: vertices (k,), places (k, 3) and weights (k,) of supports; with
+    on_curve=False only they count. tilt: least and greatest tilt of the tangent planes along the rim, radians, 0 a
+    vertical wall, ½ π flat. smooth: weight of ½ ∮ |dN₀|², for quieter boundary normals. max_evaluations: of the search.
 
     Goals that no surface meets end with the nearest one: `Fit.is_met` is false and the message names the way out.
     Raises `ConditionError` on goals that contradict each other or have no meaning, as a crown below its own rim.
@@ -64,9 +64,12 @@ def fit_outline(domain: DomainLike, positions: ArrayLike, options: OutlineOption
     if earlier is not None and earlier.span is None and not options.has_lines_only:
         return _searched(goals, earlier.surface.domain, _continued(earlier, goals.base), options)
     span = _spanned(goals, domain, points, options)
-    if options.has_lines_only or span.status is SpanStatus.CANCELLED:
+    ends = options.has_lines_only or span.status is SpanStatus.CANCELLED
+    if ends or options.may_be_spanned:
         targets = goals.targets(options.smooth, _STRICTNESS)
-        return spanned_fit(span, targets, size=goals.size, sheet=options.sheet, base=goals.base)
+        found = spanned_fit(span, targets, size=goals.size, sheet=options.sheet, base=goals.base)
+        if ends or (span.ok and not goals.unmet(found)):
+            return found
     start = start_from(span, sheet=options.sheet, least=_FLATTEST / goals.size, base=goals.base)
     return _searched(goals, span.domain, start, options)
 

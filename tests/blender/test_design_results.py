@@ -170,7 +170,7 @@ def test_an_approximation_is_shown_too(addon, monkeypatch):
 
 def test_shapes_are_shown_while_it_runs(addon, hand, monkeypatch):
     plan = small_disc()
-    plan.scale, plan.cmc.free_heights = (1.6, 1.0, 1.0), True
+    plan.scale, plan.cmc.limit_tilt, plan.cmc.tilt_min = (1.6, 1.0, 1.0), True, 1.2
     preview = addon.cmc_addon.drawing.preview
     monkeypatch.setattr(addon.cmc_addon.tasks.fit_outline, "_FIRST_SLICE", 3)
     shown, progress = [], []
@@ -192,7 +192,7 @@ def test_shapes_are_shown_while_it_runs(addon, hand, monkeypatch):
 def test_escape_leaves_the_scene_as_it_was(addon, hand, monkeypatch):
     monkeypatch.setattr(addon.cmc_addon.tasks.fit_outline, "_FIRST_SLICE", 3)
     plan = small_disc()
-    plan.scale, plan.cmc.free_heights = (1.6, 1.0, 1.0), True
+    plan.scale, plan.cmc.limit_tilt, plan.cmc.tilt_min = (1.6, 1.0, 1.0), True, 1.2
     bpy.context.view_layer.update()
     before = snapshot()
     while addon.cmc_addon.drawing.preview.Preview.shape is None:
