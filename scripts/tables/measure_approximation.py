@@ -107,6 +107,10 @@ def over_the_square(count: int, height) -> tuple[Domain, np.ndarray]:
     return Domain.from_positions(points, shape.domain.faces), points
 
 
+def scherk(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    return np.log(np.cos(1.2 * y) / np.cos(1.2 * x)) / 1.2
+
+
 def saddles() -> list[str]:
     """Surfaces whose mean curvature is nearly zero or changes sign."""
     rows = [
@@ -115,7 +119,7 @@ def saddles() -> list[str]:
     ]
     given = {name: over_the_disc(2000, height) for name, height in SADDLES.items()}
     given["hypar over a square"] = over_the_square(2000, lambda x, y: 0.5 * x * y)
-    given["Scherk's over a square"] = over_the_square(2000, lambda x, y: np.log(np.cos(1.2 * y) / np.cos(1.2 * x)) / 1.2)
+    given["Scherk's over a square"] = over_the_square(2000, scherk)
     given["catenoid, 1 to ½"] = catenoid(2000)
     for name, (domain, points) in given.items():
         fit = fit_gauss_map(domain, points, 1e-4)

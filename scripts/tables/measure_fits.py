@@ -173,14 +173,14 @@ def raised_cell(disc: shapes.Shape, line: Array, rise: float) -> str:
 
 
 def courtyards() -> list[str]:
-    """Plans with holes: longest gap, and largest distance of the rims from their lines, in % of the span."""
+    """Plans with holes: largest distance of the rims from their lines in % of the span, and the steps."""
     circle = np.column_stack([np.cos(CIRCLE), np.sin(CIRCLE)])[::4]
     square = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
     plans = {
         "circle off the centre of a circle": shapes.polygon(circle, holes=[0.4 * circle + [0.15, 0.1]], max_edge=0.04),
         "square in a square": shapes.polygon(square, holes=[0.4 * square + 0.1], max_edge=0.05, corner_radius=0.15),
     }
-    rises = (0.025, 0.05, 0.1, 0.15)
+    rises = (0.05, 0.15, 0.3, 0.45)
     rows = [
         f"| plan | vertices | {' | '.join(f'rise {100 * rise:g} %' for rise in rises)} |",
         "|---|---|" + "---|" * len(rises),
@@ -188,7 +188,7 @@ def courtyards() -> list[str]:
     for name, shape in plans.items():
         fits = [fit_outline(shape.domain, shape.positions, rise=rise) for rise in rises]
         size = size_of(shape.positions)
-        cells = [f"{100 * f.distances['period'] / size:.0e}, {off(f, size):.1f}" for f in fits]
+        cells = [f"{off(f, size):.3f} ({len(f.history)})" if f.is_met else f.message for f in fits]
         rows.append(f"| {name} | {len(shape.positions)} | {' | '.join(cells)} |")
     return rows
 
