@@ -116,6 +116,14 @@ def test_mean_curvature_zero_and_below():
         fit_outline(disc, raised, mean_curvature=0.0, tilt=(0.0, 1.5))
 
 
+def test_a_low_crown_is_met_although_it_hardly_shows():
+    """Its height is met to a millionth of itself, below what the residual lets it be known to at first."""
+    roof = shapes.polygon([[0, 0], [3, 0], [3, 1], [0, 1]], max_edge=(0.002 * 3**0.5) ** 0.5, corner_radius=0.3)
+    found = fit_outline(roof, roof.positions, rise=0.05)
+    assert found.ok and len(found.history) < 12, found.message
+    assert found.points()[:, 2].max() == pytest.approx(0.025, rel=2e-6)
+
+
 def test_bounds_that_the_span_keeps_need_no_search():
     disc = shapes.disc(200)
     found = fit_outline(disc, disc.positions, rise=0.3, tilt=(0.0, 1.5))
