@@ -104,7 +104,7 @@ def size_rows(report: dict) -> list[tuple[str, str]]:
         ("Span", length_text(shown["span"])),
         ("Rise", length_text(shown["rise"])),
         ("Area", length_text(shown["area"], 2)),
-        ("Radius 1/H", length_text(1 / H)),
+        *([("Radius 1/H", length_text(1 / H))] if H else []),
         ("H", f"{in_units(H):.4g} {per_length()}"),
     ]
 
@@ -127,7 +127,9 @@ def check_rows(report: dict) -> list[tuple[str, str]]:
     """Labels and numbers of the checks: curvature, distortion, distance from the outline, and others."""
     shown, rows = shown_sheet(report), []
     if shown["mean_curvature"]:
-        rows.append(("H Off By", percent(shown["mean_curvature"]["relative_l2"])))
+        off = shown["mean_curvature"]
+        by = percent(off["relative_l2"]) if report["mean_curvature"] else f"{in_units(off['l2']):.2g} {per_length()}"
+        rows.append(("H Off By", by))
     if shown["distortion"]:
         rows.append(("Distortion", f"{shown['distortion']['mean']:.3f}, at most {shown['distortion']['max']:.3f}"))
     if shown["outline"] and not is_design(report):  # Design has the distances of a fit

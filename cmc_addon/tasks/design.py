@@ -75,8 +75,9 @@ class DesignResult(Result):
         """How near the shell is to its target, and what to change where that is not near enough."""
         if not self.converged:
             write = partial(length_text, digits=2)
-            unmet = [text.written(write) if isinstance(text, Sentence) else text for text in self.fit.unmet]
-            return " ".join([self.fit.status.sentence, *unmet])
+            return " ".join(
+                text.written(write) if isinstance(text, Sentence) else text for text in self.fit.sentences
+            )
         if self.deviation is not None:
             mean, most = (length_text(float(off), digits=2) for off in (self.deviation.mean(), self.deviation.max()))
             return f"The nearest surface is {most} off at most, {mean} on average."

@@ -160,18 +160,17 @@ def in_slices(
     """call(initial=…, max_evaluations=…, progress=…), repeated from where it stopped until it ends by itself.
 
     Each slice is twice as long as the one before, since it starts without the curvature that the one before has
-    learnt. If a goal is then unmet, the last slice is long enough to try another way.
+    learnt. Lines alone are spanned at once, whatever the size of the slice.
     """
     past: list[float] = []
     fit, size, counting = initial, _FIRST_SLICE, counted(progress)
     while True:
         fit = call(initial=fit, max_evaluations=size, progress=counting)
         past += fit.history
-        ended = fit.status is not FitStatus.EVALUATION_LIMIT or len(past) >= LIMIT
-        if fit.status is FitStatus.CANCELLED or size == LIMIT or (ended and fit.is_met):
+        if fit.status is not FitStatus.EVALUATION_LIMIT or len(past) >= LIMIT:
             return replace(fit, history=past)
         show(fit)
-        size = LIMIT if ended else min(2 * size, LIMIT - len(past))
+        size = min(2 * size, LIMIT - len(past))
 
 
 def fulfilled(plan: bpy.types.Object) -> SimpleNamespace | None:

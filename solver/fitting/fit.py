@@ -16,6 +16,7 @@ from ..domain.shape import DomainLike, as_domain
 from ..errors import CmcError, ConditionError, Progress, Status, check_choice
 from ..gauss.boundary_data import Conditions
 from ..signatures import checked
+from ..spanning.span import Span
 from ..surface import convert, notebook
 from ..surface.adjoint import AdjointSolver
 from ..surface.cmc_surface import CmcSurface
@@ -45,6 +46,7 @@ class FitStatus(Enum):
 
     CONVERGED = "converged"
     EVALUATION_LIMIT = "evaluation limit"
+    NO_SURFACE = "no surface"
     CANCELLED = "cancelled"
 
     @property
@@ -52,6 +54,7 @@ class FitStatus(Enum):
         return {
             FitStatus.CONVERGED: "The fit converged: no change of the boundary normals comes nearer to the targets.",
             FitStatus.EVALUATION_LIMIT: "The fit reached its limit of evaluations; more may bring it nearer.",
+            FitStatus.NO_SURFACE: "No surface on these lines was found.",
             FitStatus.CANCELLED: "The fit was cancelled; this is the best surface up to then.",
         }[self]
 
@@ -64,6 +67,10 @@ class Fit:
     it in a point: the tangent planes stay and it bulges to the other side of N. conditions: the fitted boundary
     normals, at vertices. distances: label → distance of each target, see there. value: of their sum. history: the value
     at each evaluation. unmet: a sentence for each goal that is not met. response: serves fits that continue this one.
+
+    span: where lines and one number are all that was asked for, the surface on them, found without a search. Then
+    `surface` is the span itself, with its exact rim; its domain is the plan with the moduli that the lines need (see
+    `Span`), to which the surface is conformal; history has the residual after each step.
     """
 
     surface: CmcSurface
@@ -77,6 +84,7 @@ class Fit:
     sign: float = 1.0
     unmet: tuple[str, ...] | list[str] = ()
     response: Response | None = None
+    span: Span | None = None
 
     @property
     def is_met(self) -> bool:
@@ -91,7 +99,14 @@ class Fit:
     @property
     def message(self) -> str:
         """How the fit ended, and the goals that it did not meet."""
-        return " ".join([self.status.sentence, *self.unmet])
+        return " ".join(self.sentences)
+
+    @property
+    def sentences(self) -> list[str]:
+        """The sentences of `message`."""
+        if self.span is not None:
+            return [self.span.message]
+        return [self.status.sentence, *self.unmet]
 
     def points(self, sheet: str | None = None) -> Array:
         """A sheet (n, 3) in its place; by default the fitted one."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import KW_ONLY, dataclass, replace
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -10,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
 from ..domain.shape import DomainLike, as_domain
-from ..errors import ConditionError, Progress
+from ..errors import CmcError, ConditionError, Progress
 from ..gauss.boundary_data import Conditions
 from ..gauss.conditions import gauss_map
 from ..gauss.drawn_normals import drawn_normals
@@ -18,22 +19,29 @@ from ..gauss.frames import in_space
 from ..gauss.options import with_options
 from ..gauss.sphere import inner
 from ..limits import COUNT, check_number
+from ..measure.volume import volume_over
 from ..signatures import check_fields
+from ..spanning.lines import boundary_lines
+from ..spanning.outline import span_outline
+from ..spanning.span import Span
+from ..spanning.verdict import SpanStatus
 from ..surface.placement import procrustes
 from ..surface.solve import CmcSolver
 from .closest_point import Triangles
 from .curves import Curve
 from .fit import Fit, FitStatus, Start, fit
-from .shape_similarity import LEAST, ShapeSimilarity, bending, cosine, dirichlet_matrix
+from .shape_similarity import ShapeSimilarity, cosine, dirichlet_matrix
+from .spanned import spanned_fit
 from .target import Target
 from .targets import GaussMap, NearSurface, RimOnCurve, SmoothRim
 
 Array = NDArray[np.float64]
 
 # Mean curvature, as a part of the root mean square of the principal curvatures, above which the surface bulges to that
-# side; below, both sides are tried, each with this share of the evaluations.
+# side; below, its Gauss map alone hardly says what it looks like, and the surface on its rim is nearer.
 _BULGES = 0.2
-_LOOK = 0.25
+# Mean curvature times size below which a surface is minimal, up to the mesh.
+_MINIMAL = 5e-3
 # Weight of nearness above which the other weights grow with it, except that of the tangent planes: the places alone
 # leave the rim rough.
 _NEAR = 100.0
@@ -83,6 +91,11 @@ def fit_gauss_map(domain: DomainLike, positions: ArrayLike, options: GaussMapOpt
     the diagonal counts as much as a turn of 0.1 radians everywhere. initial: an earlier fit of this surface to
     continue, in the stage that it reached. progress(evaluation, value) is called at every step; False cancels.
 
+    Where φ bends about as much one way as the other (mean curvature under a fifth of the root mean square of the
+    principal curvatures) and likeness counts, the result is the surface on the rim of φ with the volume of φ, of H of
+    either sign or 0: see `span_outline` and `Fit.span`. Its points may slide along φ; with holes or sharp corners it is
+    conformal to `Fit.surface.domain` in place of φ.
+
     Distances: "Gauss map" and "likeness" are root mean squares, "near surface" is the largest distance from φ. Raises
     `ConditionError` on weights that are not numbers from 0 on, on flat surfaces and on closed ones.
     """
@@ -91,15 +104,12 @@ def fit_gauss_map(domain: DomainLike, positions: ArrayLike, options: GaussMapOpt
         raise ConditionError("A closed surface has no rim whose normals could be fitted; delete a part of it.")
     given = _Given.of(domain, in_space(domain, positions), options)
     search = _Search(given, options.solver or CmcSolver(domain), options.progress)
-    initial, evaluations = options.initial, options.max_evaluations
-    if initial is not None and options.near and RimOnCurve.label in initial.distances:
-        return search.places(initial, evaluations)
-    share = _FIRST if options.near else 1.0
-    planes = search.planes(initial, max(1, round(share * evaluations)))
-    if not options.near or planes.status is FitStatus.CANCELLED:
-        return planes
-    places = search.places(planes, max(1, evaluations - len(planes.history)))
-    return replace(places, history=planes.history + places.history)
+    span = given.span() if given.is_saddle and options.likeness else None
+    if span is not None and (span.ok or span.status is SpanStatus.CANCELLED):
+        targets = given.plane_targets(1.0, options.near) + given.place_targets(1.0)
+        return spanned_fit(span, targets, size=given.size)
+    found = search()
+    return found if span is None else replace(found, unmet=[*found.unmet, span.message])
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,10 +135,36 @@ class _Given:
     def size(self) -> float:
         return float(np.linalg.norm(np.ptp(self.points, axis=0)))
 
-    def signs(self) -> tuple[float, ...]:
-        """The sign of the mean curvature; both where it is almost zero."""
-        cos = cosine(self.L, self.normals, self.points)
-        return (float(np.sign(cos)),) if abs(cos) > _BULGES else (1.0, -1.0)
+    @property
+    def _cosine(self) -> float:
+        return cosine(self.L, self.normals, self.points)
+
+    @property
+    def sign(self) -> float:
+        """Of the mean curvature."""
+        return 1.0 if self._cosine >= 0.0 else -1.0
+
+    @property
+    def is_saddle(self) -> bool:
+        """Whether it bends about as much one way as the other."""
+        return abs(self._cosine) < _BULGES
+
+    def span(self) -> Span | None:
+        """The surface on the rim with the same volume, or the minimal one if that is almost minimal; None where the rim
+        is none that can be spanned."""
+        options, earlier = self.options, self.options.initial
+        more: dict[str, Any] = {"solver": options.solver, "progress": options.progress}
+        try:
+            lines, outer, _ = boundary_lines(self.domain, self.points, None)
+            base = float(Curve(lines[outer], closed=True).shares @ lines[outer][:, 2])
+            volume = volume_over(self.points - [0.0, 0.0, base], self.domain.faces, np.array([0.0, 0.0, 1.0]))
+            initial = None if earlier is None else earlier.span
+            found = span_outline(self.domain, self.points, volume=volume, initial=initial, **more)
+            if found.ok and abs(found.mean_curvature) * self.size < _MINIMAL:
+                return span_outline(self.domain, self.points, mean_curvature=0.0, initial=found, **more)
+        except CmcError:
+            return None
+        return found
 
     def start(self) -> Start:
         rim = gauss_map(self.domain, self.points, self.domain.boundary_edges)
@@ -159,24 +195,25 @@ class _Search:
     solver: CmcSolver
     progress: Progress | None
 
+    def __call__(self) -> Fit:
+        """Both, or the second one alone where an earlier fit has come so far."""
+        options = self.given.options
+        initial, evaluations = options.initial, options.max_evaluations
+        if initial is not None and options.near and RimOnCurve.label in initial.distances:
+            return self.places(initial, evaluations)
+        share = _FIRST if options.near else 1.0
+        planes = self.planes(initial, max(1, round(share * evaluations)))
+        if not options.near or planes.status is FitStatus.CANCELLED:
+            return planes
+        places = self.places(planes, max(1, evaluations - len(planes.history)))
+        return replace(places, history=planes.history + places.history)
+
     def planes(self, initial: Fit | None, evaluations: int) -> Fit:
         """The first stage: the tangent planes, at any size."""
-        if initial is not None:
-            return self._placed(self._turned(_continued(initial), initial.sign, evaluations))
-        start, signs = self.given.start(), self.given.signs()
-        share = 1.0 if len(signs) == 1 else _LOOK
-        looks = []
-        for sign in signs:
-            start = replace(start, response=looks[-1].response) if looks else start
-            looks.append(self._turned(start, sign, max(1, round(share * evaluations))))
-            if looks[-1].status is FitStatus.CANCELLED:
-                break
-        best = min(looks, key=lambda look: look.value)
-        spent = [value for look in looks for value in look.history]
-        if len(looks) > 1 and best.status is FitStatus.EVALUATION_LIMIT and evaluations > len(spent):
-            best = self._turned(_continued(best), best.sign, evaluations - len(spent))
-            spent = spent + best.history
-        return self._placed(replace(best, history=spent))
+        start = self.given.start() if initial is None else _continued(initial)
+        sign = self.given.sign if initial is None else initial.sign
+        targets = self.given.plane_targets(sign)
+        return self._placed(replace(self._fit(targets, start, 1.0, False, evaluations), sign=sign))
 
     def places(self, planes: Fit, evaluations: int) -> Fit:
         """The second stage: the places, too, with the size and the shift free."""
@@ -184,10 +221,7 @@ class _Search:
         start = replace(_continued(planes), scale=planes.surface.scale, shift=sign * planes.shift)
         targets = given.plane_targets(sign, given.options.near) + given.place_targets(sign)
         result = self._fit(targets, start, given.size, True, evaluations)
-        return self._with_advice(replace(result, sign=sign, shift=sign * result.shift))
-
-    def _turned(self, start: Start, sign: float, evaluations: int) -> Fit:
-        return replace(self._fit(self.given.plane_targets(sign), start, 1.0, False, evaluations), sign=sign)
+        return replace(result, sign=sign, shift=sign * result.shift)
 
     def _fit(self, targets: list[Target], start: Start, size: float, moves: bool, evaluations: int) -> Fit:
         return fit(
@@ -221,19 +255,7 @@ class _Search:
         )
         result = replace(result, surface=surface, shift=shift, sign=float(np.sign(scale)))
         away = Triangles(self.given.points, self.given.domain.faces).closest(result.points()).distances
-        return self._with_advice(replace(result, distances={**result.distances, NearSurface.label: float(away.max())}))
-
-    def _with_advice(self, result: Fit) -> Fit:
-        """The result, with a sentence where a minimal surface would come nearer."""
-        given, H = self.given, result.surface.mean_curvature
-        bent, _ = bending(given.domain, given.L, result.surface.harmonic.normals)
-        if not given.options.likeness or bent > 1.1 * LEAST**2:
-            return result
-        sentence = (
-            f"The surface bends as much one way as the other, and CMC surfaces near it are almost minimal: this one "
-            f"has H = {H:.3g}, the least of the search; a minimal surface may come nearer."
-        )
-        return replace(result, unmet=[*result.unmet, sentence])
+        return replace(result, distances={**result.distances, NearSurface.label: float(away.max())})
 
 
 def _continued(earlier: Fit) -> Start:

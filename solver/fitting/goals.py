@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import KW_ONLY, dataclass, replace
+from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
 from ..errors import ConditionError, Progress, check_choice
-from ..limits import COUNT, EXTREME, POSITIVE, check_number
+from ..limits import COUNT, EXTREME, NUMBERS, POSITIVE, check_number
 from ..linalg import as_numbers
-from ..meshing.rounding import CORNER
 from ..notes import Sentence
 from ..signatures import check_fields
-from ..spanning.curves import enclosed, turns, without_repeats
 from ..spanning.lines import boundary_lines
 from ..surface.cmc_surface import SHEETS
 from ..surface.solve import CmcSolver
@@ -37,6 +35,8 @@ _CLOSED = 1e-3
 _TILT_MET = 0.01
 _TILT_WEIGHT = 0.1
 _RISE = 0.5
+# Weight of smooth boundary normals where none is given.
+_SMOOTH = 1e-7
 # The way out where the rim stays off its curve.
 _LESS = {"mean_curvature": "smaller mean curvature", "volume": "smaller volume"}
 # Distance of an anchor from the plan at most, by the size.
@@ -79,7 +79,7 @@ class OutlineOptions:
     anchors: tuple[ArrayLike, ArrayLike, ArrayLike] | None = None
     on_curve: bool = True
     tilt: tuple[float, float] | None = None
-    smooth: float = 1e-7
+    smooth: float = _SMOOTH
     sheet: str = "f+"
     max_evaluations: int = 300
     initial: Fit | None = None
@@ -95,8 +95,19 @@ class OutlineOptions:
         if self.anchors is None and not self.on_curve:
             raise ConditionError("There is nothing to fit to: give anchors, or let the rim lie on the curve.")
         name, number = self.height_parameter
-        check_number(number, HEIGHT_PARAMETERS[name].label.lower(), POSITIVE)
+        is_free = name == "mean_curvature" and self.has_lines_only
+        check_number(number, HEIGHT_PARAMETERS[name].label.lower(), NUMBERS if is_free else POSITIVE)
         check_fields(self)
+
+    @property
+    def has_lines_only(self) -> bool:
+        """Whether lines and one number are all that is asked for, so that the span is the surface."""
+        return self.may_be_spanned and self.tilt is None
+
+    @property
+    def may_be_spanned(self) -> bool:
+        """Whether the span is the surface if it keeps the bounds on its tilt."""
+        return self.on_curve and self.anchors is None and self.smooth == _SMOOTH
 
     @property
     def height_parameter(self) -> tuple[str, float]:
@@ -120,17 +131,15 @@ class Supports:
 class Goals:
     """The options of an outline fit over a plan, ready to become targets; heights are over `base`.
 
-    base: the mean height of the outer curve. loops: vertices along each boundary loop, with its curve; outer: the outer
-    one of the curves. size: of the outer curve's bounding box; radius: of a circle with its area. height_parameter:
-    in `HEIGHT_PARAMETERS`, number: the wanted height, volume or H.
+    base: the mean height of the outer curve. loops: vertices along each boundary loop, with its curve. size: of the
+    outer curve's bounding box. height_parameter: in `HEIGHT_PARAMETERS`, a rise as a height; number: the wanted height,
+    volume or H.
     """
 
     options: OutlineOptions
     loops: Sequence[tuple[Int, Curve]]
-    outer: Curve
     base: float
     size: float
-    radius: float
     height_parameter: str
     number: float
     supports: Supports | None
@@ -146,17 +155,15 @@ class Goals:
         extent = np.ptp(line[:, :2], axis=0)
         height_parameter, number = options.height_parameter
         if height_parameter == "rise":
-            number *= 0.5 * float(extent.min())
+            height_parameter, number = "height", number * 0.5 * float(extent.min())
         size = float(np.linalg.norm(extent))
         _check_size(height_parameter, float(number), size)
         curves = [Curve(each - [0.0, 0.0, base], closed=True) for each in lines]
         return cls(
             options=options,
             loops=[(loop.astype(np.int64), curve) for loop, curve in zip(domain.boundary_loops, curves, strict=True)],
-            outer=curves[outer],
             base=base,
             size=size,
-            radius=float(np.sqrt(abs(enclosed(line)) / np.pi)),
             height_parameter=height_parameter,
             number=float(number),
             supports=_supports(domain, options.anchors, base, line, size),
@@ -169,7 +176,7 @@ class Goals:
             targets.append(Closed(weight=_PERIOD_WEIGHT))
         if self.options.on_curve:
             targets += [RimOnCurve(curve, loop, self.options.free_heights) for loop, curve in self.loops]
-        if self.height_parameter in ("rise", "height"):
+        if self.height_parameter == "height":
             targets.append(Crown(self.number, weight=strictness * _HEIGHT_WEIGHT))
         elif self.height_parameter == "volume":
             targets.append(Volume(self.number, weight=strictness * _HEIGHT_WEIGHT))
@@ -179,32 +186,17 @@ class Goals:
             targets.append(TiltBounds(*self.options.tilt, weight=_TILT_WEIGHT))
         return targets
 
-    def height_of(self, film: Array, areas: Array) -> float:
-        """The crown to which the height parameter stretches the film, which is of pressure one."""
-        if self.height_parameter in ("rise", "height"):
-            return self.number
-        if self.height_parameter == "mean_curvature":
-            return 2.0 * self.number * float(film.max())
-        return self.number * float(film.max() / np.sum(areas * film))
-
-    def scaled(self, factor: float) -> Goals:
-        """The same goals for another number."""
-        return replace(self, number=factor * self.number)
-
-    def is_off(self, fit: Fit) -> bool:
-        """Whether the rim is off its curve."""
-        return fit.distances.get(RimOnCurve.label, 0.0) > _MET * self.size
-
-    def unmet(self, fit: Fit, hole: str | None = None) -> list[str]:
-        """A sentence for each goal that is not met: by how much, and the way out. hole: the one for the rim, if it is
-        the size of the hole."""
+    def unmet(self, fit: Fit) -> list[str]:
+        """A sentence for each goal that is not met: by how much, and the way out."""
         sentences = []
         far = fit.distances
-        if self.is_off(fit):
-            off = far[RimOnCurve.label]
-            sentences.append(
-                Sentence(f"The rim stays up to {{}} off the curve; {hole or self._way_to_the_curve()}.", off)
+        if (off := far.get(RimOnCurve.label, 0.0)) > _MET * self.size:
+            less = _LESS.get(self.height_parameter, "flatter shell")
+            text = (
+                f"The rim stays up to {{}} off the curve; loosen the other goals (supports, tilts, smooth normals), or "
+                f"choose a {less}."
             )
+            sentences.append(Sentence(text, off))
         for label, power in ((Crown.label, 1), (Volume.label, 3)):
             if (miss := far.get(label, 0.0)) > _HEIGHT_MET * self.number:
                 text = f"The {label} is missed by {{}}; no surface with this rim reaches it."
@@ -221,13 +213,6 @@ class Goals:
             text = "An anchor is missed by {}; move it, give it more weight, or remove another one."
             sentences.append(Sentence(text, off))
         return sentences
-
-    def _way_to_the_curve(self) -> str:
-        less = _LESS.get(self.height_parameter, "flatter shell")
-        if any(turns(without_repeats(curve.points)).max() > CORNER for _, curve in self.loops):
-            return f"round its corners, or choose a {less}"
-        sizes = ", or other sizes of the holes" if len(self.loops) > 1 else ""
-        return f"choose a {less}{sizes}"
 
 
 def _check_bounds(tilt: tuple[float, float]) -> None:
@@ -248,11 +233,10 @@ def _check_size(height_parameter: str, number: float, size: float) -> None:
     """Raise `ConditionError` on a height, volume or H that no shell over an outline of this size can have."""
     power = {"volume": 3, "mean_curvature": -1}.get(height_parameter, 1)
     least, most = sorted(size**power * EXTREME**end for end in (power, -power))
-    if not least <= number <= most:
+    if number and not least <= abs(number) <= most:
         label = HEIGHT_PARAMETERS[height_parameter].label.lower()
-        what = "height" if height_parameter == "rise" else label
         raise ConditionError(
-            f"The {what} {number:.3g} does not go with an outline that measures {size:.3g}; choose one between "
+            f"The {label} {number:.3g} does not go with an outline that measures {size:.3g}; choose one between "
             f"{least:.3g} and {most:.3g}."
         )
 

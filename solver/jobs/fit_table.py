@@ -14,7 +14,7 @@ from ..errors import ConditionError, MeshError
 from ..fitting.gauss_map import GaussMapOptions
 from ..fitting.goals import HEIGHT_PARAMETERS, OutlineOptions
 from ..io.obj import MeshData
-from ..limits import COUNT, NOT_NEGATIVE, POSITIVE
+from ..limits import COUNT, NOT_NEGATIVE, NUMBERS, POSITIVE
 from ..shells.fit import FitOptions
 from ..shells.rim_curves import check_count, read_curves
 from ..surface.cmc_surface import SHEETS
@@ -125,6 +125,7 @@ _positive, _weight = partial(Table.number, within=POSITIVE), partial(Table.numbe
 _evaluations = partial(Table.integer, within=COUNT)
 _OUTLINE: Readers = {
     **dict.fromkeys(HEIGHT_PARAMETERS, _positive),
+    "mean_curvature": partial(Table.number, within=NUMBERS),
     "free_heights": Table.flag,
     "tilt": _tilt,
     "smooth": _weight,

@@ -185,10 +185,11 @@ def place_over(plan: Plan, settings: Settings, surface: CmcSurface) -> tuple[Pla
 def placed_sheets(
     surface: CmcSurface, similarity: Similarity, plane: Plane, sheets: Sequence[str]
 ) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Points (n, 3) and normals (n, 3) of the placed sheets, of "g" and of "gauss"."""
+    """Points (n, 3) and normals (n, 3) of the placed sheets, of "g" and of "gauss": a unit sphere where H = 0."""
     placed = {name: similarity.points(surface.sheet(name)) for name in (*sheets, "g")}
     N = similarity.directions(surface.normals)
-    placed["gauss"] = plane.origin + 0.5 * similarity.scale / surface.mean_curvature * N
+    radius = surface.scale if np.isfinite(surface.scale) else 1.0
+    placed["gauss"] = plane.origin + similarity.scale * radius * N
     return placed, {name: placed_normals(surface.normals, name, similarity) for name in placed}
 
 

@@ -48,9 +48,9 @@ class HeldVolume(Knob):
 class Measured(Knob):
     """Any number k has the value `wanted`; made concrete by `number` and `first_slope`.
 
-    Where the surface is not critical yet, k is uncertain by about the residual; within this noise V is kept, and no
-    slope is taken. unit: k counts as met to a millionth of it. size: of the rim, a length; scale: of k, for its noise.
-    slope: dk/dV if it is known, as from an earlier search; after the search the last one.
+    Where the surface is not critical yet, k is uncertain by about the residual; within this noise V is kept while the
+    residual falls, and no slope is taken. unit: k counts as met to a millionth of it. size: of the rim, a length;
+    scale: of k, for its noise. slope: dk/dV if it is known, as from an earlier search; after the search the last one.
     """
 
     mean_curvature = None
@@ -73,8 +73,9 @@ class Measured(Knob):
     def volume_change(self, here: Linearised, residual: float, volume: float) -> float:
         k, noise = self.number(here), residual * self.scale
         self.slope = self._secant(here, k, noise, volume)
+        falls = self._last is None or noise < self._last[1]
         self._last = (k, noise, volume)
-        if abs(self.wanted - k) < noise:
+        if falls and abs(self.wanted - k) < noise:
             return 0.0
         most, rest = _STEP * max(abs(volume), _LEAST * self.size**3), self.wanted - k
         if abs(rest) < most * abs(self.slope):

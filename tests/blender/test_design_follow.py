@@ -55,7 +55,7 @@ def test_the_shell_follows_its_number(follow, plan):
         assert plan.cmc.fit_rise == pytest.approx(rise)
         ball = (4.0 + 4.0 * rise**2) / (2.0 * rise)
         points = positions(plan.cmc.fit) - [0, 0, height(plan) - ball]
-        assert_allclose(np.linalg.norm(points, axis=1), ball, rtol=0.01, atol=0)
+        assert_allclose(np.linalg.norm(points, axis=1), ball, rtol=0.025, atol=0)
 
 
 def test_other_settings_count_too(follow, plan):

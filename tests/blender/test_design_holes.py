@@ -71,7 +71,7 @@ def test_each_spline_is_for_its_loop(plan):
     court, rim = rims(points)
     assert court[:, 2].mean() - rim[:, 2].mean() == pytest.approx(0.5, abs=0.15)
     off = report(plan)["distances"]["rim on curve"]
-    assert off == pytest.approx(max(off_line(court, inner).max(), off_line(rim, outer).max()), rel=0.05)
+    assert max(off_line(court, inner).max(), off_line(rim, outer).max()) <= off < 0.005 * 8.0
 
 
 def test_one_spline_is_for_the_outer_rim(plan):
@@ -95,7 +95,7 @@ def test_a_remaining_gap_is_reported(addon, plan, monkeypatch):
     monkeypatch.setattr(addon.cmc_addon.tasks.fit_outline, "LIMIT", 1)
     layer = plan.data.uv_layers.new(name="Drawing")
     layer.uv.foreach_set("vector", np.random.default_rng(1).random(2 * len(plan.data.loops)).astype(np.float32))
-    fitted(plan, fit_rise=1.0)
+    fitted(plan, fit_rise=1.0, limit_tilt=True)
     reported = report(plan)
     assert not reported["met"] and reported["distances"]["period"] > 1e-3 * 8.0
     assert len(plan.cmc.fit.data.vertices) > len(plan.data.vertices), "it is cut open"

@@ -11,6 +11,7 @@ from numpy.testing import assert_allclose
 
 from .design_scenes import approximated, cap, report, wavy
 from .scenes import boundary_edges, positions, values
+from .sidebar import draw
 
 
 def test_a_sphere_is_its_own_nearest_surface():
@@ -75,3 +76,20 @@ def test_position_brings_it_nearer():
     assert (surface.cmc.match, surface.cmc.near) == ("POSITION", 300.0)
     approximated(surface, match="TANGENT_PLANES")
     assert report(surface)["deviation"] == pytest.approx(by_planes["deviation"], rel=1e-3)
+
+
+def test_a_saddle_has_a_minimal_surface_on_its_rim():
+    """H = 0 in the report and on every vertex; the rim stays, and the mean curvature has a colour."""
+    surface = cap()
+    for vertex in surface.data.vertices:
+        vertex.co.z = 0.06 * (vertex.co.x**2 - vertex.co.y**2)
+    surface.cmc.colour_by = "MEAN_CURVATURE"
+    points = approximated(surface)
+    rim = np.unique([tuple(surface.data.edges[e].vertices) for e in boundary_edges(surface.data)])
+    assert_allclose(points[rim, 2], positions(surface)[rim, 2], rtol=0, atol=0.01)
+    assert report(surface)["met"] and report(surface)["mean_curvature"] == 0.0
+    curvature = np.array(values(surface.cmc.nearest.data.attributes["cmc_mean_curvature"]))
+    assert np.abs(curvature).max() < 0.02
+    sizes, checks = draw("CMC_PT_results").texts, draw("CMC_PT_checks").texts
+    assert sizes[sizes.index("H") + 1].startswith("0 ") and "Radius 1/H" not in sizes
+    assert "1/m" in checks[checks.index("H Off By") + 1]

@@ -25,7 +25,7 @@ def test_rise_keeps_the_outline(rise):
     assert_allclose(points[:, 2].max(), 4.0 * rise, rtol=0, atol=4e-3)
     height = points[:, 2].max()
     ball = (16.0 + height**2) / (2 * height)
-    assert_allclose(np.linalg.norm(points - [0, 0, height - ball], axis=1), ball, rtol=0.01, atol=0)
+    assert_allclose(np.linalg.norm(points - [0, 0, height - ball], axis=1), ball, rtol=0.025, atol=0)
     assert plan.cmc.fit_rise == pytest.approx(rise)
 
 

@@ -170,7 +170,7 @@ def test_an_approximation_is_shown_too(addon, monkeypatch):
 
 def test_shapes_are_shown_while_it_runs(addon, hand, monkeypatch):
     plan = small_disc()
-    plan.scale = (1.6, 1.0, 1.0)
+    plan.scale, plan.cmc.limit_tilt, plan.cmc.tilt_min = (1.6, 1.0, 1.0), True, 1.2
     preview = addon.cmc_addon.drawing.preview
     monkeypatch.setattr(addon.cmc_addon.tasks.fit_outline, "_FIRST_SLICE", 3)
     shown, progress = [], []
@@ -181,7 +181,7 @@ def test_shapes_are_shown_while_it_runs(addon, hand, monkeypatch):
         result = hand.tick()
         progress.append(bpy.context.window_manager.cmc.progress)
     assert result == FINISHED
-    assert len(shown) >= 2
+    assert len(shown) >= 1
     points, triangles = shown[-1]
     assert_allclose(points, positions(plan.cmc.fit), rtol=0, atol=0.5)
     assert preview.sides(triangles).shape == (len(points) + len(triangles) - 1, 2)  # Euler, for a disc
@@ -192,7 +192,7 @@ def test_shapes_are_shown_while_it_runs(addon, hand, monkeypatch):
 def test_escape_leaves_the_scene_as_it_was(addon, hand, monkeypatch):
     monkeypatch.setattr(addon.cmc_addon.tasks.fit_outline, "_FIRST_SLICE", 3)
     plan = small_disc()
-    plan.scale = (1.6, 1.0, 1.0)
+    plan.scale, plan.cmc.limit_tilt, plan.cmc.tilt_min = (1.6, 1.0, 1.0), True, 1.2
     bpy.context.view_layer.update()
     before = snapshot()
     while addon.cmc_addon.drawing.preview.Preview.shape is None:

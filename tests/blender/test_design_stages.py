@@ -49,13 +49,12 @@ def test_slices_double_and_each_is_shown(addon):
     assert counts == list(range(1, 38))
 
 
-def test_a_goal_that_is_not_met_gets_one_long_slice(addon):
+def test_a_goal_that_is_not_met_ends_it_too(addon):
     fit_outline = addon.cmc_addon.tasks.fit_outline
-    call, calls, made = stages(addon, [("CONVERGED", False, 4), ("CONVERGED", False, 3)])
+    call, calls, made = stages(addon, [("NO_SURFACE", False, 4)])
     shown = []
     result = fit_outline.in_slices(call, None, lambda *_: None, shown.append)
-    assert [size for _, size in calls] == [10, fit_outline.LIMIT]
-    assert shown == made[:1] and len(result.history) == 7
+    assert len(calls) == 1 and not shown and result.history == [1.0] * 4 and result.status is made[0].status
 
 
 def test_a_cancelled_slice_ends_it(addon):

@@ -146,7 +146,7 @@ def numbers_of(texts) -> dict[str, str]:
 
 @pytest.mark.parametrize("make", MADE, ids=lambda make: make.__name__)
 @pytest.mark.parametrize(("system", "scale", "unit"), [
-    ("METRIC", 0.001, r"(µm|mm|cm|m|km)[²³]?\b|1/m"), ("IMPERIAL", 0.0254, r"\d['\"]|sq ft|cu ft|\bft\b|1/ft"),
+    ("METRIC", 0.001, r"(µm|mm|cm|m|km)[²³]?\b|1/m"), ("IMPERIAL", 0.0254, r"\d['\"]|sq ft|cu ft|thou|\bft\b|1/ft"),
 ])
 def test_every_length_has_the_unit_of_the_scene(make, system, scale, unit, capfd):
     """In rows, sentences and reports; and none is in metres where the scene is in inches, nor a power of ten."""

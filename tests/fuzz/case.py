@@ -41,16 +41,18 @@ Generator = Callable[[np.random.Generator, Path], Case]
 def of_shell(shell: Shell) -> Result:
     """The result of a shell: every number that someone sees or goes on with."""
     report, shown = shell.report, shell.report.shown
-    measured = [report.mean_curvature, report.scale, report.degree, shown.area]
+    measured = [report.mean_curvature, report.degree, shown.area]
+    measured += [report.scale] if report.mean_curvature else []  # infinite where H = 0
     if shell.ok:  # the energy between opposite normals is infinite, and the status says that they are
         measured += [report.energy, report.residual]
     measured += [shown.span, shown.rise, shown.boundary_length, *shown.bounding_box[0], *shown.bounding_box[1]]
-    if shown.mean_curvature is not None:
-        measured += [shown.mean_curvature.mean, shown.mean_curvature.relative_l2]
+    H = shown.mean_curvature
+    if H is not None:
+        measured += [H.mean, H.relative_l2 if H.target else H.l2]
     numbers = {"report": measured, "mean curvature": shell.mean_curvature}
     numbers |= {f"points of {name}": points for name, points in shell.placed.items()}
     numbers |= {f"normals of {name}": normals for name, normals in shell.normals.items()}
-    off = shown.mean_curvature.relative_l2 if shell.ok and shown.mean_curvature is not None else 0.0
+    off = H.relative_l2 if shell.ok and H is not None and H.target else 0.0
     return Result(shell.ok, shell.warnings, numbers, off)
 
 

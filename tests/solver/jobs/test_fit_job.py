@@ -191,6 +191,22 @@ def test_a_mesh_that_is_a_sphere_is_its_own_approximation(cap):
     assert shell.fit is not None and shell.fit.distances["Gauss map"] < 0.02
 
 
+def test_a_hypar_is_approximated_by_a_minimal_surface(folder):
+    """H = 0 in the report, and every sheet is written."""
+    square = shapes.polygon([[-5, -5], [5, -5], [5, 5], [-5, 5]], max_edge=1.0)
+    points = np.column_stack([square.positions, 0.1 * square.positions.prod(axis=1)])
+    write_mesh(folder / "hypar.obj", MeshData(points, list(square.domain.faces)))
+    outputs = '[output]\nf_plus = "film.obj"\ng = "g.obj"\ngauss = "gauss.obj"\nreport = "film.json"\n'
+    (folder / "job.toml").write_text(f'mesh = "hypar.obj"\n[fit]\napproximate = true\n{outputs}')
+    assert main([str(folder / "job.toml")]) == 0
+    report = json.loads((folder / "film.json").read_text())
+    assert report["mean_curvature"] == 0.0 and report["fit"]["met"]
+    x, y, z = read_mesh(folder / "film.obj").positions.T
+    assert_allclose(z, 0.1 * x * y, rtol=0, atol=0.1)
+    gauss = read_mesh(folder / "gauss.obj").positions  # a part of the unit sphere
+    assert 0.3 < np.ptp(gauss, axis=0).max() < 2.0
+
+
 def test_near_brings_an_approximation_nearer(cap):
     """A cap with waves, which no shell can have."""
     mesh = read_mesh(cap / "cap.obj")
@@ -208,7 +224,7 @@ def test_a_goal_that_cannot_be_met(folder, capsys):
     """A circle of radius 5 spans no shell of 1/H = 2: the best one is written and the exit code is 1."""
     (folder / "job.toml").write_text(DISC + '[fit]\nmean_curvature = 0.5\n[output]\nf_plus = "best.obj"\n')
     assert main([str(folder / "job.toml")]) == 1
-    assert "choose a smaller mean curvature" in capsys.readouterr().err
+    assert "Choose a smaller one" in capsys.readouterr().err
     assert (folder / "best.obj").exists()
 
 
