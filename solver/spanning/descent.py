@@ -102,7 +102,7 @@ def descend(
     negative, length, first = 0, 1.0, state.D
     while True:
         here = Linearised(problem, state, knob.mean_curvature)
-        volume = problem.volume.of(state.f)
+        volume = state.V
         keep = _keeper(here, knob)
         z = keep(here.precondition(here.gradient))
         residual = float(np.sqrt(max(here.gradient(z), 0.0) / (2.0 * state.D)))
@@ -188,7 +188,7 @@ def _line_search(
             if keeps:
                 moved = with_volume(problem, moved, here.volume.lifted, volume + length * change)
             if moved is not None:
-                value = moved.energy - 2.0 * here.H * problem.volume.of(moved.f)
+                value = moved.energy - 2.0 * here.H * moved.V
                 if value <= before + _DECREASE * length * min(slope, 0.0) + length * allowed:
                     return moved, length
         length *= 0.5

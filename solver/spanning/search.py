@@ -140,7 +140,7 @@ class Search:
         a, b, c = (f[faces[:, k]] for k in range(3))
         area = 0.5 * np.cross(b - a, c - a)[:, 2]
         height = (a + b + c)[:, 2] / 3.0 - self._base
-        return float(area @ height) - self.problem.volume.of(f)
+        return float(area @ height) - state.V
 
     def _with_volume(self, state: State, volume: float) -> State:
         """The state, blown up from inside to a volume."""
