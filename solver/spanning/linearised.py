@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,9 +42,17 @@ class Linearised:
             self._second_moduli,
             walls=problem.walls.second,
         )
-        self.along = self.precondition(self.volume)  # M V', the way to more volume
-        self.gain = self.volume(self.along)
         self.H = 0.5 * self.dirichlet(self.along) / self.gain if mean_curvature is None else mean_curvature
+
+    @cached_property
+    def along(self) -> Step:
+        """M V', the way to more volume."""
+        return self.precondition(self.volume)
+
+    @cached_property
+    def gain(self) -> float:
+        """<V', M V'>."""
+        return self.volume(self.along)
 
     def laplacian(self, f: Array) -> Array:
         """L(q) f (V, 3)."""
@@ -96,7 +105,7 @@ class Linearised:
         df[self.problem.coordinates.inside] += step.u
         return df
 
-    @property
+    @cached_property
     def gradient(self) -> Form:
         """D' - 2H V'."""
         return self.dirichlet.plus(self.volume, -2.0 * self.H)

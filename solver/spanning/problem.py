@@ -136,12 +136,16 @@ class SpanProblem:
 
     def on(self, rim: Rim, parts: Sequence[RimVolume]) -> SpanProblem:
         """The same plan, as far as it has moved, with another rim of like tracks and its parts of the volume."""
-        problem = replace(self, rim=rim, walls=Walls.under(rim), volume=self.volume.with_rim(parts))
+        same = rim.is_same(self.rim)
+        kept = {} if same else {"rim": rim, "walls": Walls.under(rim)}
+        problem = replace(self, volume=self.volume.with_rim(parts), **kept)
         problem.coordinates.solves = 0
         return problem
 
     def continued(self, earlier: SpanProblem, state: State) -> State | None:
         """An earlier state of the same plan, its rim's vertices carried over to this rim; None if rims are unlike."""
+        if self.rim is earlier.rim:
+            return replace(state, V=self.volume.of(state.f))
         x = self.rim.adopted(earlier.rim, state.x)
         return None if x is None else self.state(state.u, x, state.q)
 
