@@ -62,7 +62,7 @@ class AlongCurve:
     ) -> None:
         self.vertices, self.curve, self.ends = vertices, curve, ends
         self.start = np.asarray(start, dtype=np.float64).reshape(-1, 1)
-        self.given: tuple[ArrayLike, ...] = (vertices, curve.points, curve.closed, self.start, () if ends is None else ends)
+        self.given: tuple[ArrayLike, ...] = (vertices, curve.points, curve.closed, self.start, ends or ())
 
     def at(self, x: Array) -> tuple[Array, Array, Array]:
         points, tangents, bends = self.curve.at(x[:, 0])
@@ -100,7 +100,8 @@ class OverCurve:
     ) -> None:
         self.vertices, self.curve, self.start = vertices, curve, start
         self.angle, self.ends = angle, ends
-        self.given: tuple[ArrayLike, ...] = (vertices, curve.points, curve.closed, start, angle, () if ends is None else ends)
+        over = () if ends is None else ends
+        self.given: tuple[ArrayLike, ...] = (vertices, curve.points, curve.closed, start, angle, over)
 
     def at(self, x: Array) -> tuple[Array, Array, Array]:
         points, tangents, bends = self.curve.at(x[:, 0])
