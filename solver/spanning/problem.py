@@ -130,8 +130,7 @@ class SpanProblem:
             motions=Motions(domain, positions, fields),
             volume=self.volume if domain.faces is self.domain.faces else Volume(domain, self.volume.rim),
         )
-        rim = coordinates.extend(self.rim.at(state.x).points)
-        u = (f - rim)[coordinates.inside]
+        u = (f - coordinates.extend(state.rim.points))[coordinates.inside]
         return problem, problem.state(u, state.x, np.zeros(problem.motions.count))
 
     def on(self, rim: Rim, parts: Sequence[RimVolume]) -> SpanProblem:
@@ -148,6 +147,14 @@ class SpanProblem:
             return replace(state, V=self.volume.of(state.f))
         x = self.rim.adopted(earlier.rim, state.x)
         return None if x is None else self.state(state.u, x, state.q)
+
+    def laid_over(self, earlier: SpanProblem, state: State) -> State | None:
+        """The surface of a state over another plan with the same vertices and rim; None if they are not the same."""
+        x = self.rim.adopted(earlier.rim, state.x)
+        if x is None or earlier.domain.vertex_count != self.domain.vertex_count:
+            return None
+        u = state.f - self.coordinates.extend(self.rim.at(x).points)
+        return self.state(u[self.coordinates.inside], x, np.zeros(self.motions.count))
 
     def lifted(self, state: State, d: Array) -> State:
         """The state with u changed by d (I, 3)."""
