@@ -197,11 +197,11 @@ def _setting(domain: Domain, points: Array, options: SpanOptions) -> tuple[SpanP
 def _searched(domain: Domain, points: Array, options: SpanOptions, near: _Tried | None = None) -> _Tried:
     """near: a search over another plan with the same vertices, to start from its surface."""
     problem, lines = _setting(domain, points, options)
-    start, slope = None, None
+    start, tangent = None, None
     if options.initial is not None:
         earlier = options.initial.kept.descent
         if problem.coordinates is earlier.problem.coordinates:
-            start, slope = problem.continued(earlier.problem, earlier.state), options.initial.kept.slope
+            start, tangent = problem.continued(earlier.problem, earlier.state), earlier.tangent
     if near is not None:
         descent = near.found.descent
         start = problem.laid_over(descent.problem, descent.state)
@@ -211,7 +211,7 @@ def _searched(domain: Domain, points: Array, options: SpanOptions, near: _Tried 
         tolerance=options.tolerance,
         limit=options.max_iterations,
         progress=options.progress,
-        slope=slope,
+        tangent=tangent,
     )
     name, number = options.wish
     if name == "rise":

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ConditionError, Progress
+from .coordinates import Step
 from .descent import Descent, Knob, descend, with_volume
 from .knobs import Crown, HeldVolume, MeanCurvature, PastTheLargest
 from .problem import SpanProblem, State
@@ -36,16 +37,15 @@ class Wish:
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """The end of a search. largest: of H, where a larger one was asked for. slope: dk/dV of the knob, to go on."""
+    """The end of a search. largest: of H, where a larger one was asked for."""
 
     descent: Descent
     largest: float | None = None
-    slope: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """Searches on one problem."""
+    """Searches on one problem. tangent: of an earlier descent, see `descend`."""
 
     problem: SpanProblem
     lines: Lines
@@ -53,7 +53,7 @@ class Search:
     tolerance: float
     limit: int
     progress: Progress | None = None
-    slope: float | None = None
+    tangent: Step | None = None
 
     def __call__(self, wish: Wish, start: State | None) -> Found:
         """The surface with the wanted number, from `start`, and from the flattest without it or if that fails."""
@@ -61,7 +61,7 @@ class Search:
         found = getattr(self, name)(wish.number, start)
         if start is None or found.descent.end in ("converged", "cancelled") or found.largest is not None:
             return found
-        return getattr(replace(self, slope=None), name)(wish.number, None)
+        return getattr(replace(self, tangent=None), name)(wish.number, None)
 
     def _descend(self, state: State, knob: Knob, tolerance: float | None = None) -> Descent:
         return descend(
@@ -71,6 +71,7 @@ class Search:
             tolerance=tolerance or self.tolerance,
             limit=self.limit,
             progress=self.progress,
+            tangent=self.tangent,
         )
 
     # --- mean curvature ------------------------------------------------------------------------
@@ -89,11 +90,9 @@ class Search:
             return Found(best)
         largest = up * best.mean_curvature
         if up * H > largest * (1.0 + _AT_LARGEST) or not largest > 0.0:
-            return Found(self._restarted(best, HeldVolume(best.volume)), largest=best.mean_curvature)
+            return Found(self._restarted(best, HeldVolume()), largest=best.mean_curvature)
         flatter = self._held(best, best.volume * (1.0 - np.sqrt(max(1.0 - up * H / largest, 1e-6))))
-        slope = (best.mean_curvature - flatter.mean_curvature) / (best.volume - flatter.volume)
-        knob = PastTheLargest(H, size=self.lines.size, slope=slope)
-        return Found(self._restarted(flatter, knob), slope=knob.slope)
+        return Found(self._restarted(flatter, PastTheLargest(H, size=self.lines.size)))
 
     def _largest(self, up: float) -> Descent:
         """The surface of the largest H, up = 1, or the smallest: golden section over V, each solve from the last."""
@@ -119,20 +118,20 @@ class Search:
         """The surface of another volume, from one nearby."""
         search = replace(self, problem=near.problem)
         state = search._with_volume(near.state, volume)
-        return search._descend(state, HeldVolume(volume), _ROUGH)
+        return search._descend(state, HeldVolume(), _ROUGH)
 
     def _restarted(self, near: Descent, knob: Knob) -> Descent:
         return replace(self, problem=near.problem)._descend(near.state, knob)
 
     def _volume_from_film(self, volume: float) -> Descent:
-        return self._descend(self._with_volume(self.problem.start(), volume), HeldVolume(volume), _ROUGH)
+        return self._descend(self._with_volume(self.problem.start(), volume), HeldVolume(), _ROUGH)
 
     # --- volume --------------------------------------------------------------------------------
 
     def _by_volume(self, volume: float, start: State | None) -> Found:
         state = start or self.problem.start()
         cone = volume - self._cone_offset(state)
-        return Found(self._descend(self._with_volume(state, cone), HeldVolume(cone)))
+        return Found(self._descend(self._with_volume(state, cone), HeldVolume()))
 
     def _cone_offset(self, state: State) -> float:
         """By how much the volume over the base differs from that of the cone; it depends on the lines alone."""
@@ -169,9 +168,7 @@ class Search:
             )
         state = start or self._film(wanted, up)
         size = self.lines.size
-        knob = Crown(wanted, unit=max(abs(height), 1e-6 * size), size=size, up=up, slope=self.slope)
-        descent = self._descend(state, knob)
-        return Found(descent, slope=knob.slope)
+        return Found(self._descend(state, Crown(wanted, unit=max(abs(height), 1e-6 * size), size=size, up=up)))
 
     def _film(self, wanted: float, up: float) -> State:
         """The harmonic surface under even pressure, Δu = -const, that just reaches the wanted height."""
