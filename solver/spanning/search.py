@@ -18,6 +18,9 @@ Array = NDArray[np.float64]
 
 # Volumes up to this multiple of a half sphere's are tried for the largest H.
 _FULLEST = 1.6
+# A surface is blown up by this part of a half sphere's volume at once, in this number of stages at most.
+_STAGE = 0.4
+_STAGES = 4
 # The part of the way that the volumes tried for the largest H may be wrong by, and how many are tried.
 _GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 _TRIES = 14
@@ -96,7 +99,7 @@ class Search:
 
     def _largest(self, up: float) -> Descent:
         """The surface of the largest H, up = 1, or the smallest: golden section over V, each solve from the last."""
-        low, high = 0.0, up * _FULLEST * 2.0 / 3.0 * self.lines.area**1.5 / np.sqrt(np.pi)
+        low, high = 0.0, up * _FULLEST * self._half_sphere
         inner = [high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)]
         found = [self._volume_from_film(inner[0])]
         found.append(self._held(found[0], inner[1]))
@@ -142,12 +145,21 @@ class Search:
         return float(area @ height) - state.V
 
     def _with_volume(self, state: State, volume: float) -> State:
-        """The state, blown up from inside to a volume."""
-        forces = self.problem.volume.first(state.f)
-        blown = with_volume(self.problem, state, self.problem.coordinates.lift(forces), volume)
-        if blown is None:
-            raise ConditionError(f"The lines enclose no surface of volume {volume:.4g}; choose a smaller one.")
-        return blown
+        """The state, blown up from inside to a volume: in stages, since the pressure turns with the surface."""
+        first = state.V
+        stages = 1 + int(min(abs(volume - first) / max(_STAGE * self._half_sphere, 1e-300), _STAGES - 1))
+        for part in np.linspace(0.0, 1.0, stages + 1)[1:].tolist():
+            direction = self.problem.coordinates.lift(self.problem.volume.first(state.f))
+            blown = with_volume(self.problem, state, direction, first + part * (volume - first))
+            if blown is None:
+                raise ConditionError(f"The lines enclose no surface of volume {volume:.4g}; choose a smaller one.")
+            state = blown
+        return state
+
+    @property
+    def _half_sphere(self) -> float:
+        """The volume of half a sphere over a circle of the lines' area."""
+        return float(2.0 / 3.0 * self.lines.area**1.5 / np.sqrt(np.pi))
 
     # --- height --------------------------------------------------------------------------------
 
