@@ -147,7 +147,7 @@ def descend(
         forcing = max(_forcing(history), _SPARED * tolerance / max(residual, 1e-300))
         newton, bent = _solved(here, keep, here.gradient, forcing**2 * here.gradient(z))
         step, change = newton.step, 0.0
-        if knob.measures:
+        if knob.measures and not _led_away(history, tolerance):
             ahead = _tangent(here, keep, tangent)
             tangent, change = ahead.step, knob.volume_change(here, newton, ahead)
             step = step.plus(tangent, change)
@@ -167,6 +167,11 @@ def _forcing(history: Sequence[Iterate]) -> float:
     now, last = history[-1].residual, history[max(len(history) - 2, 0)].residual
     fallen = _SHORT * (now / last) ** _FALLS if now < last else 0.0
     return min(_FORCING, max(now**_ORDER, fallen))
+
+
+def _led_away(history: Sequence[Iterate], tolerance: float) -> bool:
+    """Whether the last step led away from critical surfaces: V is then kept, since numbers mean little there."""
+    return len(history) > 1 and tolerance <= history[-2].residual < history[-1].residual
 
 
 def _keeper(here: Linearised, knob: Knob) -> Keeper:
