@@ -129,19 +129,11 @@ def descend(
         z = keep(here.precondition(here.gradient))
         residual = float(np.sqrt(max(here.gradient(z), 0.0) / (2.0 * state.D)))
         history.append(Iterate(state.D, residual, volume, here.H, problem.coordinates.solves, length))
-        end = ""
-        if residual < tolerance and knob.reached(here):
-            end = "converged"
-        elif progress is not None and progress(len(history) - 1, residual) is False:
+        end = _end(here, knob, history, tolerance, limit)
+        if not end and progress is not None and progress(len(history) - 1, residual) is False:
             end = "cancelled"
-        elif negative >= _NEGATIVE and _RUNAWAY * first < state.D and knob.mean_curvature is not None:
+        if not end and negative >= _NEGATIVE and _RUNAWAY * first < state.D and knob.mean_curvature is not None:
             end = "runaway"
-        elif problem.has_closed_neck(state):
-            end = "neck"
-        elif problem.rim.stretches(state.x)[0] < _CROWDED:
-            end = "crowded"
-        elif len(history) > limit:
-            end = "iteration limit"
         if end:
             return Descent(problem, state, here.H, volume, end, history, tangent)
         forcing = max(_forcing(history), _SPARED * tolerance / max(residual, 1e-300))
@@ -159,6 +151,18 @@ def descend(
         if problem.is_far(state):
             problem, state = problem.rebased(state)
             tangent = None
+
+
+def _end(here: Linearised, knob: Knob, history: Sequence[Iterate], tolerance: float, limit: int) -> str:
+    """How a descent ends here, as far as the surface says; empty if it goes on."""
+    problem, state = here.problem, here.state
+    if history[-1].residual < tolerance and knob.reached(here):
+        return "converged"
+    if problem.has_closed_neck(state):
+        return "neck"
+    if problem.rim.stretches(state.x)[0] < _CROWDED:
+        return "crowded"
+    return "iteration limit" if len(history) > limit else ""
 
 
 def _forcing(history: Sequence[Iterate]) -> float:

@@ -54,20 +54,22 @@ class Motions:
         return self.domain.with_lengths(np.linalg.norm(points[j] - points[i], axis=1))
 
     @cached_property
-    def _sides(self) -> tuple[Complex, Complex]:
-        """The sides that leave each corner to the next one, of the plan (3, F) and of the fields (m, 3, F)."""
+    def _sides(self) -> tuple[Complex, Complex, Complex]:
+        """The sides that leave each corner to the next one, of the plan (3, F) and of the fields (m, 3, F); and those
+        of the fields to the one before."""
         corners = self.domain.faces.T
 
         def sides(points: Array) -> Complex:
             z = (points[..., 0] + 1j * points[..., 1]).take(corners, axis=-1)
             return z[..., [1, 2, 0], :] - z
 
-        return sides(self.positions), sides(self.fields)
+        moved = sides(self.fields)
+        return sides(self.positions), moved, _behind(moved)
 
     def _at(self, q: Array) -> Complex:
         """The sides (3, F) at q."""
-        plan, fields = self._sides
-        return plan + np.tensordot(q, fields, 1)
+        plan, moved, _ = self._sides
+        return plan + np.tensordot(q, moved, 1)
 
     def weights(self, q: Array) -> Array:
         """(E,) the cotangent weights at q."""
@@ -77,12 +79,12 @@ class Motions:
 
     def _quotients(self, q: Array) -> tuple[Array, Array, Complex, Array]:
         """Of each corner cot θ and d (3, F), the slopes of ā b and of cot θ (m, 3, F)."""
-        a, moved = self._at(q), self._sides[1]
+        a, (_, moved, moved_behind) = self._at(q), self._sides
         b = _behind(a)
         product = a.conj() * b
-        cotan = product.real / product.imag
-        slopes = moved.conj() * b + a.conj() * _behind(moved)
-        return cotan, product.imag, slopes, (slopes.real - cotan * slopes.imag) / product.imag
+        cotan, d = product.real / product.imag, np.ascontiguousarray(product.imag)
+        slopes = moved.conj() * b + a.conj() * moved_behind
+        return cotan, d, slopes, (slopes.real - cotan * slopes.imag) / d
 
     def slopes(self, q: Array) -> Array:
         """(m, E) the derivatives of the weights."""
@@ -95,9 +97,9 @@ class Motions:
     def derivatives(self, q: Array, squares: Array) -> tuple[Array, Array]:
         """`slopes` and `second` at once."""
         cotan, d, products, slopes = self._quotients(q)
-        moved = self._sides[1]
-        load = 0.25 * squares[self._opposite] / d
-        bent = _pairs(moved.conj() * (load * (1.0 + 1j * cotan)), _behind(moved)).real
+        _, moved, moved_behind = self._sides
+        load = 0.25 * squares.take(self._opposite) / d
+        bent = _pairs(moved.conj() * (load * (1.0 + 1j * cotan)), moved_behind).real
         bent -= _pairs(slopes * load, products.imag)
         on_edges = np.array([self._on_edges(each) for each in slopes]).reshape(self.count, -1)
         return on_edges, bent + bent.T

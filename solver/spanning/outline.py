@@ -151,20 +151,22 @@ def _on_other_plans(domain: Domain, points: Array, options: SpanOptions, tried: 
 
     Over a surface rolled out it starts from this surface, if that is one.
     """
-    flattest = _setting(domain, points, options)[0].start().f
     if not tried.lines.is_drawn:
-        laid = under_lines(domain, flattest)
+        laid = under_lines(domain, _flattest(domain, points, options))
         if laid is not None and (again := _searched(laid, points, options)).status is SpanStatus.CONVERGED:
             return again
     layout = flat_layout(domain, points)
-    surfaces = [tried.points, flattest]
+    surfaces: list[Array | None] = [tried.points, None]  # at last the flattest
     near = tried if tried.status is SpanStatus.NOT_CONFORMAL else None
     for _ in range(_ROLLED):
-        laid = rolled_out(layout[0], layout[1], surfaces.pop(0)) if layout is not None and surfaces else None
-        again = None if laid is None else _searched(laid, points, options, near)
-        near = None
-        if again is None:
+        if layout is None or not surfaces:
+            break
+        (surface, start), near = (surfaces.pop(0), near), None
+        surface = _flattest(domain, points, options) if surface is None else surface
+        laid = rolled_out(layout[0], layout[1], surface)
+        if laid is None:
             continue
+        again = _searched(laid, points, options, start)
         if again.status is SpanStatus.CONVERGED:
             return again
         if again.status is SpanStatus.NOT_CONFORMAL and _distortion(again) < _distortion(tried):
@@ -172,6 +174,11 @@ def _on_other_plans(domain: Domain, points: Array, options: SpanOptions, tried: 
             layout = again.layout
             surfaces.insert(0, again.points)
     return tried
+
+
+def _flattest(domain: Domain, points: Array, options: SpanOptions) -> Array:
+    """The harmonic surface (V, 3) that the search over a plan starts from."""
+    return _setting(domain, points, options)[0].start().f
 
 
 def _distortion(tried: _Tried) -> float:
