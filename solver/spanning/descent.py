@@ -1,13 +1,14 @@
 """Newton's method for spanning surfaces: projected conjugate gradients and a line search.
 
 Three ways to choose among the surfaces of one rim (see `knobs`): H is given, and D - 2H V is minimised freely; V is
-given, H is the multiplier and each step keeps V; or another number is given, and each step changes V by an amount dV
-that brings it nearer. With m = M V' the step of the last two is (dV / <V', m>) m and a part that keeps V.
+given, H is the multiplier and each step keeps V; or another number is given, and each step is that of Newton at one V
+and dV times the tangent t, the change of the critical surface with V, dV such that the number is met to first order:
+K t = 2 H' V', <V', t> = 1, found from M V' or the last tangent.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -15,16 +16,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import Progress
-from .coordinates import Step
+from .coordinates import Form, Step
 from .linearised import Linearised
 from .problem import SpanProblem, State
 
 Array = NDArray[np.float64]
+Keeper = Callable[[Step], Step]
 
-# Steps of the inner iteration; its relative accuracy at most, and at the end in units of what is still needed.
+# Steps of the inner iteration; its relative accuracy at most, as a power of the residual, as a multiple of a power of
+# its last fall, and at the end in units of what is still needed.
 _CG_LIMIT = 30
 _FORCING = 0.1
+_ORDER = 0.8
+_SHORT, _FALLS = 0.5, 1.5
 _SPARED = 0.1
+# The relative accuracy of tangents.
+_AHEAD = 0.03
 # Armijo's constant; the shortest step; rounding of the energy, as a part of it.
 _DECREASE = 1e-4
 _SHORTEST = 1e-4
@@ -53,7 +60,8 @@ class Descent:
     """The state reached, how it ended (converged, iteration limit, stalled, crowded, neck, runaway, cancelled), and
     the way there.
 
-    problem: the one that was solved, on the plan that the state has reached or nearly.
+    problem: the one that was solved, on the plan that the state has reached or nearly. tangent: how the surface changes
+    with V, if that was needed.
     """
 
     problem: SpanProblem
@@ -62,25 +70,37 @@ class Descent:
     volume: float
     end: str
     history: list[Iterate]
+    tangent: Step | None = None
 
     @property
     def residual(self) -> float:
         return self.history[-1].residual
 
 
+@dataclass(frozen=True, eq=False)
+class Direction:
+    """A change of the surface, how far it moves its points, df (V, 3), and what it leaves of the gradient, to first
+    order: rest = r + K step."""
+
+    step: Step
+    df: Array
+    rest: Form
+
+
 class Knob:
     """The number that chooses: by default none, so that H is given.
 
-    mean_curvature: the given H, or None where it is the multiplier.
+    mean_curvature: the given H, or None where it is the multiplier. measures: whether V is chosen by the number.
     """
 
     mean_curvature: float | None = 0.0
+    measures = False
 
-    def volume_change(self, here: Linearised, residual: float, volume: float) -> float:
-        """dV of the next step."""
+    def volume_change(self, here: Linearised, newton: Direction, ahead: Direction) -> float:
+        """dV of the next step, beside Newton's step at this V; ahead: the change of the critical surface with V."""
         return 0.0
 
-    def reached(self, here: Linearised, volume: float) -> bool:
+    def reached(self, here: Linearised) -> bool:
         """Whether the number has its wanted value."""
         return True
 
@@ -93,83 +113,109 @@ def descend(
     tolerance: float = 1e-6,
     limit: int = 60,
     progress: Progress | None = None,
+    tangent: Step | None = None,
 ) -> Descent:
     """The critical surface that the knob chooses, from `state`.
 
-    residual: sqrt(<r, M r> / 2 D) of the gradient r, without unit. limit: of steps.
+    residual: sqrt(<r, M r> / 2 D) of the gradient r, without unit. limit: of steps. tangent: of an earlier descent in
+    the same coordinates.
     """
     history: list[Iterate] = []
     negative, length, first = 0, 1.0, state.D
     while True:
         here = Linearised(problem, state, knob.mean_curvature)
-        volume = problem.volume.of(state.f)
+        volume = state.V
         keep = _keeper(here, knob)
         z = keep(here.precondition(here.gradient))
         residual = float(np.sqrt(max(here.gradient(z), 0.0) / (2.0 * state.D)))
         history.append(Iterate(state.D, residual, volume, here.H, problem.coordinates.solves, length))
-        end = ""
-        if residual < tolerance and knob.reached(here, volume):
-            end = "converged"
-        elif progress is not None and progress(len(history) - 1, residual) is False:
+        end = _end(here, knob, history, tolerance, limit)
+        if not end and progress is not None and progress(len(history) - 1, residual) is False:
             end = "cancelled"
-        elif negative >= _NEGATIVE and _RUNAWAY * first < state.D and knob.mean_curvature is not None:
+        if not end and negative >= _NEGATIVE and _RUNAWAY * first < state.D and knob.mean_curvature is not None:
             end = "runaway"
-        elif problem.has_closed_neck(state):
-            end = "neck"
-        elif problem.rim.stretches(state.x)[0] < _CROWDED:
-            end = "crowded"
-        elif len(history) > limit:
-            end = "iteration limit"
         if end:
-            return Descent(problem, state, here.H, volume, end, history)
-        change = knob.volume_change(here, residual, volume)
-        forcing = max(min(_FORCING, np.sqrt(residual)), _SPARED * tolerance / max(residual, 1e-300))
-        step, bent = _newton_step(here, keep, change, forcing)
+            return Descent(problem, state, here.H, volume, end, history, tangent)
+        forcing = max(_forcing(history), _SPARED * tolerance / max(residual, 1e-300))
+        newton, bent = _solved(here, keep, here.gradient, forcing**2 * here.gradient(z))
+        step, change = newton.step, 0.0
+        if knob.measures and not _led_away(history, tolerance):
+            ahead = _tangent(here, keep, tangent)
+            tangent, change = ahead.step, knob.volume_change(here, newton, ahead)
+            step = step.plus(tangent, change)
         negative += bent
         moved, length = _line_search(here, state, volume, step, change, knob.mean_curvature is None)
         if moved is None:
-            return Descent(problem, state, here.H, volume, "stalled", history)
+            return Descent(problem, state, here.H, volume, "stalled", history, tangent)
         state = moved
         if problem.is_far(state):
             problem, state = problem.rebased(state)
+            tangent = None
 
 
-def _keeper(here: Linearised, knob: Knob) -> Callable[[Step], Step]:
+def _end(here: Linearised, knob: Knob, history: Sequence[Iterate], tolerance: float, limit: int) -> str:
+    """How a descent ends here, as far as the surface says; empty if it goes on."""
+    problem, state = here.problem, here.state
+    if history[-1].residual < tolerance and knob.reached(here):
+        return "converged"
+    if problem.has_closed_neck(state):
+        return "neck"
+    if problem.rim.stretches(state.x)[0] < _CROWDED:
+        return "crowded"
+    return "iteration limit" if len(history) > limit else ""
+
+
+def _forcing(history: Sequence[Iterate]) -> float:
+    """The relative accuracy of the next step: less where the last one fell short of what Newton's method promises
+    (Eisenstat and Walker), as where vertices slide over the ends of arcs."""
+    now, last = history[-1].residual, history[max(len(history) - 2, 0)].residual
+    fallen = _SHORT * (now / last) ** _FALLS if now < last else 0.0
+    return min(_FORCING, max(now**_ORDER, fallen))
+
+
+def _led_away(history: Sequence[Iterate], tolerance: float) -> bool:
+    """Whether the last step led away from critical surfaces: V is then kept, since numbers mean little there."""
+    return len(history) > 1 and tolerance <= history[-2].residual < history[-1].residual
+
+
+def _keeper(here: Linearised, knob: Knob) -> Keeper:
     """Removes the part of a step that changes V, if V is to be kept."""
     if knob.mean_curvature is not None:
         return lambda step: step
     return lambda step: step.plus(here.along, -here.volume(step) / here.gain)
 
 
-def _newton_step(
-    here: Linearised, keep: Callable[[Step], Step], change: float, forcing: float
-) -> tuple[Step, bool]:
-    """A step that solves Newton's equation in the space that keeps V, beside the change of V; and whether it met
-    negative curvature, where it ends. forcing: the accuracy, as a part of the gradient."""
-    rest = here.gradient
-    total = here.along.times(change / here.gain)
-    if change:
-        rest = rest.plus(here.hessian(total, here.push(total)))
+def _solved(here: Linearised, keep: Keeper, rest: Form, goal: float) -> tuple[Direction, bool]:
+    """A step d with <rest + K d, M (rest + K d)> <= goal in the space that keeps V, K the Hessian; and whether it met
+    negative curvature, where it ends."""
     z = keep(here.precondition(rest))
     size = rest(z)
-    goal = forcing**2 * size
-    step = z.times(0.0)
+    step, df = z.times(0.0), np.zeros_like(here.state.f)
+    if size <= goal:
+        return Direction(step, df, rest), False
     p, dp = z, here.push(z)
     for count in range(_CG_LIMIT):
-        if size <= goal or size <= 0.0:
-            break
         curved = here.hessian(p, dp)
         curvature = curved(p)
         if curvature <= 0.0:
-            return total.plus(step if count else z, 1.0 if count else -1.0), True
-        step = step.plus(p, -size / curvature)
+            return (Direction(step, df, rest) if count else Direction(z.times(-1.0), -dp, rest)), True
+        step, df = step.plus(p, -size / curvature), df - size / curvature * dp
         rest = rest.plus(curved, -size / curvature)
         z = keep(here.precondition(rest))
         size, last = rest(z), size
         if size <= goal:
             break
         p, dp = z.plus(p, size / last), here.push(z) + (size / last) * dp
-    return total.plus(step), False
+    return Direction(step, df, rest), False
+
+
+def _tangent(here: Linearised, keep: Keeper, near: Step | None) -> Direction:
+    """How the surface changes with V while it stays critical, <V', step> = 1; near: the same at a surface nearby."""
+    step = here.along if near is None or not here.volume(near) > 0.0 else near
+    step = step.times(1.0 / here.volume(step))
+    df = here.push(step)
+    bent, _ = _solved(here, keep, here.hessian(step, df), _AHEAD**2 / here.gain)
+    return Direction(step.plus(bent.step), df + bent.df, bent.rest)
 
 
 def _line_search(
@@ -188,7 +234,7 @@ def _line_search(
             if keeps:
                 moved = with_volume(problem, moved, here.volume.lifted, volume + length * change)
             if moved is not None:
-                value = moved.energy - 2.0 * here.H * problem.volume.of(moved.f)
+                value = moved.energy - 2.0 * here.H * moved.V
                 if value <= before + _DECREASE * length * min(slope, 0.0) + length * allowed:
                     return moved, length
         length *= 0.5

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from ..linalg import graph_laplacian, sum_rows
 from .coordinates import Form, Step
 from .douglas import angles
 from .gauge import moebius_fields
@@ -26,11 +25,9 @@ class Linearised:
 
     def __init__(self, problem: SpanProblem, state: State, mean_curvature: float | None) -> None:
         self.problem, self.state = problem, state
-        self.rim = problem.rim.at(state.x)
-        self.laplacian = self._laplacian()
+        self.rim = state.rim
         self.second = problem.volume.second(state.f)
-        self._slopes = self._modulus_forces()
-        self._second_moduli = self._moduli_second()
+        self._slopes, self._second_moduli = self._by_moduli_twice()
         self.dirichlet, by_dirichlet = self._dirichlet_form()
         self.volume, by_volume = self.pull(self.second.gradient())
         H = self._inner_multiplier() if mean_curvature is None else mean_curvature
@@ -45,36 +42,38 @@ class Linearised:
             self._second_moduli,
             walls=problem.walls.second,
         )
-        self.along = self.precondition(self.volume)  # M V', the way to more volume
-        self.gain = self.volume(self.along)
         self.H = 0.5 * self.dirichlet(self.along) / self.gain if mean_curvature is None else mean_curvature
 
-    def _laplacian(self) -> sp.csr_array:
-        domain = self.problem.domain
+    @cached_property
+    def along(self) -> Step:
+        """M V', the way to more volume."""
+        return self.precondition(self.volume)
+
+    @cached_property
+    def gain(self) -> float:
+        """<V', M V'>."""
+        return self.volume(self.along)
+
+    def laplacian(self, f: Array) -> Array:
+        """L(q) f (V, 3)."""
         if not self.problem.motions.count:
-            return domain.laplacian
-        return graph_laplacian(domain.edges, self.state.weights, domain.vertex_count)
+            return np.asarray(self.problem.domain.laplacian @ f)
+        along = self.problem.differences
+        return np.asarray(along.T @ (self.state.weights[:, None] * (along @ f)))
 
-    def _modulus_forces(self) -> list[Array]:
-        """L'_k f (V, 3) for each modulus."""
+    def _by_moduli_twice(self) -> tuple[list[Array], Array]:
+        """L'_k f (V, 3) for each modulus, and the second derivatives (m, m) of D by them."""
         motions = self.problem.motions
         if not motions.count:
-            return []
-        i, j = self.problem.domain.edges.T
-        d = self.state.f[j] - self.state.f[i]
-        count = len(self.state.f)
-        pushed = [slope[:, None] * d for slope in motions.slopes(self.state.q)]
-        return [sum_rows(j, each, count) - sum_rows(i, each, count) for each in pushed]
-
-    def _moduli_second(self) -> Array:
-        motions = self.problem.motions
-        if not motions.count:
-            return np.zeros((0, 0))
-        return motions.second(self.state.q, self.problem.squares(self.state.f))
+            return [], np.zeros((0, 0))
+        along = self.problem.differences
+        d = along @ self.state.f
+        slopes, second = motions.derivatives(self.state.q, np.einsum("ij,ij->i", d, d))
+        return [along.T @ (slope[:, None] * d) for slope in slopes], second
 
     def _dirichlet_form(self) -> tuple[Form, Array]:
         """The form of D and the walls. On the plan of the coordinates L_II⁻¹ (L f)_I is u itself."""
-        forces = self.laplacian @ self.state.f
+        forces = self.laplacian(self.state.f)
         by_q = np.array([0.5 * np.einsum("ij,ij->", self.state.f, each) for each in self._slopes])
         known = None if self.state.q.any() else self.state.u
         form, on_rim = self.pull(forces, by_q, known)
@@ -106,14 +105,14 @@ class Linearised:
         df[self.problem.coordinates.inside] += step.u
         return df
 
-    @property
+    @cached_property
     def gradient(self) -> Form:
         """D' - 2H V'."""
         return self.dirichlet.plus(self.volume, -2.0 * self.H)
 
     def hessian(self, step: Step, df: Array) -> Form:
         """(D - 2H V)'' applied to a step that moves the surface by df. One back-solve."""
-        forces = self.laplacian @ df - 2.0 * self.H * self.second(df)
+        forces = self.laplacian(df) - 2.0 * self.H * self.second(df)
         for number, slope in zip(step.q, self._slopes, strict=True):
             forces += number * slope
         form, _ = self.pull(forces, self._by_moduli(step))

@@ -1,15 +1,16 @@
 """Moduli of a plan: motions that change its conformal type, p(q) = p + Σ_k q_k field_k, and derivatives of D by q.
 
 In corners the Dirichlet energy is D = ¼ Σ_faces Σ_k cot θ_k |f_i - f_j|², i and j the corners opposite k, and in a flat
-plan cot θ_k = <a, b> / a × b with the sides a, b that leave corner k. Along linear motions numerator and denominator
-are quadratic in q, so two derivatives are exact. ∂D/∂q = 0 is what conformality still lacks where the type of the plan
-is not that of the surface: around holes, and between corners that stay.
+plan cot θ_k = n / d, where n + i d = ā b with the sides a, b that leave corner k, as complex numbers. Along linear
+motions ā b is quadratic in q, so two derivatives are exact. ∂D/∂q = 0 is what conformality still lacks where the type
+of the plan is not that of the surface: around holes, and between corners that stay.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,20 +20,7 @@ from ..linalg import sum_rows
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
-
-
-def _sides(p: Array, faces: Int) -> tuple[Array, Array]:
-    """The sides (…, F, 3, 2) that leave each corner, to the next corner and to the one before; p (…, V, 2)."""
-    corner = p[..., faces, :]
-    return np.roll(corner, -1, axis=-2) - corner, np.roll(corner, 1, axis=-2) - corner
-
-
-def _inner(a: Array, b: Array) -> Array:
-    return np.einsum("...i,...i->...", a, b)
-
-
-def _cross(a: Array, b: Array) -> Array:
-    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+Complex = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,8 +44,8 @@ class Motions:
         """Whether a face is flat or turned over at q."""
         if not self.count:
             return False
-        a, b = _sides(self.at(q), self.domain.faces)
-        return bool(_cross(a[:, 0], b[:, 0]).min(initial=np.inf) <= 0.0)
+        a = self._at(q)
+        return bool((a[0].conj() * _behind(a)[0]).imag.min(initial=np.inf) <= 0.0)
 
     def moved(self, q: Array) -> Domain:
         """The domain at q; raises `MeshError` where a face is flat."""
@@ -66,40 +54,70 @@ class Motions:
         return self.domain.with_lengths(np.linalg.norm(points[j] - points[i], axis=1))
 
     @cached_property
-    def _field_sides(self) -> tuple[Array, Array]:
-        return _sides(self.fields, self.domain.faces)
+    def _sides(self) -> tuple[Complex, Complex, Complex]:
+        """The sides that leave each corner to the next one, of the plan (3, F) and of the fields (m, 3, F); and those
+        of the fields to the one before."""
+        corners = self.domain.faces.T
 
-    def _quotients(self, q: Array) -> tuple[Array, Array, Array, Array]:
-        """Numerators and denominators of cot θ, (F, 3), and their slopes (m, F, 3)."""
-        a, b = _sides(self.at(q), self.domain.faces)
-        da, db = self._field_sides
-        return _inner(a, b), _cross(a, b), _inner(da, b) + _inner(a, db), _cross(da, b) + _cross(a, db)
+        def sides(points: Array) -> Complex:
+            z = (points[..., 0] + 1j * points[..., 1]).take(corners, axis=-1)
+            return z[..., [1, 2, 0], :] - z
+
+        moved = sides(self.fields)
+        return sides(self.positions), moved, _behind(moved)
+
+    def _at(self, q: Array) -> Complex:
+        """The sides (3, F) at q."""
+        plan, moved, _ = self._sides
+        return plan + np.tensordot(q, moved, 1)
 
     def weights(self, q: Array) -> Array:
         """(E,) the cotangent weights at q."""
-        a, b = _sides(self.at(q), self.domain.faces)
-        return self._on_edges(_inner(a, b) / _cross(a, b))
+        a = self._at(q)
+        product = a.conj() * _behind(a)
+        return self._on_edges(product.real / product.imag)
+
+    def _quotients(self, q: Array) -> tuple[Array, Array, Complex, Array]:
+        """Of each corner cot θ and d (3, F), the slopes of ā b and of cot θ (m, 3, F)."""
+        a, (_, moved, moved_behind) = self._at(q), self._sides
+        b = _behind(a)
+        product = a.conj() * b
+        cotan, d = product.real / product.imag, np.ascontiguousarray(product.imag)
+        slopes = moved.conj() * b + a.conj() * moved_behind
+        return cotan, d, slopes, (slopes.real - cotan * slopes.imag) / d
 
     def slopes(self, q: Array) -> Array:
         """(m, E) the derivatives of the weights."""
-        n, d, dn, dd = self._quotients(q)
-        return np.array([self._on_edges(each) for each in (dn - n / d * dd) / d]).reshape(self.count, -1)
-
-    def _on_edges(self, cotans: Array) -> Array:
-        edges = self.domain.face_edges
-        return 0.5 * sum_rows(edges.ravel(), cotans.ravel(), len(self.domain.edge_lengths))
+        return self.derivatives(q, np.zeros(len(self.domain.edge_lengths)))[0]
 
     def second(self, q: Array, squares: Array) -> Array:
         """(m, m) second derivatives of ½ Σ w_e squares_e by q, with the squared edges (E,) of the surface."""
-        n, d, dn, dd = self._quotients(q)
-        da, db = self._field_sides
-        load = 0.25 * squares[self.domain.face_edges]
-        cotan, slope = n / d, (dn - n / d * dd) / d
-        result = np.empty((self.count, self.count))
-        for k in range(self.count):
-            for m in range(k + 1):
-                ddn = _inner(da[k], db[m]) + _inner(da[m], db[k])
-                ddd = _cross(da[k], db[m]) + _cross(da[m], db[k])
-                bent = (ddn - cotan * ddd - slope[k] * dd[m] - slope[m] * dd[k]) / d
-                result[k, m] = result[m, k] = float(np.einsum("ij,ij->", bent, load))
-        return result
+        return self.derivatives(q, squares)[1]
+
+    def derivatives(self, q: Array, squares: Array) -> tuple[Array, Array]:
+        """`slopes` and `second` at once."""
+        cotan, d, products, slopes = self._quotients(q)
+        _, moved, moved_behind = self._sides
+        load = 0.25 * squares.take(self._opposite) / d
+        bent = _pairs(moved.conj() * (load * (1.0 + 1j * cotan)), moved_behind).real
+        bent -= _pairs(slopes * load, products.imag)
+        on_edges = np.array([self._on_edges(each) for each in slopes]).reshape(self.count, -1)
+        return on_edges, bent + bent.T
+
+    @cached_property
+    def _opposite(self) -> Int:
+        """(3, F) the edges opposite each corner."""
+        return np.ascontiguousarray(self.domain.face_edges.T)
+
+    def _on_edges(self, cotans: Array) -> Array:
+        return 0.5 * sum_rows(self._opposite.ravel(), cotans.ravel(), len(self.domain.edge_lengths))
+
+
+def _behind(sides: Complex) -> Complex:
+    """The sides (…, 3, F) that leave each corner to the one before."""
+    return -sides[..., [2, 0, 1], :]
+
+
+def _pairs(a: NDArray[Any], b: NDArray[Any]) -> NDArray[Any]:
+    """(m, m) sums of the products of a (m, 3, F) and b (m, 3, F)."""
+    return np.asarray(a.reshape(len(a), -1) @ b.reshape(len(b), -1).T)

@@ -19,6 +19,8 @@ Int = NDArray[np.integer]
 
 # Two sides whose directions enclose a smaller sine at a corner do not give a normal there.
 _CORNER_SINE = 0.1
+# Cosine of the angle up to which the normals of an earlier surface are a start.
+_NEAR = 0.5
 
 
 def rim_normals(
@@ -84,10 +86,24 @@ def _at_corners(N: Array, behind: Array, ahead: Array, marks: Int) -> Array:
 
 def start_normals(domain: Domain, f: Array, rim: Int, at_rim: Array) -> Array:
     """A start (V, 3) for the harmonic map: normals of the faces, and those known at the vertices `rim`."""
-    areas = sum_rows(domain.faces.ravel(), np.repeat(area_vectors(f, domain.faces), 3, axis=0), len(f))
-    N = _unit(areas)
+    N = _face_normals(domain, f)
     N[rim] = at_rim
     return N
+
+
+def changed_normals(start: Array, domain: Domain, f: Array, N: Array) -> Array:
+    """The harmonic normals N (V, 3) of an earlier surface f, changed as normals of the faces have changed since.
+
+    start (V, 3): for the harmonic map, as it is where normals have changed much.
+    """
+    changed = N + start - _face_normals(domain, f)
+    near = np.einsum("ij,ij->i", changed, start) > _NEAR
+    return np.where(near[:, None], changed, start)
+
+
+def _face_normals(domain: Domain, f: Array) -> Array:
+    """Normals (V, 3) of the faces around each vertex, by their areas."""
+    return _unit(sum_rows(domain.faces.ravel(), np.repeat(area_vectors(f, domain.faces), 3, axis=0), len(f)))
 
 
 def _unit(v: Array) -> Array:

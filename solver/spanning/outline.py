@@ -19,10 +19,10 @@ from ..surface.solve import CmcSolver
 from .layout import flat_layout
 from .problem import SpanProblem
 from .relay import rolled_out, under_lines
-from .search import Search, Wish
+from .search import Found, Search, Wish
 from .setting import Lines, setting
 from .span import Span, finished
-from .verdict import SpanStatus, distortion
+from .verdict import SpanStatus, distortion, judged
 
 Array = NDArray[np.float64]
 
@@ -111,33 +111,78 @@ def span_outline(domain: DomainLike, positions: ArrayLike, options: SpanOptions)
     )
     domain = as_domain(domain)
     points = in_space(domain, positions)
-    span = _spanned(domain, points, options)
-    if options.initial is None and span.status in _UNLIKE:
-        span = _on_other_plans(domain, points, options, span)
-    return span
+    tried = _searched(domain, points, options)
+    if options.initial is None and tried.status in _UNLIKE:
+        tried = _on_other_plans(domain, points, options, tried)
+    name, number = options.wish
+    wanted = number if name == "mean_curvature" else None
+    return finished(tried.found, tried.plan, tried.lines, options.mirrors, wanted, options.initial)
 
 
-def _on_other_plans(domain: Domain, points: Array, options: SpanOptions, span: Span) -> Span:
-    """The span over the plan laid under the lines, or over the surface rolled out; the given one if none is better."""
-    problem, lines = _setting(domain, points, options)
-    flattest = problem.start().f
-    if not lines.is_drawn:
-        laid = under_lines(domain, flattest)
-        if laid is not None and (again := _spanned(laid, points, options)).ok:
+@dataclass(frozen=True, eq=False)
+class _Tried:
+    """The end of a search over one plan."""
+
+    plan: Domain
+    found: Found
+    lines: Lines
+
+    @property
+    def status(self) -> SpanStatus:
+        """How it ended, as far as the points say."""
+        if self.found.largest is not None:
+            return SpanStatus.NO_SURFACE
+        return judged(self.found.descent, self.lines.is_drawn)[0]
+
+    @property
+    def points(self) -> Array:
+        """(V, 3), about the centre of the lines."""
+        return self.found.descent.state.f[: self.plan.vertex_count]
+
+    @property
+    def layout(self) -> tuple[Domain, Array]:
+        """The plan as its moduli have moved it, and its positions (V, 2)."""
+        motions, q = self.found.descent.problem.motions, self.found.descent.state.q
+        return motions.moved(q), motions.at(q)
+
+
+def _on_other_plans(domain: Domain, points: Array, options: SpanOptions, tried: _Tried) -> _Tried:
+    """The search over the plan laid under the lines, or over the surface rolled out; the given one if none is better.
+
+    Over a surface rolled out it starts from this surface, if that is one.
+    """
+    if not tried.lines.is_drawn:
+        laid = under_lines(domain, _flattest(domain, points, options))
+        if laid is not None and (again := _searched(laid, points, options)).status is SpanStatus.CONVERGED:
             return again
     layout = flat_layout(domain, points)
-    surfaces = [span.points, flattest]
+    surfaces: list[Array | None] = [tried.points, None]  # at last the flattest
+    near = tried if tried.status is SpanStatus.NOT_CONFORMAL else None
     for _ in range(_ROLLED):
-        laid = rolled_out(layout[0], layout[1], surfaces.pop(0)) if layout is not None and surfaces else None
+        if layout is None or not surfaces:
+            break
+        (surface, start), near = (surfaces.pop(0), near), None
+        surface = _flattest(domain, points, options) if surface is None else surface
+        laid = rolled_out(layout[0], layout[1], surface)
         if laid is None:
             continue
-        again = _spanned(laid, points, options)
-        if again.ok:
+        again = _searched(laid, points, options, start)
+        if again.status is SpanStatus.CONVERGED:
             return again
-        if again.status is SpanStatus.NOT_CONFORMAL and distortion(again.kept.descent) < distortion(span.kept.descent):
-            span, layout = again, (again.domain, again.positions)
+        if again.status is SpanStatus.NOT_CONFORMAL and _distortion(again) < _distortion(tried):
+            tried = near = again
+            layout = again.layout
             surfaces.insert(0, again.points)
-    return span
+    return tried
+
+
+def _flattest(domain: Domain, points: Array, options: SpanOptions) -> Array:
+    """The harmonic surface (V, 3) that the search over a plan starts from."""
+    return _setting(domain, points, options)[0].start().f
+
+
+def _distortion(tried: _Tried) -> float:
+    return distortion(tried.found.descent)
 
 
 def _setting(domain: Domain, points: Array, options: SpanOptions) -> tuple[SpanProblem, Lines]:
@@ -156,23 +201,26 @@ def _setting(domain: Domain, points: Array, options: SpanOptions) -> tuple[SpanP
     )
 
 
-def _spanned(domain: Domain, points: Array, options: SpanOptions) -> Span:
+def _searched(domain: Domain, points: Array, options: SpanOptions, near: _Tried | None = None) -> _Tried:
+    """near: a search over another plan with the same vertices, to start from its surface."""
     problem, lines = _setting(domain, points, options)
-    start, slope = None, None
+    start, tangent = None, None
     if options.initial is not None:
         earlier = options.initial.kept.descent
         if problem.coordinates is earlier.problem.coordinates:
-            start, slope = problem.continued(earlier.problem, earlier.state), options.initial.kept.slope
+            start, tangent = problem.continued(earlier.problem, earlier.state), earlier.tangent
+    if near is not None:
+        descent = near.found.descent
+        start = problem.laid_over(descent.problem, descent.state)
     search = Search(
         problem,
         lines,
         tolerance=options.tolerance,
         limit=options.max_iterations,
         progress=options.progress,
-        slope=slope,
+        tangent=tangent,
     )
     name, number = options.wish
     if name == "rise":
         name, number = "height", number * 0.5 * lines.extent
-    found = search(Wish(name, number), start)
-    return finished(found, domain, lines, options.mirrors, number if name == "mean_curvature" else None)
+    return _Tried(domain, search(Wish(name, number), start), lines)

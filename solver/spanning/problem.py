@@ -9,8 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from ..domain.domain import Domain
@@ -20,7 +22,7 @@ from .douglas import angles
 from .moduli import Motions
 from .plan_fields import plan_fields
 from .refine import refined
-from .rim import Rim
+from .rim import Rim, RimPoint
 from .volume import Volume
 from .walls import RimVolume, Walls
 
@@ -38,7 +40,8 @@ _CLOSED = 0.05
 class State:
     """A surface f (V, 3) = u + E p(x) over the plan at q.
 
-    weights (E,): the plan's cotangent weights. D: the Dirichlet energy, walls: Σ cos t · W (see `walls`).
+    weights (E,): the plan's cotangent weights. D: the Dirichlet energy, walls: Σ cos t · W (see `walls`), V: the
+    volume. rim: at x.
     """
 
     u: Array
@@ -48,6 +51,8 @@ class State:
     weights: Array
     D: float
     walls: float
+    V: float
+    rim: RimPoint
 
     @property
     def energy(self) -> float:
@@ -86,13 +91,15 @@ class SpanProblem:
 
     def state(self, u: Array | None, x: Array, q: Array) -> State:
         """The surface of these numbers; u = None stands for zero."""
-        f = self.coordinates.extend(self.rim.at(x).points)
+        rim = self.rim.at(x)
+        f = self.coordinates.extend(rim.points)
         if u is None:
             u = np.zeros((len(self.coordinates.inside), 3))
         else:
             f[self.coordinates.inside] += u
         weights = self.motions.weights(q) if self.motions.count else self.domain.cotan_weights
-        return State(u, x, q, f, weights, 0.5 * float(weights @ self.squares(f)), self.walls.value(x))
+        energy = 0.5 * float(weights @ self.squares(f))
+        return State(u, x, q, f, weights, energy, self.walls.value(x), self.volume.of(f), rim)
 
     def is_far(self, state: State) -> bool:
         """Whether the plan has moved so far that coordinates of the new one are better."""
@@ -123,32 +130,50 @@ class SpanProblem:
             motions=Motions(domain, positions, fields),
             volume=self.volume if domain.faces is self.domain.faces else Volume(domain, self.volume.rim),
         )
-        rim = coordinates.extend(self.rim.at(state.x).points)
-        u = (f - rim)[coordinates.inside]
+        u = (f - coordinates.extend(state.rim.points))[coordinates.inside]
         return problem, problem.state(u, state.x, np.zeros(problem.motions.count))
 
     def on(self, rim: Rim, parts: Sequence[RimVolume]) -> SpanProblem:
         """The same plan, as far as it has moved, with another rim of like tracks and its parts of the volume."""
-        problem = replace(self, rim=rim, walls=Walls.under(rim), volume=self.volume.with_rim(parts))
+        same = rim.is_same(self.rim)
+        kept = {} if same else {"rim": rim, "walls": Walls.under(rim)}
+        problem = replace(self, volume=self.volume.with_rim(parts), **kept)
         problem.coordinates.solves = 0
         return problem
 
     def continued(self, earlier: SpanProblem, state: State) -> State | None:
         """An earlier state of the same plan, its rim's vertices carried over to this rim; None if rims are unlike."""
+        if self.rim is earlier.rim:
+            return replace(state, V=self.volume.of(state.f))
         x = self.rim.adopted(earlier.rim, state.x)
         return None if x is None else self.state(state.u, x, state.q)
+
+    def laid_over(self, earlier: SpanProblem, state: State) -> State | None:
+        """The surface of a state over another plan with the same vertices and rim; None if they are not the same."""
+        x = self.rim.adopted(earlier.rim, state.x)
+        if x is None or earlier.domain.vertex_count != self.domain.vertex_count:
+            return None
+        u = state.f - self.coordinates.extend(self.rim.at(x).points)
+        return self.state(u[self.coordinates.inside], x, np.zeros(self.motions.count))
 
     def lifted(self, state: State, d: Array) -> State:
         """The state with u changed by d (I, 3)."""
         f = state.f.copy()
         f[self.coordinates.inside] += d
-        return replace(state, u=state.u + d, f=f, D=0.5 * float(state.weights @ self.squares(f)))
+        energy = 0.5 * float(state.weights @ self.squares(f))
+        return replace(state, u=state.u + d, f=f, D=energy, V=self.volume.of(f))
 
     def squares(self, f: Array) -> Array:
         """(E,) squared edge lengths."""
-        i, j = self.domain.edges.T
-        d = f[j] - f[i]
+        d = self.differences @ f
         return np.einsum("ij,ij->i", d, d)
+
+    @cached_property
+    def differences(self) -> sp.csr_array:
+        """(E, V) f_j - f_i along each edge."""
+        edges, (count, size) = self.domain.edges, (len(self.domain.edges), self.domain.vertex_count)
+        starts = np.arange(0, 2 * count + 1, 2)
+        return sp.csr_array((np.tile([-1.0, 1.0], count), edges.ravel(), starts), shape=(count, size))
 
     def limit(self, state: State, step: Step) -> float:
         """The largest multiple of the step that keeps the rim in order and the plan near; at most 1."""

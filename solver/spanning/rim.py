@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..linalg import sum_rows
 from .curves import SmoothCurve
@@ -30,13 +30,14 @@ _FAR = 0.1
 class Track(Protocol):
     """Rim vertices `vertices` (k,) that slide alike, each with `width` numbers, from `start` (k, width).
 
-    on_line: whether they stay on a given line.
+    on_line: whether they stay on a given line. given: all that the track was made of, as arrays.
     """
 
     vertices: Int
     width: int
     start: Array
     on_line: bool
+    given: tuple[ArrayLike, ...]
 
     def at(self, x: Array) -> tuple[Array, Array, Array]:
         """Places (k, 3), tangents and bends (k, width, 3) at x (k, width)."""
@@ -61,6 +62,7 @@ class AlongCurve:
     ) -> None:
         self.vertices, self.curve, self.ends = vertices, curve, ends
         self.start = np.asarray(start, dtype=np.float64).reshape(-1, 1)
+        self.given: tuple[ArrayLike, ...] = (vertices, curve.points, curve.closed, self.start, ends or ())
 
     def at(self, x: Array) -> tuple[Array, Array, Array]:
         points, tangents, bends = self.curve.at(x[:, 0])
@@ -98,6 +100,8 @@ class OverCurve:
     ) -> None:
         self.vertices, self.curve, self.start = vertices, curve, start
         self.angle, self.ends = angle, ends
+        over = () if ends is None else ends
+        self.given: tuple[ArrayLike, ...] = (vertices, curve.points, curve.closed, start, angle, over)
 
     def at(self, x: Array) -> tuple[Array, Array, Array]:
         points, tangents, bends = self.curve.at(x[:, 0])
@@ -117,6 +121,7 @@ class Straight:
         self.width = axes.shape[1]
         self.on_line = self.width == 0
         self.start = np.zeros((len(vertices), self.width))
+        self.given: tuple[ArrayLike, ...] = (vertices, places, axes)
 
     @classmethod
     def held(cls, vertices: Int, places: Array) -> Straight:
@@ -181,6 +186,13 @@ class Rim:
         """Whether the other rim moves the same vertices by tracks of the same kinds."""
         kinds = [[(type(t), len(t.vertices), t.width) for t in rim.tracks] for rim in (self, other)]
         return kinds[0] == kinds[1] and np.array_equal(self.owner, other.owner)
+
+    def is_same(self, other: Rim) -> bool:
+        """Whether the other rim is the same in all: tracks, places and curves."""
+        return self.is_like(other) and all(
+            all(np.array_equal(a, b) for a, b in zip(mine.given, its.given, strict=True))
+            for mine, its in zip(self.tracks, other.tracks, strict=True)
+        )
 
     def adopted(self, other: Rim, x: Array) -> Array | None:
         """The numbers (n,) that put the vertices where x puts them on another rim with like tracks; None if unlike."""

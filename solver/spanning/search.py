@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ConditionError, Progress
+from .coordinates import Step
 from .descent import Descent, Knob, descend, with_volume
 from .knobs import Crown, HeldVolume, MeanCurvature, PastTheLargest
 from .problem import SpanProblem, State
@@ -17,6 +18,9 @@ Array = NDArray[np.float64]
 
 # Volumes up to this multiple of a half sphere's are tried for the largest H.
 _FULLEST = 1.6
+# A surface is blown up by this part of a half sphere's volume at once, in this number of stages at most.
+_STAGE = 0.4
+_STAGES = 4
 # The part of the way that the volumes tried for the largest H may be wrong by, and how many are tried.
 _GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 _TRIES = 14
@@ -36,16 +40,15 @@ class Wish:
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """The end of a search. largest: of H, where a larger one was asked for. slope: dk/dV of the knob, to go on."""
+    """The end of a search. largest: of H, where a larger one was asked for."""
 
     descent: Descent
     largest: float | None = None
-    slope: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """Searches on one problem."""
+    """Searches on one problem. tangent: of an earlier descent, see `descend`."""
 
     problem: SpanProblem
     lines: Lines
@@ -53,7 +56,7 @@ class Search:
     tolerance: float
     limit: int
     progress: Progress | None = None
-    slope: float | None = None
+    tangent: Step | None = None
 
     def __call__(self, wish: Wish, start: State | None) -> Found:
         """The surface with the wanted number, from `start`, and from the flattest without it or if that fails."""
@@ -61,7 +64,7 @@ class Search:
         found = getattr(self, name)(wish.number, start)
         if start is None or found.descent.end in ("converged", "cancelled") or found.largest is not None:
             return found
-        return getattr(replace(self, slope=None), name)(wish.number, None)
+        return getattr(replace(self, tangent=None), name)(wish.number, None)
 
     def _descend(self, state: State, knob: Knob, tolerance: float | None = None) -> Descent:
         return descend(
@@ -71,6 +74,7 @@ class Search:
             tolerance=tolerance or self.tolerance,
             limit=self.limit,
             progress=self.progress,
+            tangent=self.tangent,
         )
 
     # --- mean curvature ------------------------------------------------------------------------
@@ -89,15 +93,13 @@ class Search:
             return Found(best)
         largest = up * best.mean_curvature
         if up * H > largest * (1.0 + _AT_LARGEST) or not largest > 0.0:
-            return Found(self._restarted(best, HeldVolume(best.volume)), largest=best.mean_curvature)
+            return Found(self._restarted(best, HeldVolume()), largest=best.mean_curvature)
         flatter = self._held(best, best.volume * (1.0 - np.sqrt(max(1.0 - up * H / largest, 1e-6))))
-        slope = (best.mean_curvature - flatter.mean_curvature) / (best.volume - flatter.volume)
-        knob = PastTheLargest(H, size=self.lines.size, slope=slope)
-        return Found(self._restarted(flatter, knob), slope=knob.slope)
+        return Found(self._restarted(flatter, PastTheLargest(H, size=self.lines.size)))
 
     def _largest(self, up: float) -> Descent:
         """The surface of the largest H, up = 1, or the smallest: golden section over V, each solve from the last."""
-        low, high = 0.0, up * _FULLEST * 2.0 / 3.0 * self.lines.area**1.5 / np.sqrt(np.pi)
+        low, high = 0.0, up * _FULLEST * self._half_sphere
         inner = [high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)]
         found = [self._volume_from_film(inner[0])]
         found.append(self._held(found[0], inner[1]))
@@ -119,20 +121,20 @@ class Search:
         """The surface of another volume, from one nearby."""
         search = replace(self, problem=near.problem)
         state = search._with_volume(near.state, volume)
-        return search._descend(state, HeldVolume(volume), _ROUGH)
+        return search._descend(state, HeldVolume(), _ROUGH)
 
     def _restarted(self, near: Descent, knob: Knob) -> Descent:
         return replace(self, problem=near.problem)._descend(near.state, knob)
 
     def _volume_from_film(self, volume: float) -> Descent:
-        return self._descend(self._with_volume(self.problem.start(), volume), HeldVolume(volume), _ROUGH)
+        return self._descend(self._with_volume(self.problem.start(), volume), HeldVolume(), _ROUGH)
 
     # --- volume --------------------------------------------------------------------------------
 
     def _by_volume(self, volume: float, start: State | None) -> Found:
         state = start or self.problem.start()
         cone = volume - self._cone_offset(state)
-        return Found(self._descend(self._with_volume(state, cone), HeldVolume(cone)))
+        return Found(self._descend(self._with_volume(state, cone), HeldVolume()))
 
     def _cone_offset(self, state: State) -> float:
         """By how much the volume over the base differs from that of the cone; it depends on the lines alone."""
@@ -140,15 +142,24 @@ class Search:
         a, b, c = (f[faces[:, k]] for k in range(3))
         area = 0.5 * np.cross(b - a, c - a)[:, 2]
         height = (a + b + c)[:, 2] / 3.0 - self._base
-        return float(area @ height) - self.problem.volume.of(f)
+        return float(area @ height) - state.V
 
     def _with_volume(self, state: State, volume: float) -> State:
-        """The state, blown up from inside to a volume."""
-        forces = self.problem.volume.first(state.f)
-        blown = with_volume(self.problem, state, self.problem.coordinates.lift(forces), volume)
-        if blown is None:
-            raise ConditionError(f"The lines enclose no surface of volume {volume:.4g}; choose a smaller one.")
-        return blown
+        """The state, blown up from inside to a volume: in stages, since the pressure turns with the surface."""
+        first = state.V
+        stages = 1 + int(min(abs(volume - first) / max(_STAGE * self._half_sphere, 1e-300), _STAGES - 1))
+        for part in np.linspace(0.0, 1.0, stages + 1)[1:].tolist():
+            direction = self.problem.coordinates.lift(self.problem.volume.first(state.f))
+            blown = with_volume(self.problem, state, direction, first + part * (volume - first))
+            if blown is None:
+                raise ConditionError(f"The lines enclose no surface of volume {volume:.4g}; choose a smaller one.")
+            state = blown
+        return state
+
+    @property
+    def _half_sphere(self) -> float:
+        """The volume of half a sphere over a circle of the lines' area."""
+        return float(2.0 / 3.0 * self.lines.area**1.5 / np.sqrt(np.pi))
 
     # --- height --------------------------------------------------------------------------------
 
@@ -169,9 +180,7 @@ class Search:
             )
         state = start or self._film(wanted, up)
         size = self.lines.size
-        knob = Crown(wanted, unit=max(abs(height), 1e-6 * size), size=size, up=up, slope=self.slope)
-        descent = self._descend(state, knob)
-        return Found(descent, slope=knob.slope)
+        return Found(self._descend(state, Crown(wanted, unit=max(abs(height), 1e-6 * size), size=size, up=up)))
 
     def _film(self, wanted: float, up: float) -> State:
         """The harmonic surface under even pressure, Δu = -const, that just reaches the wanted height."""

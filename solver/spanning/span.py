@@ -21,7 +21,7 @@ from ..surface.cmc_surface import CmcSurface
 from ..surface.polygon_mesh import PolygonMesh
 from ..surface.solve import CmcSolver
 from .descent import Iterate
-from .normals import rim_normals, start_normals
+from .normals import changed_normals, rim_normals, start_normals
 from .problem import SpanProblem, State
 from .search import Found
 from .setting import Lines
@@ -153,8 +153,13 @@ class Span:
         return notebook.table("Span", numbers, notebook.picture(self.points, self.faces))
 
 
-def finished(found: Found, plan: Domain, lines: Lines, mirrors: Mirrors, wanted: float | None) -> Span:
-    """The span at the end of a search over the faces of `plan`; wanted: the mean curvature asked for, if one was."""
+def finished(
+    found: Found, plan: Domain, lines: Lines, mirrors: Mirrors, wanted: float | None, initial: Span | None = None
+) -> Span:
+    """The span at the end of a search over the faces of `plan`; wanted: the mean curvature asked for, if one was.
+
+    initial: the span that the search started from.
+    """
     descent = found.descent
     problem, state, H = descent.problem, descent.state, descent.mean_curvature
     searched = problem.motions.moved(state.q) if state.q.any() else problem.domain
@@ -162,6 +167,8 @@ def finished(found: Found, plan: Domain, lines: Lines, mirrors: Mirrors, wanted:
     if found.largest is not None and wanted is not None:
         status, message = SpanStatus.NO_SURFACE, largest_sentence(wanted, found.largest)
     conditions, start = _conditions(searched, problem, state, H, mirrors)
+    if initial is not None and len(initial.points) == len(start):
+        start = changed_normals(start, searched, initial.points, initial.normals)
     solver = problem.solver if searched is problem.domain else problem.solver.moved(searched)
     harmonic = solver.solve(conditions, initial=start)
     count = plan.vertex_count
