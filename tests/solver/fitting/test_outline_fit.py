@@ -208,10 +208,10 @@ def test_fits_can_be_cancelled_and_continued():
 
     def progress(evaluation, value):
         seen.append((evaluation, value))
-        return len(seen) < 4
+        return len(seen) < 2
 
     first = fit_outline(shape.domain, shape.positions, rise=0.4, progress=progress)
-    assert first.status is FitStatus.CANCELLED and len(seen) == 4
+    assert first.status is FitStatus.CANCELLED and len(seen) == 2
     second = fit_outline(shape.domain, shape.positions, rise=0.4, initial=first)
     assert second.is_met and len(second.history) < 12
     bounds = {"rise": 0.4, "tilt": (0.0, 0.7), "free_heights": True}
