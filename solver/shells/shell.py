@@ -15,6 +15,7 @@ from ..fitting.fit import Fit
 from ..measure.report import Report
 from ..notes import Note
 from ..signatures import checked
+from ..spanning.span import Span
 from ..surface import convert, notebook
 from ..surface.cmc_surface import CmcSurface
 from ..surface.placement import Similarity
@@ -39,7 +40,7 @@ class Shell:
     mean_curvature (n,): measured on the sheet that is shown, positive on a sphere; its target is in the report.
     message: the status in a sentence. warnings: what else the user should know, each with a code (`solver.notes`).
     solver: for the next call of `form`.
-    fit: of a fitted shell (`fit_plan`), how near it came.
+    fit: of a fitted shell (`fit_plan`), how near it came. span: of a shell on lines, the surface as it was found.
     """
 
     surface: CmcSurface
@@ -54,6 +55,7 @@ class Shell:
     warnings: list[Note] = field(default_factory=list)
     solver: CmcSolver | None = None
     fit: Fit | None = None
+    span: Span | None = None
 
     @property
     def ok(self) -> bool:

@@ -111,10 +111,10 @@ def test_dome_on_a_level_plan():
 
 @pytest.mark.parametrize(
     ("size", "value", "scale"),
-    [("span", 12, 3), ("rise", 5, 2.5), ("radius", 8, 4), ("mean_curvature", 0.125, 4)],
+    [("span", 12, 3), ("height", 5, 2.5), ("rise", 1.5, 3 * 0.25), ("radius", 8, 4), ("mean_curvature", 0.125, 4)],
 )
 def test_sizes_of_the_dome(size, value, scale):
-    """The hemisphere of radius 2: span 4, rise 2, 1/H = 2, H = ½."""
+    """The hemisphere of radius 2: span 4, height 2, 1/H = 2, H = ½. The drawn circle has radius 1."""
     plane = Plane(np.zeros(3), E_Z)
     placement = place(dome(), np.arange(N), circle(1.0), np.ones(N), plane, Rule(size=size, value=value))
     assert_allclose(placement.scale, scale, rtol=1e-14)
@@ -190,7 +190,7 @@ def test_no_turn_unless_asked():
 def test_a_point_is_not_blown_up():
     plane = Plane(np.zeros(3), E_Z)
     point = np.zeros((N + 1, 3)) + 1e-12 * np.random.default_rng(0).normal(size=(N + 1, 3))
-    for size in ("match_plan", "span", "rise"):
+    for size in ("match_plan", "span", "height"):
         with pytest.raises(PlacementError, match=r"f- shrinks to a point on its boundary"):
             place(point, np.arange(N), circle(1), np.ones(N), plane, Rule(size=size), name="f-")
 
@@ -216,10 +216,10 @@ def test_a_size_that_leaves_its_plan_far_behind_is_refused(size, value, ratio):
         place(dome(), np.arange(N), circle(2.0), np.ones(N), Plane(np.zeros(3), E_Z), Rule(size=size, value=value))
 
 
-def test_a_flat_surface_has_no_rise():
-    with pytest.raises(PlacementError, match="f- has no rise, so it cannot be sized by it"):
+def test_a_flat_surface_has_no_height():
+    with pytest.raises(PlacementError, match="f- has no height, so it cannot be sized by it"):
         flat = circle(2)
-        place(flat, np.arange(N), flat, np.ones(N), Plane(np.zeros(3), E_Z), Rule(size="rise"), name="f-")
+        place(flat, np.arange(N), flat, np.ones(N), Plane(np.zeros(3), E_Z), Rule(size="height"), name="f-")
 
 
 @pytest.mark.parametrize(
