@@ -27,7 +27,7 @@ Vector = tuple[float, float, float]
 _LISTED_PAIRS = 100
 # A mean curvature that misses its target by more than these parts of it, in L²: is off; is not constant at all.
 _OFF, _LOST = 0.1, 0.5
-# A target below this part of the usual size of the principal curvatures is small.
+# A target below this part of 1 / sqrt(area) is small.
 _SMALL = 0.1
 
 
@@ -36,8 +36,7 @@ class CurvatureReport:
     """Mean curvature H of the faces and its target, in 1/length; means are weighted by area.
 
     l2 is sqrt(∫ (H - target)² dA / area), linf the largest |H - target|. `relative_l2` is l2 over the
-    `reference`: the target's size, or sqrt(mean |K|), the usual size of the principal curvatures, where the target is
-    less than a tenth of that.
+    `reference`: the target's size, or, where that is less than a tenth of 1 / sqrt(area), as at H = 0, 1 / sqrt(area).
     The `inside` figures leave out faces that have a vertex on the boundary. `gauss_mean` is the mean of K, in
     1/length². left_out: the number of faces next to corners of the rim that all figures leave out; see `report`.
     """
@@ -229,9 +228,8 @@ def _curvature(
     if left_out.any() and not left_out.all():
         faces, areas, inside = faces[~left_out], areas[~left_out], inside[~left_out]
     H = mean_curvature_of(points, faces, normals)
-    K = gauss_curvature_of(points, faces, normals)
     error, mean = H - target, weighted_mean(H, areas)
-    l2, usual = weighted_l2(error, areas), float(np.sqrt(weighted_mean(np.abs(K), areas)))
+    l2, usual = weighted_l2(error, areas), 1.0 / float(np.sqrt(areas.sum()))
     reference = abs(target) if abs(target) >= _SMALL * usual else usual
     return CurvatureReport(
         target=target,
@@ -240,10 +238,10 @@ def _curvature(
         l2=l2,
         linf=_max(np.abs(error)),
         reference=reference,
-        relative_l2=l2 / reference if reference else 0.0,
+        relative_l2=l2 / reference,
         inside_l2=weighted_l2(error[inside], areas[inside]),
         inside_linf=_max(np.abs(error[inside])),
-        gauss_mean=weighted_mean(K, areas),
+        gauss_mean=weighted_mean(gauss_curvature_of(points, faces, normals), areas),
         left_out=int(left_out.sum()),
     )
 

@@ -33,7 +33,8 @@ class Shell:
     """A shell over its plan, in world units: n vertices, one for each of the plan's, and copies of those along cuts.
 
     surface: the solver's, at H = ½ (a fit's in world size). similarity: from its points to the placed ones.
-    placed: points (n, 3) of "f+", "f-", "g" and "gauss"; a sheet that degenerates to a point is left out.
+    placed: points (n, 3) of "f+", "f-", "g" and "gauss"; a sheet that degenerates to a point is left out, and
+        f- and g where H = 0.
     normals: unit vectors (n, 3) on each of them, on the side from which `faces` are counter-clockwise on f+
         and f-.
     source (n,): the plan's vertex behind each vertex; faces (F, 3): in the order of the plan's triangles.
