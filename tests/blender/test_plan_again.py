@@ -40,11 +40,11 @@ def test_the_plan_is_updated_in_place() -> None:
     ob.data.materials.append(paint)
     plan = mesh_plan(edge_length=1.0)
     assert list(plan.data.materials) == [paint]
-    plan.name, plan.cmc.size, mesh = "Renamed", "RISE", plan.data
+    plan.name, plan.cmc.size, mesh = "Renamed", "HEIGHT", plan.data
     coarse = len(mesh.polygons)
     again = mesh_plan(edge_length=0.5)  # with the plan active: meshes its outline anew
     assert again == plan and plan.data == mesh and len(mesh.polygons) > 1.4 * coarse
-    assert (plan.name, plan.cmc.size, list(mesh.materials)) == ("Renamed", "RISE", [paint])
+    assert (plan.name, plan.cmc.size, list(mesh.materials)) == ("Renamed", "HEIGHT", [paint])
     ob.hide_set(False)
     ob.data.vertices[2].co.x = 12
     for other in bpy.context.selected_objects:
