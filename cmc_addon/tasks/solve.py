@@ -25,7 +25,7 @@ from ..background import plan_cache, solve_cache
 from ..bridges.drawn_bridge import coarse, drawn_warnings
 from ..bridges.mesh_bridge import PlanMesh, read_plan
 from ..bridges.outline_bridge import WAY_OUT, closed_lines
-from ..bridges.result_bridge import Cut, find_cut
+from ..bridges.result_bridge import Cut, find_cut, put_plan_layer
 from ..properties.attributes import ATTRIBUTES, USUAL
 from ..properties.group_settings import parameter_values
 from ..properties.links import result_of, results_of, wanted_roles
@@ -211,7 +211,9 @@ class SolveTask(Task[SolveResult]):
         sheet, shell = ROLES[role], result.shell
         polygons, measures = result.polygons(sheet), result.measures(sheet, self)
         if polygons is None:
-            writer.write(role, shell.placed[sheet], shell.normals[sheet], measures)
+            result_object = writer.write(role, shell.placed[sheet], shell.normals[sheet], measures)
+            if shell.adapted_plan is not None:
+                put_plan_layer(result_object.data, shell.adapted_plan)
             return
         if measures is not None:
             measures = polygon_measures(measures, polygons, shell.source, len(self.mesh.positions))

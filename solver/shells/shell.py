@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Int = NDArray[np.int32]
 
+# Edge lengths that agree to this part are those of one plan.
+_SAME_PLAN = 1e-6
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Shell:
@@ -62,6 +65,15 @@ class Shell:
     def ok(self) -> bool:
         """Whether the map is harmonic to the tolerance, the surface has no gap, and a fit meets its goals."""
         return self.surface.status is Status.CONVERGED and (self.fit is None or self.fit.is_met)
+
+    @property
+    def adapted_plan(self) -> Array | None:
+        """Where a shell on lines has moved its plan, to corners and holes: positions (V, 2) of that plan, to which the
+        shell is conformal; None where it is conformal to the drawn one."""
+        if self.span is None or self.solver is None:
+            return None
+        lengths, drawn = self.span.domain.edge_lengths, self.solver.domain.edge_lengths
+        return None if np.allclose(lengths, drawn, rtol=_SAME_PLAN) else self.span.positions[:, :2]
 
     def points(self, sheet: str | None = None) -> Array:
         """A placed sheet (n, 3), by default the shown one; raises `CmcError` on a sheet the shell does not have."""

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from .scenes import activate, add_group, boundary_edges, link, positions, quad_disc, quad_ring, snapshot
-from .solved_plans import FINISHED, solved
+from .scenes import activate, add_group, boundary_edges, link, mesh_object, positions, quad_disc, quad_ring, snapshot
+from .solved_plans import solved
 
 
 @pytest.fixture
@@ -70,6 +70,36 @@ def test_uv_layers_stay(disc):
     disc.data.uv_layers["Mine"].uv.foreach_get("vector", own)
     shell.uv_layers["Mine"].uv.foreach_get("vector", its)
     assert_allclose(own, its)
+
+
+def test_a_plan_adapted_to_corners_has_a_layer_of_its_own():
+    """In it the shell is conformal, in the drawn coordinates it is not quite."""
+    from cmc_formfinding.solver.domain.domain import Domain
+    from cmc_formfinding.solver.measure.distortion import conformal_distortion
+
+    count, cells = 13, range(12)
+    points = [(0.5 * i, 0.35 * j + 0.08 * i * j / 12, 0.0) for j in range(count) for i in range(count)]
+    faces = [(j * count + i, j * count + i + 1, (j + 1) * count + i + 1, (j + 1) * count + i) for j in cells for i in cells]
+    plan = mesh_object("Quad", points, faces)
+    plan.data.uv_layers.new(name="Mine")
+    plan.cmc.default_kind = "LINE"
+    solved(plan)
+    mesh = plan.cmc.f_plus.data
+    assert mesh.uv_layers.active.name == "Mine"
+    mesh.calc_loop_triangles()
+    layer = np.empty(2 * len(mesh.loops), np.float32)
+    mesh.uv_layers["cmc_plan"].uv.foreach_get("vector", layer)
+    flat = np.zeros((len(mesh.vertices), 3))
+    flat[[loop.vertex_index for loop in mesh.loops], :2] = layer.reshape(-1, 2)
+    triangles = np.array([t.vertices[:] for t in mesh.loop_triangles])
+    shell = positions(plan.cmc.f_plus)
+    drawn = positions(plan)
+    bent, plain = (conformal_distortion(Domain.from_positions(p, triangles), shell, triangles).mean() for p in (flat, drawn))
+    assert bent < 1.02 < plain
+    disc = quad_disc()
+    disc.cmc.default_kind = "LINE"
+    solved(disc)
+    assert "cmc_plan" not in disc.cmc.f_plus.data.uv_layers
 
 
 def test_a_soap_film_has_no_twin_and_a_gauss_image_of_radius_one():
