@@ -78,7 +78,7 @@ def how_far(part: float) -> str:
 
 def off_by(H: CurvatureReport, unit: str = "") -> str:
     """How far mean curvature is off in the mean: against its target, or as a number where that is zero."""
-    return how_far(H.l2 / abs(H.target)) if H.target else number(H.l2, unit, -1)
+    return how_far(H.relative_l2 * H.reference / abs(H.target)) if H.target else number(H.l2, unit, -1)
 
 
 def count(amount: int, one: str, many: str = "") -> str:
