@@ -15,10 +15,10 @@ from scripts.gallery import scene, staging
 
 ANGLE = np.linspace(0.0, 2.0 * np.pi, 120, endpoint=False)
 SQUARE = np.array([(-3.0, -3.0), (3.0, -3.0), (3.0, 3.0), (-3.0, 3.0)])
-# Parts of 1 / R, R the radius of the line seen from above; its largest H is 0.994 / R.
-SLIDER = (-0.98, -0.66, -0.33, 0.0, 0.33, 0.66, 0.98)
+# Parts of 1 / R, R the radius of the line seen from above; its largest H is about 0.99 / R.
+SLIDER = (-0.98, -0.65, 0.0, 0.65, 0.98)
 NECKS = (0.3, 0.6, 0.9, 1.0, 1.05)
-LEANS = (35.0, 60.0, 90.0)
+LEANS = (60.0, 90.0, 120.0)
 RUST = (0.42, 0.10, 0.04)
 
 
@@ -40,21 +40,20 @@ def spans(edge: float = 0.12) -> None:
         place = (8.2 * (k % 3), -7.6 * (k // 3), 0.0)
         draw(name, span, place, plaster, thickness=0.06, line=0.1)
     scene.add_ground(26.0)
-    scene.light(sun=(-0.75, -0.45, 0.62), strength=3.6, sky=0.6)
-    eye = staging.look_at(drawn_points(), (-84.0, 0.5), 60.0, 1.85)
+    scene.light(sun=(-0.75, -0.4, 0.6), strength=4.0, sky=0.6)
+    eye = staging.look_at(drawn_points(), (-84.0, 0.5), 60.0, 2.35)
     for place in ((4.1, -3.2, 0.0), (4.6, -3.6, 0.0), (12.4, -11.0, 0.0)):
         scene.add_person(place, eye)
 
 
 def slider() -> None:
     """One line, and the surfaces through it whose H goes from -1/R to 1/R."""
-    disc, line = shapes.disc(3000), np.column_stack([np.cos(ANGLE), np.sin(ANGLE), 0.16 * np.cos(2.0 * ANGLE + 0.7)])
+    disc, line = shapes.disc(3000), np.column_stack([np.cos(ANGLE), np.sin(ANGLE), 0.2 * np.cos(2.0 * ANGLE + 0.9)])
     plaster = scene.checker("Plaster", "Plan", cells=6.0)
     for k, H in enumerate(SLIDER):
         span = told(f"H = {H:.2f} / R", span_outline(disc, disc.positions, line, mean_curvature=H))
         draw(f"{H}", span, (2.3 * k, 0.0, 0.0), plaster, line=0.035)
-        text = f"{H:.2f}".replace("-", "−") if H else "H R = 0"
-        scene.add_text(text, (2.3 * k, 0.0, -1.45), 0.26)
+        scene.add_text(f"H = {H:g} / R".replace("-", "−") if H else "H = 0", (2.3 * k, 0.0, -1.35), 0.19)
 
 
 def necks() -> None:
@@ -74,21 +73,21 @@ def necks() -> None:
 
 
 def leans() -> None:
-    """Halls on three sides of their plan, while the fourth rises over its line and leans."""
-    hall = polygon(np.array([(0.0, 0.0), (18.0, 0.0), (18.0, 12.0), (0.0, 12.0)]), 0.4)
-    plaster, places = scene.checker("Plaster", "Plan", cells=1.0), []
+    """Halls of 12 × 14 m on three sides of their plan, while the fourth rises over its line and leans."""
+    hall = polygon(np.array([(-6.0, 0.0), (6.0, 0.0), (6.0, 14.0), (-6.0, 14.0)]), 0.35)
+    plaster, people = scene.checker("Plaster", "Plan", cells=1.0), []
     for k, angle in enumerate(LEANS):
-        open_side = [(hall.sides["side0"], np.radians(angle))]
-        span = told(f"{angle:g}°", span_outline(hall, hall.positions, rise=0.5, leans=open_side))
-        place = np.array([22.0 * k, 0.0, 0.0])
-        draw(f"{angle:g}°", span, place, plaster, thickness=0.15, line=0.16)
-        scene.add_line("Street", np.array([(0.0, 0.0, 0.02), (18.0, 0.0, 0.02)]) + place, 0.1, closed=False)
-        scene.add_text(f"{angle:g}°", place + [9.0, -3.0, 0.9], 1.6)
-        places.append(place + [5.5, -0.6, 0.0])
-    scene.add_ground(60.0)
-    scene.light(sun=(-0.75, -0.6, 0.62), strength=3.6, sky=0.65)
-    eye = staging.look_at(drawn_points(), (-90.0, 0.28), 60.0, 3.2)
-    for place in places:
+        street = [(hall.sides["side0"], np.radians(angle))]
+        span = told(f"{angle:g}°", span_outline(hall, hall.positions, rise=0.75, leans=street))
+        place = np.array([15.5 * k, 0.0, 0.0])
+        draw(f"{angle:g}°", span, place, plaster, thickness=0.12, line=0.16)
+        scene.add_line("Street", np.array([(-6.0, 0.0, 0.02), (6.0, 0.0, 0.02)]) + place, 0.1, closed=False)
+        scene.add_text(f"{angle:g}°", place + [0.6, -4.0, 0.5], 1.1)
+        people += [place + [-3.4, -2.8, 0.0], place + [-2.5, -3.3, 0.0]]
+    scene.add_ground(50.0)
+    scene.light(sun=(-0.75, -0.6, 0.62), strength=4.0, sky=0.6)
+    eye = staging.look_at(drawn_points(), (-84.0, 0.3), 60.0, 3.5)
+    for place in people[: 2 * len(LEANS) - 1]:
         scene.add_person(place, eye)
 
 

@@ -195,25 +195,25 @@ def two_shells(samples: int) -> None:
 def spans(samples: int) -> None:
     """Six roofs on their lines: soap films, a ring, a court, a square with sharp corners."""
     gallery_spans.spans()
-    scene.render(IMAGES / "spans.jpg", WIDTH, round(WIDTH / 1.85), samples)
+    scene.render(IMAGES / "spans.jpg", WIDTH, round(WIDTH / 2.35), samples)
 
 
 def span_slider(samples: int) -> None:
     """One line, and H from -1/R to 1/R."""
     gallery_spans.slider()
-    picture("span_slider", (6.9, -40.0, 9.0), (6.9, 0.0, -0.2), 88.0, 0.22, samples, suffix=".jpg")
+    picture("span_slider", (4.6, -40.0, 12.0), (4.6, 0.0, -0.15), 128.0, 0.27, samples, suffix=".jpg")
 
 
 def necks(samples: int) -> None:
     """Catenoids between two circles, up to the height at which there is none."""
     gallery_spans.necks()
-    picture("necks", (5.0, -40.0, 12.0), (5.0, 0.0, 0.3), 112.0, 0.26, samples, suffix=".jpg")
+    picture("necks", (5.0, -40.0, 13.0), (5.0, 0.0, 0.28), 120.0, 0.23, samples, suffix=".jpg")
 
 
 def span_leans(samples: int) -> None:
     """Halls on three sides of their plan, whose fourth side leans."""
     gallery_spans.leans()
-    scene.render(IMAGES / "span_leans.jpg", WIDTH, round(WIDTH / 3.2), samples)
+    scene.render(IMAGES / "span_leans.jpg", WIDTH, round(WIDTH / 3.5), samples)
 
 
 PICTURES: dict[str, Callable[[int], None]] = {
