@@ -38,7 +38,7 @@ def spans(edge: float = 0.12) -> None:
     }
     for k, (name, span) in enumerate(roofs.items()):
         place = (8.2 * (k % 3), -7.6 * (k // 3), 0.0)
-        draw(name, span, place, plaster, thickness=0.06, line=0.1)
+        draw(name, told(name, span), place, plaster, thickness=0.06, line=0.1)
     scene.add_ground(26.0)
     scene.light(sun=(-0.75, -0.4, 0.6), strength=4.0, sky=0.6)
     eye = staging.look_at(drawn_points(), (-84.0, 0.5), 60.0, 2.35)
