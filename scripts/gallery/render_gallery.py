@@ -21,7 +21,16 @@ import numpy as np
 from cmc_formfinding.solver import CmcSurface, conditions, shapes, solve_cmc
 
 from scripts.assets import make_assets
-from scripts.gallery import demo, gallery_bubbles, gallery_design, gallery_faces, gallery_modules, gallery_spans, scene, staging
+from scripts.gallery import (
+    demo,
+    gallery_bubbles,
+    gallery_design,
+    gallery_faces,
+    gallery_modules,
+    gallery_spans,
+    scene,
+    staging,
+)
 
 IMAGES = blender_session.ROOT / "docs" / "images"
 WIDTH = 1000
