@@ -131,8 +131,8 @@ class CMC_PT_plan(Tab, bpy.types.Panel):
         column.prop(settings, "edge_length")
         if not settings.edge_length:
             automatic(column, default_edge_length(size))
-        column.prop(settings, "round_corners", text="Round Corners")
-        if settings.round_corners:
+        column.prop(settings, "corners")
+        if settings.corners != "NONE":
             column.prop(settings, "corner_radius", text="Radius")
             if not settings.corner_radius:
                 automatic(column, default_corner_radius(size), "up to ")
