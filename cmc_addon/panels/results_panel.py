@@ -134,6 +134,8 @@ def check_rows(report: dict) -> list[tuple[str, str]]:
         rows.append(("H Off By", by))
     if shown["distortion"]:
         rows.append(("Distortion", f"{shown['distortion']['mean']:.3f}, at most {shown['distortion']['max']:.3f}"))
+    for lean in report.get("span", {}).get("leans", []):
+        rows.append(("Leans By", f"{lean['measured']:.1f}° for {lean['asked']:.1f}°"))
     if shown["outline"] and not is_design(report):  # Design has the distances of a fit
         mean, most = (length_text(shown["outline"][name], digits=2) for name in ("mean", "max"))
         rows.append(("Off Outline", f"{mean}, at most {most}"))

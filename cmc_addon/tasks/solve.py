@@ -20,6 +20,7 @@ from ...solver.shells.gaps import hole_gaps
 from ...solver.shells.plan import Group, Plan, Settings
 from ...solver.shells.polygon_sheets import PolygonSheet, polygon_sheet
 from ...solver.shells.shell import Shell
+from ...solver.shells.span import span_report
 from ...solver.surface.cmc_surface import SHEETS
 from ..background import plan_cache, solve_cache
 from ..bridges.drawn_bridge import coarse, drawn_warnings
@@ -252,6 +253,7 @@ def write_reports(
         "unit_scale": context.scene.unit_settings.scale_length,
         "message": result.message,
         **result.shell.report.to_dict(),
+        **_span_table(result.shell),
         "holes": [gap.to_dict() for gap in hole_gaps(result.shell)],
         **result.more,
         "warnings": notes_data(warnings),
@@ -260,6 +262,10 @@ def write_reports(
     for ob in results_of(plan).values():
         write_report(ob, report)
     plan.cmc.report = json.dumps(report, ensure_ascii=False)
+
+
+def _span_table(shell: Shell) -> dict[str, object]:
+    return {} if shell.span is None else {"span": span_report(shell.span)}
 
 
 def _groups(

@@ -32,6 +32,7 @@ from ..shells.numbering import drawn_numbers
 from ..shells.plan import Group, Plan, Settings, plan_domain
 from ..shells.rim_curves import read_curves
 from ..shells.shell import Shell
+from ..shells.span import span_report
 from ..surface.cmc_surface import COMBINATORICS, SHEETS
 from .close_table import read_close
 from .complete_table import CompleteOptions, read_complete
@@ -170,6 +171,8 @@ def _shell(job: Job, progress: Progress | None) -> tuple[Shell, Plan, dict[str, 
         more["closing"] = closing_report(closed)
     else:
         shell = form(plan, job.settings, progress=progress)
+    if shell.span is not None:
+        more["span"] = span_report(shell.span)
     if len(shell.surface.periods):
         more["holes"] = [gap.to_dict() for gap in hole_gaps(shell)]
     return replace(shell, warnings=[*job.warnings, *shell.warnings]), plan, more

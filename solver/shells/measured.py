@@ -103,6 +103,8 @@ def measure_shell(
     N = similarity.directions(surface.normals) * (1.0 if sheet == "f+" else -1.0)
     H = vertex_mean_curvature(placed[sheet], surface.faces, N)
     notes = shell_notes(plan, settings, surface, similarity, measured, placed[sheet], N)
+    if span is not None:
+        notes += _span_notes(span, bool(intersections))
     if fit is not None and not fit.is_met:
         notes.insert(0, Note("goal-missed", fit.message))
     return Shell(
@@ -120,6 +122,12 @@ def measure_shell(
         fit=fit,
         span=span,
     )
+
+
+def _span_notes(span: Span, checked: bool) -> list[Note]:
+    """What is known of the search, and with its slower checks; crossings are in the report already."""
+    notes = span.checks.notes if checked and span.ok else span.asked.lines.notes
+    return [note for note in notes if note.code != "crossing"]
 
 
 def _with_search(measured: Report, span: Span) -> Report:

@@ -93,11 +93,13 @@ class Shell:
         return convert.to_trimesh(self.points(sheet), self.faces, self.normals[sheet or self.report.sheet])
 
     def summary(self, unit: str = "") -> str:
-        """The report's summary, and how near a fitted shell came, or how a shell was closed."""
+        """The report's summary, and how near a fitted shell came, how a shell was closed, or the checks of a span."""
         lines = [self.report.summary(unit)]
         if self.fit is not None:
             parts = ", ".join(f"{label} {distance:.3g}" for label, distance in self.fit.distances.items())
             lines.append(f"Distances after {len(self.fit.history)} evaluations: {parts}.")
+        elif self.span is not None and self.span.ok:
+            lines += self.span.checks.lines
         elif self.message not in lines[0] and self.message not in self.warnings:
             lines.append(self.message)
         return "\n".join(lines)

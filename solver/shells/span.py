@@ -107,6 +107,27 @@ def line_plane(span: Span) -> Plane:
     return Plane(span.points[span.domain.boundary_vertices].mean(axis=0), np.array([0.0, 0.0, 1.0]))
 
 
+def span_report(span: Span) -> dict[str, object]:
+    """The search for a span and its checks, as a table of a report; angles in degrees. Of one that is not ok the search
+    alone."""
+    table: dict[str, object] = {"status": span.status.value, "message": span.message, "steps": len(span.history) - 1}
+    if not span.ok:
+        return table
+    checks = span.checks
+    return table | {
+        "mean_curvature": checks.mean_curvature,
+        "multiplier": checks.multiplier,
+        "distortion": checks.distortion,
+        "drawn_distortion": checks.drawn_distortion,
+        "branch": checks.branch.value,
+        "leans": [
+            {"asked": float(np.degrees(lean.asked)), "measured": float(np.degrees(lean.measured))}
+            | {"off": float(np.degrees(lean.off)), "lowest": lean.lowest, "highest": lean.highest}
+            for lean in checks.leans
+        ],
+    }
+
+
 def _wish(plan: Plan, settings: Settings, domain: Domain) -> tuple[str, float]:
     """The one number that chooses the surface; a flipped shell hangs."""
     rule = settings.rule()

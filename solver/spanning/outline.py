@@ -21,7 +21,7 @@ from .problem import SpanProblem
 from .relay import rolled_out, under_lines
 from .search import Found, Search, Wish
 from .setting import Lines, setting
-from .span import Span, finished
+from .span import Asked, Span, finished
 from .verdict import SpanStatus, distortion, judged
 
 Array = NDArray[np.float64]
@@ -126,8 +126,14 @@ def span_outline(domain: DomainLike, positions: ArrayLike, options: SpanOptions)
     if options.initial is None and tried.status in _UNLIKE:
         tried = _on_other_plans(domain, points, options, tried)
     name, number = options.wish
-    wanted = number if name == "mean_curvature" else None
-    return finished(tried.found, tried.plan, tried.lines, options.mirrors, wanted, options.initial)
+    asked = Asked(
+        plan=domain,
+        lines=tried.lines,
+        mirrors=options.mirrors,
+        leans=options.leans,
+        mean_curvature=number if name == "mean_curvature" else None,
+    )
+    return finished(tried.found, tried.plan, asked, options.initial)
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,7 +199,8 @@ def _flattest(domain: Domain, points: Array, options: SpanOptions) -> Array:
 
 
 def _distortion(tried: _Tried) -> float:
-    return distortion(tried.found.descent)
+    descent = tried.found.descent
+    return distortion(descent.state.D, descent.state.f, descent.problem.domain.faces)
 
 
 def _setting(domain: Domain, points: Array, options: SpanOptions) -> tuple[SpanProblem, Lines]:
