@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
@@ -148,7 +148,8 @@ class Fit:
 class Start:
     """The start of a fit: boundary conditions, scale 1 / (2 H), shift, and normals (V, 3) of a first map or None.
 
-    response: of an earlier fit on the same domain, to use its matrices again.
+    response: of an earlier fit on the same domain, to use its matrices again. held: vertices (k,) whose normals stay
+    as the conditions have them.
     """
 
     conditions: Conditions
@@ -156,6 +157,7 @@ class Start:
     shift: Array
     normals: Array | None = None
     response: Response | None = None
+    held: NDArray[np.integer] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
 
 @checked
@@ -175,7 +177,7 @@ def fit(
 ) -> Fit:
     """Minimise Σ weight · target over the boundary normals, and the scale and the shift where they are free.
 
-    The normals at the vertices that `start.conditions` fix may change. size: the length by which errors are divided.
+    The normals at the vertices that `start.conditions` fix may change, but those at `start.held` stay. size: the length by which errors are divided.
     gain: the part of the value that a step must gain to be followed by another. By L-BFGS in the coordinates of
     `GaussNewtonModel`; each evaluation takes a warm solve and an adjoint one. progress(evaluation, value) is called at
     every step; False cancels. Raises `ConditionError` on an unknown sheet and without targets.
@@ -187,9 +189,9 @@ def fit(
     solver = solver or CmcSolver(domain)
     fixed, rim = start.conditions.resolve()
     response = start.response
-    if response is None or not response.belongs(solver.harmonic, fixed):
-        response = Response(AdjointSolver(solver.harmonic, start.conditions))
-    objective = Objective(response, targets, _SIDES[sheet], size, free_scale, free_shift, start.normals)
+    if response is None or not response.belongs(solver.harmonic, fixed, start.held):
+        response = Response(AdjointSolver(solver.harmonic, start.conditions), start.held)
+    objective = Objective(response, targets, _SIDES[sheet], size, free_scale, free_shift, start.normals, rim)
     status = _minimise(objective, objective.vector(rim, start.scale, start.shift), gain, max_evaluations, progress)
     return _finished(solver, objective, status, sheet)
 

@@ -35,7 +35,7 @@ class GaussNewtonModel:
         placed = objective.place(x) if objective.best is None else objective.best
         hats = objective.response.hats.toarray()
         self._basis, triangle = np.linalg.qr(objective.roots * hats)
-        N = placed.rim[_middles(hats)]
+        N = placed.rim[objective.response.free[_middles(hats)]]
         H = _in_basis(_hessian(objective, x, placed, hats, N), triangle)
         mean = np.trace(H) / len(H)
         lengths = _in_basis(_lengths(objective, hats, N), triangle)
