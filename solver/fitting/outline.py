@@ -25,6 +25,7 @@ from ..spanning.verdict import SpanStatus
 from ..surface.solve import CmcSolver
 from .fit import Fit, Start, fit
 from .goals import Goals, OutlineOptions
+from .sides import LEAN
 from .spanned import spanned_fit, start_from
 
 Array = NDArray[np.float64]
@@ -55,27 +56,27 @@ def fit_outline(domain: DomainLike, positions: ArrayLike, options: OutlineOption
     Goals that no surface meets end with the nearest one: `Fit.is_met` is false and the message names the way out.
     Raises `ConditionError` on goals that contradict each other or have no meaning, as a crown below its own rim.
     """
-    domain = as_domain(domain)
-    points = in_space(domain, positions)
+    points = in_space(as_domain(domain), positions)
     goals = Goals.of(domain, points, options)
+    domain = as_domain(domain)
     earlier = options.initial
     if earlier is not None and earlier.surface.domain.vertex_count != domain.vertex_count:
         raise ConditionError("The earlier fit is one of another plan; leave out `initial`.")
     if earlier is not None and earlier.span is None and not options.has_lines_only:
-        return _searched(goals, earlier.surface.domain, _continued(earlier, goals.base), options)
+        return _searched(goals, earlier.surface.domain, _continued(earlier, goals), earlier.points(), options)
     span = _spanned(goals, domain, points, options)
     ends = options.has_lines_only or span.status is SpanStatus.CANCELLED
     if ends or options.may_be_spanned:
-        targets = goals.targets(options.smooth, _STRICTNESS)
+        targets = goals.targets(_STRICTNESS, span.points - [0.0, 0.0, goals.base])
         found = spanned_fit(span, targets, size=goals.size, sheet=options.sheet, base=goals.base)
         if ends or (span.ok and not goals.unmet(found)):
             return found
-    start = start_from(span, sheet=options.sheet, least=_FLATTEST / goals.size, base=goals.base)
-    return _searched(goals, span.domain, start, options)
+    start = start_from(span, goals.sides, sheet=options.sheet, least=_FLATTEST / goals.size, base=goals.base)
+    return _searched(goals, span.domain, start, span.points, options)
 
 
 def _spanned(goals: Goals, domain: Domain, points: Array, options: OutlineOptions) -> Span:
-    """The span of the curves, level ones where their heights do not count."""
+    """The span of the curves, level ones where their heights do not count; sides with given normals are on lines, too."""
     curve = options.curve
     wish: dict[str, Any] = {goals.height_parameter: goals.number}
     if options.free_heights or not options.on_curve:
@@ -83,23 +84,28 @@ def _spanned(goals: Goals, domain: Domain, points: Array, options: OutlineOption
         points = points * [1.0, 1.0, 0.0] + base
         if curve is not None:
             curve = [line * [1.0, 1.0, 0.0] + base for line in boundary_lines(domain, points, curve)[0]]
+    given = goals.sides.given
+    planes = np.unique(given.mirror_normals, axis=0)
     return span_outline(
         domain,
         points,
         curve,
         **wish,
+        leans=[(goals.sides.edges(side), side.angle) for side in goals.sides.of_kind(LEAN)],
+        mirrors=[(given.mirrors[(given.mirror_normals == plane).all(axis=1)], plane) for plane in planes],
+        anchors=goals.sides.junctions if goals.has_given_normals and curve is None else None,
         initial=None if options.initial is None else options.initial.span,
         solver=options.solver,
         progress=options.progress,
     )
 
 
-def _searched(goals: Goals, domain: Domain, start: Start, options: OutlineOptions) -> Fit:
-    """The search over boundary normals; the start is over the base."""
+def _searched(goals: Goals, domain: Domain, start: Start, near: Array, options: OutlineOptions) -> Fit:
+    """The search over boundary normals; the start is over the base, near the points (V, 3)."""
     given = options.solver
     result = fit(
         domain,
-        goals.targets(options.smooth, _STRICTNESS),
+        goals.targets(_STRICTNESS, near - [0.0, 0.0, goals.base]),
         start,
         size=goals.size,
         sheet=options.sheet,
@@ -112,8 +118,8 @@ def _searched(goals: Goals, domain: Domain, start: Start, options: OutlineOption
     return replace(result, shift=result.shift + [0.0, 0.0, goals.base], unmet=goals.unmet(result))
 
 
-def _continued(earlier: Fit, base: float) -> Start:
+def _continued(earlier: Fit, goals: Goals) -> Start:
     """The start that continues an earlier search."""
-    shift = earlier.shift - [0.0, 0.0, base]
-    N = earlier.surface.harmonic.normals
-    return Start(earlier.conditions, earlier.surface.scale, shift, N, earlier.response)
+    shift, N = earlier.shift - [0.0, 0.0, goals.base], earlier.surface.harmonic.normals
+    conditions = goals.sides.conditions(N)
+    return Start(conditions, earlier.surface.scale, shift, N, earlier.response, goals.sides.held)
