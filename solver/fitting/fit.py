@@ -24,6 +24,7 @@ from ..surface.solve import CmcSolver
 from .gauss_newton import GaussNewtonModel
 from .objective import Objective
 from .response import Response
+from .side_residuals import SideResidual
 from .target import Target
 
 if TYPE_CHECKING:
@@ -83,6 +84,7 @@ class Fit:
     sheet: str = "f+"
     sign: float = 1.0
     unmet: tuple[str, ...] | list[str] = ()
+    sides: tuple[SideResidual, ...] = ()
     response: Response | None = None
     span: Span | None = None
 

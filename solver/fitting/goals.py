@@ -24,8 +24,9 @@ from ..surface.solve import CmcSolver
 from .contact_angle import ContactAngle
 from .curves import Curve
 from .fit import Fit
+from .side_residuals import SideResidual, side_residuals
 from .sides import HELD, LEAN, LINE, Sides
-from .target import Target
+from .target import Shape, Target
 from .targets import Anchors, Closed, Crown, RimOnCurve, SmoothRim, TiltBounds, Volume
 
 Array = NDArray[np.float64]
@@ -197,7 +198,13 @@ class Goals:
 
     @property
     def has_given_normals(self) -> bool:
+        """Whether normals are given along some sides."""
         return self.sides.has(HELD)
+
+    @property
+    def has_given_sides(self) -> bool:
+        """Whether some sides have given normals or lean over their lines, so that each side has a goal of its own."""
+        return self.options.on_curve and self.sides.has(HELD, LEAN)
 
     def lines(self, points: Array) -> list[RimOnCurve]:
         """A target for each side on a line, or over one.
@@ -245,10 +252,19 @@ class Goals:
             for each in self.sides.of_kind(LEAN)
         ]
 
+    def residuals(self, fit: Fit) -> tuple[SideResidual, ...]:
+        """How far each side of the fitted surface, over the base, is from what was asked of it."""
+        surface = fit.surface
+        if surface.is_open:  # vertices along the cut are there twice
+            return ()
+        N, points = surface.harmonic.normals, fit.points()
+        shape = Shape(surface.domain, surface.domain.boundary_vertices.astype(np.int64), points, N, self.size)
+        return side_residuals(self.sides.all, self.lines(points), self.leans(), shape, self.drawn)
+
     def unmet(self, fit: Fit) -> list[str]:
         """A sentence for each goal that is not met: by how much, and the way out."""
-        sentences = []
-        far = fit.distances
+        sentences = [text for side in fit.sides for text in side.unmet(self.size) if self.has_given_sides]
+        far = {} if self.has_given_sides else {RimOnCurve.label: fit.distances.get(RimOnCurve.label, 0.0)}
         if (off := far.get(RimOnCurve.label, 0.0)) > _MET * self.size:
             less = _LESS.get(self.height_parameter, "flatter shell")
             text = (
@@ -256,6 +272,7 @@ class Goals:
                 f"choose a {less}."
             )
             sentences.append(Sentence(text, off))
+        far = fit.distances
         for label, power in ((Crown.label, 1), (Volume.label, 3)):
             if (miss := far.get(label, 0.0)) > _HEIGHT_MET * self.number:
                 text = f"The {label} is missed by {{}}; no surface with this rim reaches it."

@@ -7,7 +7,9 @@ size and the place are searched from there.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -86,18 +88,25 @@ def _spanned(goals: Goals, domain: Domain, points: Array, options: OutlineOption
             curve = [line * [1.0, 1.0, 0.0] + base for line in boundary_lines(domain, points, curve)[0]]
     given = goals.sides.given
     planes = np.unique(given.mirror_normals, axis=0)
-    return span_outline(
+    call = partial(
+        span_outline,
         domain,
         points,
         curve,
         **wish,
-        leans=[(goals.sides.edges(side), side.angle) for side in goals.sides.of_kind(LEAN)],
         mirrors=[(given.mirrors[(given.mirror_normals == plane).all(axis=1)], plane) for plane in planes],
-        anchors=goals.sides.junctions if goals.has_given_normals and curve is None else None,
         initial=None if options.initial is None else options.initial.span,
         solver=options.solver,
         progress=options.progress,
     )
+    leans = [(goals.sides.edges(side), side.angle) for side in goals.sides.of_kind(LEAN)]
+    also = goals.sides.start_leans(points, -1.0 if options.sheet == "f-" else 1.0)
+    if also and curve is None:
+        with suppress(ConditionError):  # walls that cannot be met
+            span = call(leans=[*leans, *also])
+            if span.ok or span.status is SpanStatus.CANCELLED:
+                return span
+    return call(leans=leans, anchors=goals.sides.junctions if goals.has_given_normals and curve is None else None)
 
 
 def _searched(goals: Goals, domain: Domain, start: Start, near: Array, options: OutlineOptions) -> Fit:
@@ -115,6 +124,7 @@ def _searched(goals: Goals, domain: Domain, start: Start, near: Array, options: 
         solver=given if given is not None and given.domain is domain else CmcSolver(domain),
         progress=options.progress,
     )
+    result = replace(result, sides=goals.residuals(result))
     return replace(result, shift=result.shift + [0.0, 0.0, goals.base], unmet=goals.unmet(result))
 
 

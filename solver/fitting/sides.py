@@ -16,8 +16,7 @@ from ..domain.domain import Domain
 from ..errors import ConditionError, plural
 from ..gauss.boundary_data import Conditions
 from ..gauss.mirrors import MirrorSides
-from ..gauss.sphere import normalize
-from .curves import Curve
+from ..gauss.sphere import dot, normalize
 from .response import runs
 
 Array = NDArray[np.float64]
@@ -26,6 +25,9 @@ Int = NDArray[np.integer]
 LINE, HELD, MIRROR, FREE, LEAN = "line", "held", "mirror", "free", "lean"
 # The part of a side that one of its blend zones takes at most.
 _ZONE = 1.0 / 3.0
+# Radians of leans that make a start, and how even they are.
+_LEANS = np.radians(45.0), np.radians(150.0)
+_EVEN = np.radians(10.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,6 +99,21 @@ class Sides:
         pairs = np.column_stack([side.vertices, ahead])
         return pairs if side.closed else pairs[:-1]
 
+    def start_leans(self, points: Array, side: float) -> list[tuple[Int, float]]:
+        """Edges and angles of the sides with given normals that nearly lean over their lines, not too steeply.
+
+        A surface that meets the walls there is a better start than one with its rim on those lines. points: the plan
+        (V, 3); side: -1 for f-, whose normals are -N.
+        """
+        found = []
+        for each in self.of_kind(HELD):
+            N = side * each.normals
+            angles = np.arccos(np.clip(dot(N, _walls(points, each))[:, 0], -1.0, 1.0))
+            angle = float(np.median(angles))
+            if (N[:, 2] > 0.0).all() and _LEANS[0] < angle < _LEANS[1] and np.abs(angles - angle).max() < _EVEN:
+                found.append((self.edges(each), angle))
+        return found
+
     def of_kind(self, *kinds: str) -> Iterator[Side]:
         return (side for side in self.all if side.kind in kinds)
 
@@ -121,6 +138,7 @@ class Sides:
         At first those are those of N (V, 3) along lines, and run smoothly from them to the given ones in blend zones.
         """
         normals, fixed = N.copy(), [self.held]
+        up = np.array([0.0, 0.0, np.sign(N[:, 2].sum()) or 1.0])
         normals[self.vertices] = self.normals
         for side in self.of_kind(LINE, LEAN):
             normals[side.vertices] = N[side.vertices]
@@ -133,7 +151,7 @@ class Sides:
         vertices, none = np.unique(np.concatenate(fixed)), Conditions()
         return replace(
             self.given,
-            up=self.given.up if self.given.up.any() else np.array([0.0, 0.0, 1.0]),
+            up=self.given.up if self.given.up.any() else up,
             vertices=vertices,
             vertex_normals=normals[vertices],
             only_vertices=vertices,
