@@ -15,11 +15,13 @@ from scipy.optimize import minimize
 from ..domain.shape import DomainLike, as_domain
 from ..errors import CmcError, ConditionError, Progress, Status, check_choice
 from ..gauss.boundary_data import Conditions
+from ..gauss.sphere import dot
 from ..signatures import checked
 from ..spanning.span import Span
 from ..surface import convert, notebook
 from ..surface.adjoint import AdjointSolver
 from ..surface.cmc_surface import CmcSurface
+from ..surface.plane_projection import VertexPlanes
 from ..surface.solve import CmcSolver
 from .gauss_newton import GaussNewtonModel
 from .objective import Objective
@@ -246,10 +248,13 @@ def _finished(solver: CmcSolver, objective: Objective, status: FitStatus, sheet:
         raise CmcError("The fit was cancelled before it began.")
     conditions = objective.extension.given(best.rim)
     surface = solver.solve(conditions, initial=best.state.N, mean_curvature=0.5 / best.scale)
-    if not (surface.is_open or conditions.mirrors.size):
-        # the fitted conjugate; at the rim it differs from the solver's own at second order, and along mirrors only the
-        # solver's own lies in their planes
+    if not surface.is_open:
+        # the fitted conjugate; at the rim it differs from the solver's own at second order, which alone lies in the
+        # planes of mirrors
         g, N = best.scale * best.state.g, best.scale * surface.normals
+        planes = VertexPlanes.of(surface.domain, surface.harmonic.admissible.sides.planes)
+        offsets = dot(surface.g[planes.vertices[planes.places]], planes.normals)[:, 0]
+        g[planes.vertices] = planes.nearest(g[planes.vertices], offsets)
         surface = replace(surface, g=g, f_plus=g + N, f_minus=g - N)
     distances: dict[str, float] = {}
     for target in objective.targets:  # the farthest of those with one label, such as anchors of different weights

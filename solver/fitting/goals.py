@@ -21,11 +21,11 @@ from ..spanning.boundary import checked_lean
 from ..spanning.lines import boundary_lines
 from ..surface.cmc_surface import SHEETS
 from ..surface.solve import CmcSolver
-from .contact_angle import ContactAngle
+from .wall_targets import ContactAngle, InPlane
 from .curves import Curve
 from .fit import Fit
 from .side_residuals import SideResidual, side_residuals
-from .sides import HELD, LEAN, LINE, Sides
+from .sides import HELD, LEAN, LINE, MIRROR, Sides
 from .target import Shape, Target
 from .targets import Anchors, Closed, Crown, RimOnCurve, SmoothRim, TiltBounds, Volume
 
@@ -227,7 +227,7 @@ class Goals:
         if len(self.curves) > 1:
             targets.append(Closed(weight=_PERIOD_WEIGHT))
         if self.options.on_curve:
-            targets += [*self.lines(points), *self.leans()]
+            targets += [*self.lines(points), *self.leans(), *self._mirrors()]
         if self.height_parameter == "height":
             targets.append(Crown(self.number, weight=strictness * _HEIGHT_WEIGHT))
         elif self.height_parameter == "volume":
@@ -237,6 +237,15 @@ class Goals:
         if self.options.tilt is not None:
             targets.append(TiltBounds(*self.options.tilt, weight=_TILT_WEIGHT))
         return targets
+
+    def _mirrors(self) -> list[InPlane]:
+        """A target for each mirror at an end of a line: its plane goes through the middle of its drawn points."""
+        ends = self.sides.junctions
+        return [
+            InPlane(side.vertices, self.drawn[side.vertices].mean(axis=0), side.normals[0])
+            for side in self.sides.of_kind(MIRROR)
+            if np.isin(side.vertices, ends).any()
+        ]
 
     def leans(self) -> list[ContactAngle]:
         """A target for each side that leans over its line, without its ends."""

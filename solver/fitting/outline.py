@@ -27,7 +27,7 @@ from ..spanning.verdict import SpanStatus
 from ..surface.solve import CmcSolver
 from .fit import Fit, Start, fit
 from .goals import Goals, OutlineOptions
-from .sides import LEAN
+from .sides import LEAN, MIRROR
 from .spanned import spanned_fit, start_from
 
 Array = NDArray[np.float64]
@@ -86,15 +86,13 @@ def _spanned(goals: Goals, domain: Domain, points: Array, options: OutlineOption
         points = points * [1.0, 1.0, 0.0] + base
         if curve is not None:
             curve = [line * [1.0, 1.0, 0.0] + base for line in boundary_lines(domain, points, curve)[0]]
-    given = goals.sides.given
-    planes = np.unique(given.mirror_normals, axis=0)
     call = partial(
         span_outline,
         domain,
         points,
         curve,
         **wish,
-        mirrors=[(given.mirrors[(given.mirror_normals == plane).all(axis=1)], plane) for plane in planes],
+        mirrors=[(goals.sides.edges(side), side.normals[0]) for side in goals.sides.of_kind(MIRROR)],
         initial=None if options.initial is None else options.initial.span,
         solver=options.solver,
         progress=options.progress,

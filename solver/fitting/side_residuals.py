@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..errors import plural
 from ..notes import Sentence
-from .contact_angle import ContactAngle
+from .wall_targets import ContactAngle
 from .curves import Curve
 from .sides import HELD, LEAN, LINE, Side
 from .target import Shape

@@ -35,8 +35,8 @@ class Side:
     """A run of the boundary of one kind: vertices (k,) in order, with both ends, or around a whole loop (closed).
 
     loop: the number of its boundary loop. parts (k,): 1 where the kind holds fully; in the blend zones of a side with
-    given normals they rise from 0 at the junction. normals (k, 3): those given, or of a side that leans the level
-    normals of the wall over its line, out of the plan. angle: at which that side meets the wall, radians.
+    given normals they rise from 0 at the junction. normals (k, 3): those given; of a mirror, its plane's; of a side that
+    leans, the level ones of the wall over its line, out of the plan. angle: at which it meets that wall, radians.
     """
 
     kind: str
@@ -86,9 +86,9 @@ class Sides:
             loop = domain.boundary_loops[number].astype(np.int64)
             for run in _runs(labels[edges]):
                 ends = np.append(run, (run[-1] + 1) % len(loop)) if len(run) < len(loop) else run
-                kind, angle = kinds[labels[edges[run[0]]]]
+                kind, angle, plane = kinds[labels[edges[run[0]]]]
                 its = loop[ends]
-                side = Side(kind, number, its, len(run) == len(loop), np.ones(len(its)), at[its], angle)
+                side = Side(kind, number, its, len(run) == len(loop), np.ones(len(its)), np.broadcast_to(plane, (len(its), 3)) if kind == MIRROR else at[its], angle)
                 found.append(replace(side, normals=_walls(points, side)) if kind == LEAN else side)
         found = [_zoned(side, found, points, zone) if side.kind == HELD else side for side in found]
         return cls(found, given, vertices, normals)
@@ -163,12 +163,16 @@ class Sides:
 
 def _labels(
     domain: Domain, given: Conditions, leans: Sequence[tuple[Int, float]], free: Int
-) -> tuple[Int, list[tuple[str, float]]]:
-    """(E,) the kind of each edge, an index of kinds with angles."""
-    kinds = [(LINE, 0.0), (HELD, 0.0), (MIRROR, 0.0), (FREE, 0.0), *((LEAN, angle) for _, angle in leans)]
+) -> tuple[Int, list[tuple[str, float, Array]]]:
+    """(E,) the kind of each edge, an index of kinds with angles and the normals of planes."""
+    planes, of_plane = np.unique(given.mirror_normals, axis=0, return_inverse=True)
+    none = np.zeros(3)
+    kinds = [(LINE, 0.0, none), (HELD, 0.0, none), (FREE, 0.0, none)]
+    kinds += [(LEAN, angle, none) for _, angle in leans] + [(MIRROR, 0.0, plane) for plane in planes]
     rim, labels = domain.boundary_edges, np.zeros(len(domain.edge_lengths), dtype=np.int64)
     at_vertices = rim[np.isin(domain.edges[rim], given.only_vertices).all(axis=1)]
-    chosen = [np.union1d(given.edges, at_vertices), given.mirrors, free, *(edges for edges, _ in leans)]
+    chosen = [np.union1d(given.edges, at_vertices), free, *(edges for edges, _ in leans)]
+    chosen += [given.mirrors[of_plane.ravel() == k] for k in range(len(planes))]
     for label, edges in enumerate(chosen, start=1):
         twice = edges[labels[edges] > 0]
         if len(twice):

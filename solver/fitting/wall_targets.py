@@ -1,4 +1,4 @@
-"""Sides that stay over their line and meet the upright wall over it at an angle."""
+"""Targets of sides that end at walls: leaning against an upright one over their line, or mirrored in a plane."""
 
 from __future__ import annotations
 
@@ -52,3 +52,33 @@ class ContactAngle(Target):
 
     def _cosines(self, shape: Shape) -> Array:
         return np.einsum("ij,ij->i", shape.normals[self.vertices], self.outward)
+
+
+@dataclass(frozen=True, eq=False)
+class InPlane(Target):
+    """½ ∮ <x - p, n>² along a side over the size squared, the boundary having length one: a mirror stays in its plane.
+
+    vertices (k,); place p (3,) and unit normal n (3,) of the plane.
+    """
+
+    vertices: Int
+    place: Array
+    normal: Array
+    label = "mirror plane"
+
+    def partials(self, shape: Shape) -> Partials:
+        weights = boundary_shares(shape.domain)[self.vertices] / shape.size**2
+        miss = self._misses(shape)
+        by_points = np.zeros_like(shape.points)
+        by_points[self.vertices] = (weights * miss)[:, None] * self.normal
+        return Partials.of(shape, 0.5 * float(np.sum(weights * miss**2)), by_points)
+
+    def curvature(self, shape: Shape) -> Curvature:
+        weights = boundary_shares(shape.domain)[self.vertices] / shape.size**2
+        return Curvature(self.vertices, weights[:, None, None] * np.outer(self.normal, self.normal))
+
+    def distance(self, shape: Shape) -> float:
+        return float(np.abs(self._misses(shape)).max())
+
+    def _misses(self, shape: Shape) -> Array:
+        return (shape.points[self.vertices] - self.place) @ self.normal
