@@ -23,7 +23,7 @@ from ..surface.adjoint import AdjointSolver
 from ..surface.cmc_surface import CmcSurface
 from ..surface.plane_projection import VertexPlanes
 from ..surface.solve import CmcSolver
-from .gauss_newton import GaussNewtonModel
+from .gauss_newton import CONTINUED, FAR, NEAR, GaussNewtonModel
 from .objective import Objective
 from .response import Response
 from .side_residuals import SideResidual
@@ -87,7 +87,9 @@ class Fit:
     sign: float = 1.0
     unmet: tuple[str, ...] | list[str] = ()
     sides: tuple[SideResidual, ...] = ()
+    solver: CmcSolver | None = None
     response: Response | None = None
+    model: GaussNewtonModel | None = None
     span: Span | None = None
 
     @property
@@ -152,7 +154,7 @@ class Fit:
 class Start:
     """The start of a fit: boundary conditions, scale 1 / (2 H), shift, and normals (V, 3) of a first map or None.
 
-    response: of an earlier fit on the same domain, to use its matrices again. held: vertices (k,) whose normals stay
+    response, model: of an earlier fit on the same domain, to use their matrices again. held: vertices (k,) whose normals stay
     as the conditions have them.
     """
 
@@ -161,6 +163,7 @@ class Start:
     shift: Array
     normals: Array | None = None
     response: Response | None = None
+    model: GaussNewtonModel | None = None
     held: NDArray[np.integer] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
 
@@ -196,29 +199,53 @@ def fit(
     if response is None or not response.belongs(solver.harmonic, fixed, start.held):
         response = Response(AdjointSolver(solver.harmonic, start.conditions), start.held)
     objective = Objective(response, targets, _SIDES[sheet], size, free_scale, free_shift, start.normals, rim)
-    status = _minimise(objective, objective.vector(rim, start.scale, start.shift), gain, max_evaluations, progress)
-    return _finished(solver, objective, status, sheet)
+    model = start.model.damped(CONTINUED) if start.model is not None and start.model.suits(objective) else None
+    first = objective.vector(rim, start.scale, start.shift)
+    status, model = _minimise(objective, first, gain, max_evaluations, progress, model)
+    return _finished(solver, objective, status, sheet, model)
 
 
-def _minimise(objective: Objective, x: Array, gain: float, limit: int, progress: Progress | None) -> FitStatus:
-    """Runs of L-BFGS, each with a model of its own, until one gains little."""
-    value = np.inf
-    while len(objective.history) < limit:
+def _minimise(
+    objective: Objective,
+    x: Array,
+    gain: float,
+    limit: int,
+    progress: Progress | None,
+    model: GaussNewtonModel | None,
+) -> tuple[FitStatus, GaussNewtonModel]:
+    """Runs of L-BFGS, each with a model of its own, until one gains little; and the last model.
+
+    model: of the first run, from an earlier search, or None.
+    """
+    value, damping = np.inf, FAR
+    while True:
         before, steps = value, min(_RUN, limit - len(objective.history))
-        x, value, goes_on = _run(objective, x, gain, steps, progress)
+        here = objective(x)
+        model = model or GaussNewtonModel(objective, x, damping)
+        x, value, goes_on = _run(objective, model, x, here, gain, steps, progress)
         if not goes_on:
-            return FitStatus.CANCELLED
+            return FitStatus.CANCELLED, model
         if before - value < _RUN_GAIN * gain * (value + _ENOUGH):
-            return FitStatus.CONVERGED
-    return FitStatus.EVALUATION_LIMIT
+            return FitStatus.CONVERGED, model
+        if len(objective.history) >= limit:
+            return FitStatus.EVALUATION_LIMIT, model
+        model, damping = None, NEAR
 
 
 def _run(
-    objective: Objective, x: Array, gain: float, limit: int, progress: Progress | None
+    objective: Objective,
+    model: GaussNewtonModel,
+    x: Array,
+    first: tuple[float, Array],
+    gain: float,
+    limit: int,
+    progress: Progress | None,
 ) -> tuple[Array, float, bool]:
-    """L-BFGS from x for up to `limit` evaluations; the vector reached, its value, and False where cancelled."""
-    here, slope = objective(x)
-    model = GaussNewtonModel(objective, x)
+    """L-BFGS from x, with the value and gradient `first`, for up to `limit` evaluations.
+
+    The vector reached, its value, and False where cancelled.
+    """
+    here, slope = first
     # in these units the first step of L-BFGS is the one that the model proposes
     unit = max(float(np.linalg.norm(model.back(slope))), 1e-150)
     goes_on = True
@@ -242,7 +269,9 @@ def _run(
     return x + unit * model.forth(reached.x), float(reached.fun) * unit**2 - _ENOUGH, goes_on
 
 
-def _finished(solver: CmcSolver, objective: Objective, status: FitStatus, sheet: str) -> Fit:
+def _finished(
+    solver: CmcSolver, objective: Objective, status: FitStatus, sheet: str, model: GaussNewtonModel
+) -> Fit:
     best = objective.best
     if best is None:
         raise CmcError("The fit was cancelled before it began.")
@@ -268,5 +297,7 @@ def _finished(solver: CmcSolver, objective: Objective, status: FitStatus, sheet:
         status=status,
         history=objective.history,
         sheet=sheet,
+        solver=solver,
         response=objective.response,
+        model=model,
     )

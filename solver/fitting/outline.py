@@ -109,7 +109,6 @@ def _spanned(goals: Goals, domain: Domain, points: Array, options: OutlineOption
 
 def _searched(goals: Goals, domain: Domain, start: Start, near: Array, options: OutlineOptions) -> Fit:
     """The search over boundary normals; the start is over the base, near the points (V, 3)."""
-    given = options.solver
     result = fit(
         domain,
         goals.targets(_STRICTNESS, near - [0.0, 0.0, goals.base]),
@@ -119,15 +118,24 @@ def _searched(goals: Goals, domain: Domain, start: Start, near: Array, options: 
         free_scale=goals.height_parameter != "mean_curvature",
         max_evaluations=options.max_evaluations,
         gain=_GAIN,
-        solver=given if given is not None and given.domain is domain else CmcSolver(domain),
+        solver=_solver(domain, options),
         progress=options.progress,
     )
     result = replace(result, sides=goals.residuals(result))
     return replace(result, shift=result.shift + [0.0, 0.0, goals.base], unmet=goals.unmet(result))
 
 
+def _solver(domain: Domain, options: OutlineOptions) -> CmcSolver:
+    """A solver for the domain: the given one, or that of the earlier fit, if it is of this domain."""
+    earlier = options.initial.solver if options.initial is not None else None
+    known = [each for each in (options.solver, earlier) if each is not None and each.domain is domain]
+    return known[0] if known else CmcSolver(domain)
+
+
 def _continued(earlier: Fit, goals: Goals) -> Start:
     """The start that continues an earlier search."""
     shift, N = earlier.shift - [0.0, 0.0, goals.base], earlier.surface.harmonic.normals
-    conditions = goals.sides.conditions(N)
-    return Start(conditions, earlier.surface.scale, shift, N, earlier.response, goals.sides.held)
+    conditions = goals.sides.conditions(N, continued=True)
+    return Start(
+        conditions, earlier.surface.scale, shift, N, earlier.response, earlier.model, goals.sides.held
+    )

@@ -132,10 +132,11 @@ class Sides:
         ends = [side.vertices[[0, -1]] for side in self.of_kind(LINE, LEAN) if not side.closed]
         return np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *ends]))
 
-    def conditions(self, N: Array) -> Conditions:
+    def conditions(self, N: Array, *, continued: bool = False) -> Conditions:
         """The given conditions, with normals at all vertices that have one of their own.
 
-        At first those are those of N (V, 3) along lines, and run smoothly from them to the given ones in blend zones.
+        At first those along lines are those of N (V, 3), and in blend zones they run smoothly from these to the given
+        ones. continued: N is of an earlier fit, and in blend zones it changes with the given normals beside them.
         """
         normals, fixed = N.copy(), [self.held]
         up = np.array([0.0, 0.0, np.sign(N[:, 2].sum()) or 1.0])
@@ -144,9 +145,13 @@ class Sides:
             normals[side.vertices] = N[side.vertices]
             fixed.append(side.vertices)
         for side in self.of_kind(HELD):
-            inside = np.isin(side.vertices, side.zone)
-            part = side.parts[inside, None]
-            normals[side.zone] = normalize((1.0 - part) * N[side.zone] + part * side.normals[inside])
+            inside, full = (np.flatnonzero(np.isin(side.vertices, of)) for of in (side.zone, self.held))
+            here, part = N[side.zone], side.parts[inside, None]
+            change = side.normals[inside] - here
+            if continued and len(full):
+                nearest = full[np.abs(inside[:, None] - full).argmin(axis=1)]
+                change = side.normals[nearest] - N[side.vertices[nearest]]
+            normals[side.zone] = normalize(here + part * change)
             fixed.append(side.zone)
         vertices, none = np.unique(np.concatenate(fixed)), Conditions()
         return replace(
