@@ -18,6 +18,7 @@ from ..spanning.span import Span
 from ..spanning.verdict import SpanStatus
 from ..surface.cmc_surface import CmcSurface
 from .fit import Fit, FitStatus, Start
+from .sides import Sides
 from .target import Shape, Target
 
 Array = NDArray[np.float64]
@@ -50,16 +51,17 @@ def spanned_fit(
     )
 
 
-def start_from(span: Span, *, sheet: str, least: float, base: float = 0.0) -> Start:
-    """The start of a search at the span, with heights over `base`.
+def start_from(span: Span, sides: Sides, *, sheet: str, least: float, base: float = 0.0) -> Start:
+    """The start of a search at the span, with heights over `base`, and with the normals that `sides` give.
 
     least: the mean curvature of the flattest start, since f± = (g ± N) / 2H.
     """
     side = -1.0 if sheet == "f-" else 1.0
     scale = 0.5 / max(span.mean_curvature, least)
     g = (span.points - scale * span.normals)[span.domain.boundary_vertices]
-    conditions = _opposite(span.conditions) if sheet == "f-" else span.conditions
-    return Start(conditions, scale, g.mean(axis=0) - [0.0, 0.0, base], side * span.normals)
+    N = side * span.normals
+    shift = g.mean(axis=0) - [0.0, 0.0, base]
+    return Start(sides.conditions(N), scale, shift, N, held=sides.held)
 
 
 def _seated(span: Span) -> tuple[CmcSurface, Array, float]:
