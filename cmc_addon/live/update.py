@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...solver.errors import Progress
+from ...solver.fitting.fit import Fit
 from ...solver.shells.update import Update, update
 from ...solver.spanning.span import Span
 from ...solver.surface.cmc_surface import SHEETS, CmcSurface
@@ -70,12 +71,12 @@ def read(context: bpy.types.Context, plan: bpy.types.Object) -> Reading:
 
 @dataclass(frozen=True, eq=False)
 class Memory:
-    """The start of the next quick update: a reading, its prepared plan, its map (S, 3) or span, and where the results
-    are cut open their triangles (F, 3), which a cut elsewhere would not fit."""
+    """The start of the next quick update: a reading, its prepared plan, its map (S, 3), span or fit, and where the
+    results are cut open their triangles (F, 3), which a cut elsewhere would not fit."""
 
     reading: Reading
     prepared: plan_cache.Prepared
-    last: Array | Span
+    last: Array | Span | Fit
     cut: NDArray[np.int32] | None
 
     def serves(self, reading: Reading) -> bool:
@@ -181,7 +182,7 @@ class FullTask(LiveTask[SolveResult]):
         if not plan_cache.same_polygons(mesh, solve.mesh):
             return None
         solve.write_results(context, plan, result)
-        last = shell.surface.harmonic.normals if shell.span is None else shell.span
+        last = shell.span or shell.fit or shell.surface.harmonic.normals
         return Memory(self.reading, result.prepared, last, _cut_of(shell.surface))
 
 

@@ -13,21 +13,21 @@ from ..domain.shape import DomainLike, as_domain
 from ..errors import ConditionError, Progress, check_choice
 from ..gauss.boundary_data import Conditions, check_conditions
 from ..gauss.frames import boundary_edges
+from ..gauss.lines import checked_lean
 from ..limits import COUNT, EXTREME, NUMBERS, POSITIVE, Range, check_number
 from ..linalg import as_numbers
 from ..notes import Sentence
 from ..signatures import check_fields
-from ..spanning.boundary import checked_lean
 from ..spanning.lines import boundary_lines
 from ..surface.cmc_surface import SHEETS
 from ..surface.solve import CmcSolver
-from .wall_targets import ContactAngle, InPlane
 from .curves import Curve
 from .fit import Fit
 from .side_residuals import SideResidual, side_residuals
 from .sides import HELD, LEAN, LINE, MIRROR, Sides
 from .target import Shape, Target
 from .targets import Anchors, Closed, Crown, RimOnCurve, SmoothRim, TiltBounds, Volume
+from .wall_targets import ContactAngle, InPlane
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -79,7 +79,7 @@ HEIGHT_PARAMETERS = {
 class OutlineOptions:
     """The options of `fit_outline`, see there. Raises `ConditionError` on values without meaning."""
 
-    curve: ArrayLike | Sequence[ArrayLike] | None = None
+    curve: ArrayLike | Sequence[ArrayLike | None] | None = None
     _: KW_ONLY
     rise: float | None = None
     height: float | None = None
@@ -126,7 +126,7 @@ class OutlineOptions:
     def may_be_spanned(self) -> bool:
         """Whether the span is the surface if it keeps the bounds on its tilt: with no normals given, no edge free."""
         given = self.held is not None and len(self.held.vertices)
-        return self.on_curve and self.anchors is None and self.smooth in (None, _SMOOTH) and not (given or len(self.free))
+        return self.on_curve and self.anchors is None and self.smooth in (None, _SMOOTH) and not (given or np.size(self.free))
 
     @property
     def height_parameter(self) -> tuple[str, float]:

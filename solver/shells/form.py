@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..domain.domain import Domain
 from ..domain.shape import Shape
 from ..errors import ConditionError, MeshError, Progress, Status
+from ..fitting.fit import Fit
 from ..gauss.boundary_data import Conditions
 from ..gauss.energies import ENERGIES
 from ..signatures import checked
@@ -20,12 +21,13 @@ from ..surface.cmc_surface import CmcSurface
 from ..surface.placement import ALIKE, FREE_SIZES, Plane, Similarity, check_size, place, plan_frame
 from ..surface.solve import CmcSolver
 from .measured import check_shown, measure_shell
+from .mixed import mixed_plan
 from .plan import Group, Plan, Settings, matches, plan_domain
 from .plan_conditions import plan_conditions
 from .plan_metric import at_sites, start_map
 from .second_shell import off_degree, second_shell
 from .shell import Shell
-from .span import check_spanned, span_plan
+from .span import check_spanned, is_mixed, span_plan
 
 Array = NDArray[np.float64]
 
@@ -41,19 +43,21 @@ def form(
     settings: Settings | None = None,
     *,
     solver: CmcSolver | None = None,
-    initial: ArrayLike | Span | None = None,
+    initial: ArrayLike | Span | Fit | None = None,
     progress: Progress | None = None,
     intersections: bool | Callable[[], bool] = True,
 ) -> Shell:
     """The shell over a plan, or over a shape, in its size and place, and measured.
 
     Where its sides are on lines, lean over them or are mirrors, it is spanned (`span_outline`) and stands on the
-    drawing; else it is solved for its normals, sized and placed by the settings.
+    drawing; where other sides have given normals, or none, it is fitted to both (`fit_outline`); without lines and
+    leans it is solved for its normals, sized and placed by the settings.
 
     solver: the `Shell.solver` of an earlier call. It is used again if it belongs to this plan and to the sites, energy
     and triangulation of the settings, which saves factoring. initial (S, 3), one normal per site: a map to start from,
-    such as `surface.harmonic.normals` of an earlier shell; or the `Shell.span` of one on lines. progress(iteration,
-    residual) is called every step; False cancels. intersections=False leaves out the slowest measure; see `report`.
+    such as `surface.harmonic.normals` of an earlier shell; or the `Shell.span` or `fit` of one on lines.
+    progress(iteration, residual) is called every step; False cancels. intersections=False leaves out the slowest
+    measure; see `report`.
     Raises `CmcError` (`MeshError`, `ConditionError`, `PlacementError`) on unusable input; not converging is a status:
     see `Shell.ok` and `message`.
     """
@@ -64,12 +68,15 @@ def form(
     solver = solver_for(plan, settings, solver)
     conditions = check_plan(plan, settings, solver.domain)
     if conditions.is_spanned:
-        if not (initial is None or isinstance(initial, Span)):
+        if not (initial is None or isinstance(initial, (Span, Fit))):
             raise ConditionError("A shell on lines continues from the span of an earlier one, not from normals.")
-        return span_plan(
-            plan, settings, conditions, solver, initial=initial, progress=progress, intersections=intersections
-        )
-    initial = initial.normals if isinstance(initial, Span) else initial
+        how: dict[str, Any] = {"progress": progress, "intersections": intersections}
+        if is_mixed(conditions, solver.domain):
+            return mixed_plan(plan, settings, solver, initial=initial if isinstance(initial, Fit) else None, **how)
+        last = initial.span if isinstance(initial, Fit) else initial
+        return span_plan(plan, settings, conditions, solver, initial=last, **how)
+    if isinstance(initial, (Span, Fit)):
+        initial = initial.normals if isinstance(initial, Span) else initial.surface.harmonic.normals
     surface = solve_plan(plan, settings, solver, initial=initial, progress=progress)
     shell = place_and_measure(plan, settings, surface, solver, intersections=intersections)
     if settings.counts_modes and surface.harmonic.status is Status.CONVERGED:
@@ -81,7 +88,7 @@ def check_plan(plan: Plan, settings: Settings, domain: Domain) -> Conditions:
     """The conditions of a plan; raises `CmcError` where they or the settings do not fit each other."""
     conditions = plan_conditions(plan, settings, domain)
     if conditions.is_spanned:
-        check_spanned(plan, settings, conditions, domain)
+        check_spanned(plan, settings)
     else:
         check_size(settings.rule(), FREE_SIZES, "free")
     return conditions

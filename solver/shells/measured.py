@@ -79,7 +79,7 @@ def measure_shell(
     similarity: Similarity,
     solver: CmcSolver,
     *,
-    outline: Array | list[Array],
+    outline: Array | list[Array] | None,
     fit: Fit | None = None,
     span: Span | None = None,
     intersections: bool | Callable[[], bool] = True,

@@ -12,7 +12,6 @@ from scipy.spatial import KDTree
 from ..domain.domain import Domain
 from ..errors import ConditionError, Progress
 from ..gauss.boundary_data import Conditions
-from ..gauss.kinds import KINDS
 from ..spanning.outline import span_outline
 from ..spanning.span import Span
 from ..surface.placement import SPANNED_SIZES, Plane, Similarity, check_size
@@ -45,7 +44,7 @@ def span_plan(
 ) -> Shell:
     """The shell over a plan with these spanned conditions, in its place and measured; raises as `spanned`."""
     span = spanned(plan, settings, conditions, solver, initial=initial, progress=progress)
-    drawn = _drawn(plan, solver.domain, conditions) or [None] * len(solver.domain.boundary_loops)
+    drawn = curves_of(solver.domain, conditions) or [None] * len(solver.domain.boundary_loops)
     own = [plan.positions[loop] for loop in solver.domain.boundary_loops]
     return measure_shell(
         plan,
@@ -75,13 +74,13 @@ def spanned(
     spanned, and on settings of the solve for normals.
     """
     domain = solver.domain
-    check_spanned(plan, settings, conditions, domain)
-    wish: dict[str, Any] = dict([_wish(plan, settings, domain)])
+    check_spanned(plan, settings)
+    wish: dict[str, Any] = dict([wish_of(plan, settings, domain)])
     return span_outline(
         domain,
         plan.positions,
-        _drawn(plan, domain, conditions),
-        leans=[(conditions.leans[conditions.lean_angles == t], float(t)) for t in np.unique(conditions.lean_angles)],
+        curves_of(domain, conditions),
+        leans=leans_of(conditions),
         mirrors=_mirrors(conditions),
         holes=settings.holes,
         corners=settings.corners,
@@ -93,9 +92,8 @@ def spanned(
     )
 
 
-def check_spanned(plan: Plan, settings: Settings, conditions: Conditions, domain: Domain) -> None:
+def check_spanned(plan: Plan, settings: Settings) -> None:
     """Raise as `spanned`, before anything is searched for."""
-    _check_kinds(plan, settings, conditions, domain)
     _check_settings(settings)
     check_size(settings.rule(), SPANNED_SIZES, "on its lines")
     if plan.initial is not None:
@@ -128,24 +126,36 @@ def span_report(span: Span) -> dict[str, object]:
     }
 
 
-def _wish(plan: Plan, settings: Settings, domain: Domain) -> tuple[str, float]:
-    """The one number that chooses the surface; a flipped shell hangs."""
+def wish_of(plan: Plan, settings: Settings, domain: Domain, soap_films: bool = True) -> tuple[str, float]:
+    """The one number that chooses the surface; a flipped shell hangs. soap_films: whether H may be 0."""
     rule = settings.rule()
     name, number = rule.size, rule.value
     if name == "match_plan":
-        name, number = _usual(plan, domain)
+        name, number = _usual(plan, domain, soap_films)
     return name, -number if rule.flip else number
 
 
-def _usual(plan: Plan, domain: Domain) -> tuple[str, float]:
+def _usual(plan: Plan, domain: Domain, soap_films: bool) -> tuple[str, float]:
     rim = plan.positions[domain.boundary_vertices]
-    if np.ptp(rim[:, 2]) > _LEVEL * np.linalg.norm(np.ptp(rim, axis=0)):
+    is_level = np.ptp(rim[:, 2]) <= _LEVEL * np.linalg.norm(np.ptp(rim, axis=0))
+    if soap_films and not is_level:
         return "mean_curvature", 0.0
     radius = float(KDTree(rim[:, :2]).query(plan.positions[:, :2])[0].max())
-    return "height", USUAL_RISE * radius
+    return "height", USUAL_RISE * radius + (0.0 if is_level else float(rim[:, 2].max() - rim[:, 2].mean()))
 
 
-def _drawn(plan: Plan, domain: Domain, conditions: Conditions) -> list[Array | None] | None:
+def leans_of(conditions: Conditions) -> list[tuple[NDArray[np.integer], float]]:
+    """Edges of each lean, and its angle."""
+    angles = conditions.lean_angles
+    return [(conditions.leans[angles == angle], float(angle)) for angle in np.unique(angles)]
+
+
+def owned_edges(conditions: Conditions) -> NDArray[np.integer]:
+    """Boundary edges on lines, leaning over them, and in mirrors."""
+    return np.concatenate([conditions.lines, conditions.leans, conditions.mirrors])
+
+
+def curves_of(domain: Domain, conditions: Conditions) -> list[Array | None] | None:
     """The curve of each boundary loop, None for one that spans its own points; None where all do."""
     if not conditions.curves:
         return None
@@ -169,21 +179,9 @@ def _mirrors(conditions: Conditions) -> list[tuple[NDArray[np.integer], Array]]:
     return [(conditions.mirrors[of_edge.ravel() == k], normal) for k, normal in enumerate(normals)]
 
 
-def _check_kinds(plan: Plan, settings: Settings, conditions: Conditions, domain: Domain) -> None:
-    """Raise `ConditionError` naming sides that are neither on lines, nor lean over them, nor meet mirrors."""
-    owned = np.concatenate([conditions.lines, conditions.leans, conditions.mirrors])
-    if np.isin(domain.boundary_edges, owned).all():
-        return
-    others = [
-        f'"{group.name}" ({KINDS[group.kind].label.lower()})'
-        for group in plan.groups
-        if not KINDS[group.kind].spans and np.size(group.edges)
-    ] or [f"the edges in no group ({KINDS[settings.default_kind].label.lower()})"]
-    raise ConditionError(
-        f"Some sides lie on lines or lean over them, but not {', '.join(others)}. Along the rim of one shell either "
-        "all sides are on lines, lean over them or are mirrors, or none; change their kinds.",
-        edges=np.setdiff1d(domain.boundary_edges, owned),
-    )
+def is_mixed(conditions: Conditions, domain: Domain) -> bool:
+    """Whether some sides are neither on lines, nor lean over them, nor meet mirrors: a span cannot meet them."""
+    return not np.isin(domain.boundary_edges, owned_edges(conditions)).all()
 
 
 def _check_settings(settings: Settings) -> None:

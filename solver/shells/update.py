@@ -8,15 +8,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import Progress, Status
+from ..fitting.fit import Fit
 from ..spanning.span import Span
 from ..surface.cmc_surface import CmcSurface
 from ..surface.placement import Similarity
 from ..surface.solve import CmcSolver
 from .form import place_over, solve_plan
 from .measured import check_shown, placed_sheets
+from .mixed import fit_plane, fit_similarity, fitted
 from .plan import Plan, Settings
 from .plan_conditions import plan_conditions
-from .span import line_plane, spanned
+from .span import is_mixed, line_plane, spanned
 
 Array = NDArray[np.float64]
 
@@ -31,27 +33,30 @@ _UPHILL = ("saddle", "critical")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Update:
-    """A surface, its similarity, points and normals (n, 3) of the placed sheets, and its span: as in `Shell`."""
+    """A surface, its similarity, points and normals (n, 3) of the placed sheets, and its span or fit: as in `Shell`."""
 
     surface: CmcSurface
     similarity: Similarity
     placed: dict[str, Array]
     normals: dict[str, Array]
     span: Span | None = None
+    fit: Fit | None = None
 
     @property
     def ok(self) -> bool:
-        """Whether the map is harmonic to `ROUGHLY` zero, or the settings' tolerance, and the surface has no gap."""
-        return self.surface.status is Status.CONVERGED
+        """Whether the map is harmonic to `ROUGHLY` zero, or the settings' tolerance, the surface has no gap, and a fit
+        meets its goals."""
+        return self.surface.status is Status.CONVERGED and (self.fit is None or self.fit.is_met)
 
     @property
     def message(self) -> str:
-        return self.surface.message if self.span is None else self.span.message
+        found = self.span or self.fit or self.surface
+        return found.message
 
     @property
-    def last(self) -> Array | Span:
+    def last(self) -> Array | Span | Fit:
         """What the next `update` starts from."""
-        return self.surface.harmonic.normals if self.span is None else self.span
+        return self.span or self.fit or self.surface.harmonic.normals
 
     def __repr__(self) -> str:
         return f"Update({self.surface!r})"
@@ -61,12 +66,12 @@ def update(
     plan: Plan,
     settings: Settings,
     solver: CmcSolver,
-    last: ArrayLike | Span,
+    last: ArrayLike | Span | Fit,
     *,
     steps: int | None = None,
     progress: Progress | None = None,
 ) -> Update:
-    """The next shell, from the normals `last` (S, 3) or the span of the one before, on the plan's own `solver`.
+    """The next shell, from `last`, the normals (S, 3), span or fit of the one before, on the plan's own `solver`.
 
     steps: of Newton's method, at most; None: until the residual is `ROUGHLY` zero. The shell stays on its branch; where
     the branch ends, a new solve starts. Raises `CmcError` as `form` does.
@@ -74,9 +79,13 @@ def update(
     rough = replace(settings, tolerance=max(settings.tolerance, ROUGHLY))
     conditions = plan_conditions(plan, rough, solver.domain)
     if conditions.is_spanned:
-        initial = last if isinstance(last, Span) else None
-        return _of_span(spanned(plan, rough, conditions, solver, initial=initial, progress=progress))
-    last = last.normals if isinstance(last, Span) else last
+        if is_mixed(conditions, solver.domain):
+            initial = last if isinstance(last, Fit) else None
+            return _of_fit(fitted(plan, rough, solver, initial=initial, progress=progress), solver, rough)
+        earlier = last.span if isinstance(last, Fit) else last if isinstance(last, Span) else None
+        return _of_span(spanned(plan, rough, conditions, solver, initial=earlier, progress=progress))
+    if isinstance(last, (Span, Fit)):
+        last = last.normals if isinstance(last, Span) else last.surface.harmonic.normals
     method = "critical" if rough.method in _UPHILL else "newton"
     surface = solver.solve(
         conditions,
@@ -88,6 +97,12 @@ def update(
     sheets = check_shown(surface, rough.sheet)
     plane, similarity = place_over(plan, rough, surface)
     return Update(surface, similarity, *placed_sheets(surface, similarity, plane, sheets))
+
+
+def _of_fit(fit: Fit, solver: CmcSolver, settings: Settings) -> Update:
+    surface, similarity = fit.surface, fit_similarity(fit, settings)
+    plane = fit_plane(fit, solver, similarity)
+    return Update(surface, similarity, *placed_sheets(surface, similarity, plane, check_shown(surface, "f+")), fit=fit)
 
 
 def _of_span(span: Span) -> Update:
