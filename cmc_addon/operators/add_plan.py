@@ -17,10 +17,9 @@ from .activate import activate
 from .poll import allow, check_numbers, why_not_object_mode
 
 ORDINARY = [
-    ("RECTANGLE", "Rectangle", "A rectangular plan with rounded corners; Solve makes a shell, Fit to Outline one "
-     "whose rim lies on the outline"),
+    ("RECTANGLE", "Rectangle", "A rectangular plan; Solve makes the shell over it, its rim on the outline"),
     ("ROUND", "Round", "A round plan; its shell is a piece of a sphere"),
-    ("L_SHAPE", "L-Shaped", "Two wings at a right angle, with rounded corners"),
+    ("L_SHAPE", "L-Shaped", "Two wings at a right angle, the corner between them rounded"),
     ("COURT", "Court", "A rectangular plan with a round court in the middle, around which the shell closes"),
 ]
 """Plans whose shells close."""
@@ -144,7 +143,7 @@ def new_plan(context: bpy.types.Context, start: StartPlan) -> bpy.types.Object:
     plan.location = context.scene.cursor.location
     context.collection.objects.link(plan)
     plan.cmc.meshed = start.remesh
-    for key, value in start.settings.items():
+    for key, value in {"default_kind": "BINORMAL", **start.settings}.items():
         setattr(plan.cmc, key, value)
     return plan
 

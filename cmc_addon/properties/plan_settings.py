@@ -13,7 +13,7 @@ _PLAN_SETTINGS = {
         default=0.0, min=0.0, subtype="DISTANCE"),
     "corners": partial(
         EnumProperty, name="Round Corners", description="Which corners of the outline are rounded",
-        items=[(name.upper().replace("-", "_"), *texts) for name, texts in ROUNDED.items()], default="ALL"),
+        items=[(name.upper().replace("-", "_"), *texts) for name, texts in ROUNDED.items()], default="RE_ENTRANT"),
     "corner_radius": partial(
         FloatProperty, name="Corner Radius",
         description="Radius of rounded corners, less where space is short; 0: for each outline a tenth of its size, "

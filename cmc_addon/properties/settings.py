@@ -144,7 +144,7 @@ _SETTINGS = {
         default=0.2, step=1, precision=4),
     "default_kind": partial(
         EnumProperty, name="Other Edges", description="What the shell does along edges in no group",
-        items=[item for item in kind_items() if item[0] in ("LINE", "BINORMAL")], default="BINORMAL"),
+        items=[item for item in kind_items() if item[0] in ("LINE", "BINORMAL")], default="LINE"),
     "holes": partial(
         EnumProperty, name="Holes", description="Of a shell on lines: how it closes around holes",
         items=[(name.upper(), *texts) for name, texts in HOLES.items()], default="ADAPT"),

@@ -56,7 +56,7 @@ def draw(sketch: plans.Sketch) -> bpy.types.Object:
     """The plan object of a sketch, alone in the scene and active, with its boundary groups."""
     bpy.context.scene.unit_settings.system = "METRIC"
     plan = _meshed(sketch) if isinstance(sketch, plans.OutlineSketch) else _quads(sketch)
-    plan.cmc.blend = sketch.blend
+    plan.cmc.blend, plan.cmc.default_kind, plan.cmc.size = sketch.blend, "BINORMAL", "MATCH_PLAN"
     return plan
 
 

@@ -1,16 +1,16 @@
-"""Ordinary plans to start from: rectangular, round, L-shaped, with a court; meshed, with one group.
+"""Ordinary plans to start from: rectangular, round, L-shaped, with a court; meshed, on their lines all around.
 
-Corners are rounded by a tenth of the size, and the rim leaves the plan at an angle that gives a shell without overhang
-near the drawn outline, so that it can be solved at once.
+Convex corners are sharp, re-entrant ones rounded by a tenth of the size, so that the plan can be solved at once.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..surface.placement import usual_rise
 from . import shapes
 from .holed_plans import StartPlan
 
@@ -18,11 +18,10 @@ Array = NDArray[np.float64]
 
 # Radius of the rounded corners as a part of the plan's length.
 _ROUND = 0.1
-_TILT = float(np.radians(45.0))
 
 
 def rectangle(size: float, width: float, columns: int) -> StartPlan:
-    """A rectangle with rounded corners: size long, width (a part of its length) deep, about `columns` edges long."""
+    """A rectangle: size long, width (a part of its length) deep, about `columns` edges long."""
     return _plan("Rectangle", _box(size, width * size), (), size, columns)
 
 
@@ -43,12 +42,11 @@ def l_shape(size: float, width: float, columns: int) -> StartPlan:
 def court(size: float, width: float, hole: float, columns: int) -> StartPlan:
     """A rectangle around a round court in its middle, whose diameter is a part of the shorter side.
 
-    By its symmetry the shell closes around the court. A flat shell is nearer to both lines, so Fit to Outline gets a
-    small rise.
+    By its symmetry the shell closes around the court with any lean of its rims.
     """
     angle = np.linspace(0.0, 2.0 * np.pi, 96, endpoint=False)
     inner = 0.5 * hole * min(width, 1.0) * size * np.column_stack([np.cos(angle), np.sin(angle)])
-    return _plan("Court", _box(size, width * size), (inner,), size, columns, settings={"fit_rise": 0.2})
+    return _plan("Court", _box(size, width * size), (inner,), size, columns)
 
 
 def _box(length: float, width: float) -> Array:
@@ -62,12 +60,11 @@ def _plan(
     size: float,
     columns: int,
     corner: float = _ROUND,
-    settings: Mapping[str, object] | None = None,
 ) -> StartPlan:
-    shape = shapes.polygon(outline, holes, max_edge=size / columns, corner_radius=corner * size)
+    radius = corner * size
+    corners = "re-entrant" if radius else "none"
+    shape = shapes.polygon(outline, holes, max_edge=size / columns, corner_radius=radius, corners=corners)
     flat = shape.positions
     points = np.column_stack([flat, np.zeros(len(flat))])
-    rim = np.concatenate([shape.sides["outer"], *(shape.sides[f"hole{k}"] for k in range(len(holes)))])
-    kinds = {"Rim": ("binormal", {"tilt": _TILT})}
-    uvs, more = flat[shape.domain.faces], settings or {}
-    return StartPlan(name, shape.domain, points, uvs, {"Rim": rim}, kinds, settings=more, remesh=True)
+    settings = {"default_kind": "LINE", "size": "RISE", "rise": usual_rise(flat, flat[shape.domain.boundary_vertices])}
+    return StartPlan(name, shape.domain, points, flat[shape.domain.faces], {}, {}, settings=settings, remesh=True)

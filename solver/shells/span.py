@@ -7,24 +7,19 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 
 from ..domain.domain import Domain
 from ..errors import ConditionError, Progress
 from ..gauss.boundary_data import Conditions
 from ..spanning.outline import span_outline
 from ..spanning.span import Span
-from ..surface.placement import SPANNED_SIZES, Plane, Similarity, check_size
+from ..surface.placement import SPANNED_SIZES, Plane, Similarity, check_size, usual_height
 from ..surface.solve import CmcSolver
 from .measured import measure_shell
 from .plan import Plan, Settings
 from .shell import Shell
 
 Array = NDArray[np.float64]
-
-USUAL_RISE = 0.35
-"""Height of shells on level lines without a size, as a part of the radius of the largest circle in the plan, seen from
-above; on lines with heights they are soap films, H = 0."""
 
 # Heights that differ by less than this part of the line's size are one.
 _LEVEL = 1e-6
@@ -136,12 +131,12 @@ def wish_of(plan: Plan, settings: Settings, domain: Domain, soap_films: bool = T
 
 
 def _usual(plan: Plan, domain: Domain, soap_films: bool) -> tuple[str, float]:
+    """Without a size: soap films on lines with heights, H = 0, else a usual height."""
     rim = plan.positions[domain.boundary_vertices]
     is_level = np.ptp(rim[:, 2]) <= _LEVEL * np.linalg.norm(np.ptp(rim, axis=0))
     if soap_films and not is_level:
         return "mean_curvature", 0.0
-    radius = float(KDTree(rim[:, :2]).query(plan.positions[:, :2])[0].max())
-    return "height", USUAL_RISE * radius + (0.0 if is_level else float(rim[:, 2].max() - rim[:, 2].mean()))
+    return "height", usual_height(plan.positions, rim) + float(rim[:, 2].max() - rim[:, 2].mean())
 
 
 def leans_of(conditions: Conditions) -> list[tuple[NDArray[np.integer], float]]:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.spatial import KDTree
 from scipy.spatial.distance import pdist
 
 from ..domain.domain import Domain
@@ -34,6 +35,7 @@ FREE_SIZES = ("match_plan", "span", "height", "rise", "radius", "mean_curvature"
 """Of shells that find their rim by themselves."""
 SPANNED_SIZES = ("match_plan", "rise", "height", "volume", "mean_curvature")
 """Of shells on lines."""
+_USUAL = 0.35
 RISES = Range(-2.0, 2.0)
 """Parts of half the outline's smaller extent; a length is a height."""
 GROUNDS = {"lowest": "Lowest Point", "rim": "Rim"}
@@ -78,6 +80,21 @@ class Rule:
         check_choice(self.ground, GROUNDS, "ground", PlacementError)
         if self.size != "match_plan":
             check_number(self.value, SIZES[self.size].lower(), size_range(self.size), PlacementError)
+
+
+def usual_height(positions: ArrayLike, rim: ArrayLike) -> float:
+    """The height of shells on level lines without a size: a part of the radius of the largest circle in the plan.
+
+    positions (V, 2|3) of the plan, rim (b, 2|3) of its boundary, seen from above.
+    """
+    points, line = (np.asarray(given, dtype=np.float64)[:, :2] for given in (positions, rim))
+    return _USUAL * float(KDTree(line).query(points)[0].max())
+
+
+def usual_rise(positions: ArrayLike, rim: ArrayLike) -> float:
+    """The same as a rise, in hundredths."""
+    extent = np.ptp(np.asarray(rim, dtype=np.float64)[:, :2], axis=0).min()
+    return round(2.0 * usual_height(positions, rim) / float(extent), 2)
 
 
 def size_range(size: str) -> Range:

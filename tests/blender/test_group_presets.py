@@ -132,7 +132,7 @@ def test_the_assign_menu_has_the_groups_and_the_presets(plan):
     record = menu("CMC_MT_assign")
     assert record.texts[:3] == ["South", "North", "New Group"]
     assert [text for text in record.texts if text.startswith("New: ")][-1] == "New: Mirror Floor"
-    assert record.operators.count("cmc.group_new") == 6
+    assert record.operators.count("cmc.group_new") == 8
 
 
 @pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
