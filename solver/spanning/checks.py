@@ -34,6 +34,8 @@ Int = NDArray[np.integer]
 
 # H may be off by this part of itself, or of the mean curvature of the normals where that is more.
 _OFF = 0.02
+# A surface with less curvature than this, in units of one over its size, is flat.
+_FLAT = 1e-3
 # Less than this part is shown as 0.
 _NOUGHT = 1e-4
 # A lean may be off by this angle, radians.
@@ -46,7 +48,7 @@ class Checks:
 
     distortion, drawn_distortion: the mean over the surface of ½ (Q + 1/Q) - 1, D / area - 1, against the plan as it was
     adapted and as it was drawn. multiplier: H of the search. mean_curvature: H that balances the area. curvature_unit:
-    the root mean square of the normals' curvature, which H is compared with where it is less. crossings: pairs of faces
+    the root mean square of the normals' curvature, which errors of H are compared with where |H| is less. crossings: pairs of faces
     that intersect. leans: of each leaning side. branch: which surface of this H it is. notes: what is not as it should
     be, each with a code.
     """
@@ -113,7 +115,9 @@ def checked(
         drawn_distortion=distortion(dirichlet_energy(drawn, points), points, domain.faces),
         multiplier=here.H,
         mean_curvature=balanced_curvature(here),
-        curvature_unit=float(np.sqrt(dirichlet_energy(domain, normals) / area)),
+        curvature_unit=max(
+            float(np.sqrt(dirichlet_energy(domain, normals) / area)), _FLAT / float(np.ptp(points, axis=0).max())
+        ),
         crossings=len(self_intersections(points, domain.faces)),
         leans=tuple(lean_check(domain, points, normals, edges, angle, base) for edges, angle in leans),
         branch=branch(here),

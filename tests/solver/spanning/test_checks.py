@@ -167,3 +167,11 @@ def test_a_span_that_failed_says_so():
     span = span_outline(domain, points, mean_curvature=1.2)
     assert codes(span)[0] == "not-converged" and span.warnings[0] == span.message
     assert {"unbalanced", "distorted", "several", "lean-missed", "steep-corner"} <= set(CODES)
+
+
+def test_a_plane_has_no_curvature_to_be_off():
+    corners = np.array([[0.0, 0.0], [1.0, 0.2], [0.3, 1.0]])
+    plan = shapes.polygon(corners, max_edge=0.15)
+    span = span_outline(plan, np.column_stack([plan.positions, plan.positions @ [0.5, -0.3]]))
+    assert not span.warnings and span.checks.curvature_unit > 5e-4
+    assert span.checks.lines[0].startswith("Mean curvature 0 by the balance of the area, 0 in")
