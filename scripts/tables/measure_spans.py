@@ -10,6 +10,7 @@ Needs no Blender.
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -53,7 +54,7 @@ def row(*cells: object) -> str:
 
 def exact() -> list[str]:
     """Largest distance from the surface at three sizes, with rates; in the mean square, its rate."""
-    rows = ruled("surface", "vertices", "largest distance", "rate", "in the mean square", "rate", "wanted", "back-solves")
+    rows = ruled("surface", "vertices", "largest distance", "rate", "mean square", "rate", "wanted", "back-solves")
     return rows + [exact_row(case) for case in EXACT]
 
 
@@ -116,7 +117,7 @@ def plan_rows(labels: list[str], wishes: Callable[[Drawn], list[dict[str, float]
                 continue
             cells.append(plan_cell(span))
             off.append(rim_off(span, drawn) / drawn.size)
-        rows.append(row(drawn.name, len(drawn.points), *cells, f"{max(off):.0e}"))
+        rows.append(row(drawn.name, len(drawn.points), *cells, f"{max(off, default=np.nan):.0e}"))
     return rows
 
 
@@ -229,7 +230,7 @@ def slider() -> list[str]:
             before = spans[-1] if spans and spans[-1].ok else None
             spans.append(span_outline(drawn.plan, drawn.points, mean_curvature=H, initial=before))
         failures = sum(not span.ok for span in spans)
-        moves = [float(np.linalg.norm(b.points - a.points, axis=1).max()) for a, b in zip(spans, spans[1:], strict=False)]
+        moves = [float(np.linalg.norm(b.points - a.points, axis=1).max()) for a, b in pairwise(spans)]
         ratio = max(moves) / float(np.median(moves))
         share = top / largest(drawn)
         solves = float(np.median([span.history[-1].solves for span in spans[1:]]))

@@ -89,7 +89,8 @@ def waved(amplitude: float, count: int) -> Drawn:
     """A circle that rises and falls twice by the amplitude, times its diameter."""
     plan = shapes.disc(count)
     angle = 2.0 * np.arctan2(plan.positions[:, 1], plan.positions[:, 0])
-    line = in_space(CIRCLE, amplitude * np.cos(2 * TURN))
+    fine = 2.0 * np.pi * np.arange(8000) / 8000
+    line = np.column_stack([np.cos(fine), np.sin(fine), amplitude * np.cos(2 * fine)])
     height = amplitude * np.cos(angle) * np.linalg.norm(plan.positions, axis=1) ** 2
     return Drawn(f"circle, raised by {50 * amplitude:.0f} % twice", plan, in_space(plan.positions, height), [line])
 
@@ -129,7 +130,7 @@ class Leaning:
 
 
 def hall(outline: Array = HALL, radius: float = 1.5, holes: Sequence[Array] = ()) -> Callable[[int], Shape]:
-    """Plans whose straight sides are "s0" to "sn" without the arcs at their ends; "c0" … are those with half of these."""
+    """Plans whose straight sides are "s0" to "sn" without the arcs at their ends; "c0" … have half of these, too."""
 
     def made(count: int) -> Shape:
         plan = flat("", outline, radius, count, holes).plan

@@ -172,7 +172,8 @@ def strip_of_catenoid(bar: float | None = None) -> Exact:
     """A quarter of a catenoid's upper half, over a strip of the length 1.1 for 0.7486."""
 
     def span(n: int) -> Span:
-        plan = shapes.polygon(np.array([[0, 0], [0.5 * np.pi, 0], [0.5 * np.pi, 1.1], [0, 1.1]]), max_edge=1.4 / np.sqrt(n))
+        strip = np.array([[0.0, 0.0], [0.5 * np.pi, 0.0], [0.5 * np.pi, 1.1], [0.0, 1.1]])
+        plan = shapes.polygon(strip, max_edge=1.4 / np.sqrt(n))
         t, s = plan.positions.T * [[1.0], [0.7486 / 1.1]]
         line = np.column_stack([np.cosh(s) * np.cos(t), np.cosh(s) * np.sin(t), s])
         x, y, z = np.eye(3)

@@ -48,9 +48,9 @@ class Checks:
 
     distortion, drawn_distortion: the mean over the surface of ½ (Q + 1/Q) - 1, D / area - 1, against the plan as it was
     adapted and as it was drawn. multiplier: H of the search. mean_curvature: H that balances the area. curvature_unit:
-    the root mean square of the normals' curvature, which errors of H are compared with where |H| is less. crossings: pairs of faces
-    that intersect. leans: of each leaning side. branch: which surface of this H it is. notes: what is not as it should
-    be, each with a code.
+    the root mean square of the normals' curvature, which errors of H are compared with where |H| is less. crossings:
+    pairs of faces that intersect. leans: of each leaning side. branch: which surface of this H it is. notes: what is
+    not as it should be, each with a code.
     """
 
     distortion: float
