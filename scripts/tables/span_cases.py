@@ -96,7 +96,7 @@ def waved(amplitude: float, count: int) -> Drawn:
 
 
 def plans(count: int) -> list[Drawn]:
-    """Eight plans with about `count` vertices each."""
+    """Eight plans with about `count` vertices each, the last with twice as many."""
     angle = 2.0 * np.pi * np.arange(5) / 5
     pentagon = np.column_stack([np.cos(angle), np.sin(angle)])
     court = np.array([[1.6, 0.9], [1.5, 1.9], [2.4, 1.8], [2.5, 1.0]])
@@ -108,7 +108,7 @@ def plans(count: int) -> list[Drawn]:
         raised("pentagon, three heights", pentagon, np.array([0.0, 0.3, 0.0, 0.5, 0.2]), count),
         flat("nine corners and a courtyard", STAR, 0.25, count, [court]),
         waved(0.4, count),
-        waved(1.2, count),
+        waved(1.2, 2 * count),
     ]
 
 
