@@ -117,7 +117,7 @@ def plan_rows(labels: list[str], wishes: Callable[[Drawn], list[dict[str, float]
                 continue
             cells.append(plan_cell(span))
             off.append(rim_off(span, drawn) / drawn.size)
-        rows.append(row(drawn.name, len(drawn.points), *cells, f"{max(off, default=np.nan):.0e}"))
+        rows.append(row(drawn.name, len(drawn.points), *cells, f"{max(off):.0e}" if off else ""))
     return rows
 
 
@@ -157,6 +157,7 @@ def leans() -> list[str]:
         "heights",
         "H, by area, by normals",
         "crossings",
+        "runs back",
         "back-solves",
         "cold solves",
     )
@@ -178,10 +179,10 @@ def lean_row(case: Leaning, count: int) -> str:
     try:
         time = seconds(work) / cold(Shape(Domain.from_positions(points, plan.domain.faces), points, plan.sides))
     except CmcError as error:
-        return row(case.name, len(points), asked, f"refused: {error}", *[""] * 5)
+        return row(case.name, len(points), asked, f"refused: {error}", *[""] * 6)
     span = found[-1]
     if not span.ok:
-        return row(case.name, len(points), asked, span.status.value, *[""] * 5)
+        return row(case.name, len(points), asked, span.status.value, *[""] * 6)
     checks = span.checks
     off = "; ".join(
         f"{abs(np.degrees(lean.measured - lean.asked)):.2f}°, {np.degrees(lean.off):.1f}°" for lean in checks.leans
@@ -192,7 +193,9 @@ def lean_row(case: Leaning, count: int) -> str:
     if count > COUNT and steepest >= 35 and max(lean.off for lean in checks.leans) > np.radians(LEAN):
         off += ", missed"
     cost = f"{time:.1f}{', missed' if time > (QUICK if steepest >= 45 else SLOW) else ''}"
-    return row(case.name, len(points), asked, off, heights, H, checks.crossings, span.history[-1].solves, cost)
+    back = f"{checks.runs_back:.2f}" if checks.runs_back > 0.0 else "no"
+    solves = span.history[-1].solves
+    return row(case.name, len(points), asked, off, heights, H, checks.crossings, back, solves, cost)
 
 
 # --- necks, a slider, random lines -----------------------------------------------------------------------------------
