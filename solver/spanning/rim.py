@@ -109,6 +109,15 @@ class OverCurve:
         up = np.broadcast_to([0.0, 0.0, 1.0], points.shape)
         return points, np.stack([tangents, up], axis=1), np.stack([bends, np.zeros_like(bends)], axis=1)
 
+    def runs_back(self, x: Array) -> float:
+        """The furthest that a vertex lies behind one that comes before it, or beyond an end, along the curve."""
+        s = x[:, 0]
+        if self.ends is None:
+            s = np.concatenate([s, s[:1] + self.curve.length])
+        else:
+            s = np.concatenate([[0.0], s, [self.curve.length]])
+        return float((np.maximum.accumulate(s) - s).max())
+
     def limit(self, x: Array, change: Array) -> float:
         return np.inf
 
@@ -218,6 +227,11 @@ class Rim:
                 ratio = track.gaps(now[:, 0]) / np.maximum(track.gaps(track.start[:, 0]), 1e-300)
                 least, most = min(least, float(ratio.min())), max(most, float(ratio.max()))
         return least, most
+
+    def runs_back(self, x: Array) -> float:
+        """The furthest that a vertex of a leaning side lies behind the one before it, or beyond an end of the side."""
+        over = [(t, part) for t, part in zip(self.tracks, self.parts(x), strict=True) if isinstance(t, OverCurve)]
+        return max((track.runs_back(part) for track, part in over), default=0.0)
 
     @property
     def on_line(self) -> NDArray[np.bool_]:
