@@ -60,6 +60,7 @@ class Shell:
         """Whether the map is harmonic to the tolerance, the surface has no gap, and a fit meets its goals."""
         return self.surface.status is Status.CONVERGED and (self.fit is None or self.fit.is_met)
 
+    @checked
     def points(self, sheet: str | None = None) -> Array:
         """A placed sheet (n, 3), by default the shown one; raises `CmcError` on a sheet the shell does not have."""
         name = sheet or self.report.sheet
@@ -77,6 +78,7 @@ class Shell:
         """A sheet as a `trimesh.Trimesh` with its normals."""
         return convert.to_trimesh(self.points(sheet), self.faces, self.normals[sheet or self.report.sheet])
 
+    @checked
     def summary(self, unit: str = "") -> str:
         """The report's summary, and how near a fitted shell came, or how a shell was closed."""
         lines = [self.report.summary(unit)]

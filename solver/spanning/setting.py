@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
-from ..errors import ConditionError, plural
+from ..errors import ConditionError, plural, shown
 from ..gauss.frames import boundary_edges, unit
 from ..gauss.harmonic import HarmonicSolver
-from ..limits import shown
 from ..linalg import as_array, sum_rows
 from .boundary import LINE, Lean, Plane, checked_lean, mixed_loop, other_line, own_line
 from .coordinates import Coordinates

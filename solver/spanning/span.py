@@ -16,6 +16,7 @@ from ..errors import ConditionError, Status
 from ..gauss.boundary_data import Conditions
 from ..gauss.conditions import fixed_at, mirror
 from ..gauss.sphere import normalize
+from ..signatures import checked
 from ..surface import convert, notebook
 from ..surface.cmc_surface import CmcSurface
 from ..surface.polygon_mesh import PolygonMesh
@@ -72,6 +73,7 @@ class Span:
         """The twin, f - N / H, of mean curvature H with the normals -N; None where H = 0."""
         return None if self.mean_curvature == 0.0 else self.points - 1.0 / self.mean_curvature * self.normals
 
+    @checked
     def harmonic(self, solver: CmcSolver | None = None) -> CmcSurface:
         """The paper's surface with the boundary normals of this one, moved to where it is nearest.
 
@@ -90,6 +92,7 @@ class Span:
             f_minus=found.f_minus + shift,
         )
 
+    @checked
     def distance(self, solver: CmcSolver | None = None) -> float:
         """The largest distance of a point from that of the paper's surface, see `harmonic`."""
         return float(np.linalg.norm(self.points - self.harmonic(solver).f_plus, axis=1).max())
@@ -105,6 +108,7 @@ class Span:
             return found
         return replace(found, g=-found.g, f_plus=-found.f_plus, f_minus=-found.f_minus, scale=-found.scale)
 
+    @checked
     def sheet(self, name: str = "f+") -> Array:
         """Points (V, 3) of this surface, "f+", or of "f-", "g" and "gauss", see `CmcSurface.sheet`."""
         return self.as_surface.sheet(name)
@@ -126,10 +130,12 @@ class Span:
         centre = solved.centre - (points - solved.f_plus).mean(axis=0) / scale
         return replace(solved, centre=centre, g=g, f_plus=points, f_minus=g - scale * self.normals, periods=none)
 
+    @checked
     def as_mesh(self, sheet: str = "f+", combinatorics: str = "primal") -> PolygonMesh:
         """A sheet as a mesh of polygons, see `CmcSurface.as_mesh`."""
         return self.as_surface.as_mesh(sheet, combinatorics)
 
+    @checked
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the triangles as OBJ, PLY, STL or GLB, by the suffix; raises `JobError` where that fails."""
         convert.save_mesh(path, self.points, self.faces, self.normals)
