@@ -77,7 +77,8 @@ _SENTENCES = {
     Status.CONVERGED: "Converged: the normals are harmonic to the tolerance.",
     Status.STALLED: "No step lowers the energy any further, but the tolerance is not reached; "
     "refine or improve the mesh.",
-    Status.ITERATION_LIMIT: "The iteration limit was reached before the tolerance; allow more iterations.",
+    Status.ITERATION_LIMIT: "The iteration limit comes before the tolerance; allow more iterations, or take another "
+    "method.",
     Status.UNDER_RESOLVED: "Neighbouring normals differ by more than 90°, so the mesh does not resolve the map; "
     "refine it, or round the corners of the plan.",
     Status.COLLAPSED: "The normals are all the same, so the surface shrinks to a point; tilt some boundary normals.",

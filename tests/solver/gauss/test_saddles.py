@@ -53,7 +53,7 @@ def test_the_matrix_is_the_hessian(sites, energy):
 
 def test_eigenvalues_in_clusters_are_found_as_often_as_they_are():
     """Of a symmetric map, whose modes come in pairs of one eigenvalue; the dense solver as the second method."""
-    system, _ = rim_that_turns(24)
+    system = rim_that_turns(24)
     gauge, n = np.zeros((len(system.gradient), 0)), len(system.gradient)
     expected = np.sort(np.linalg.eigvals(np.linalg.solve(system.K.toarray(), system.H.toarray())).real)
     pairs = np.diff(expected[:12]) < 1e-9
@@ -70,7 +70,7 @@ def test_eigenvalues_in_clusters_are_found_as_often_as_they_are():
 def test_a_step_leads_down_but_along_the_lowest_modes(most, monkeypatch):
     """Also where the modes are too many to be looked for, and the H¹ gradient leads the way down."""
     monkeypatch.setattr("solver.gauss.saddles._MANY", most)
-    system, rng = rim_that_turns(24, noise=0.3)
+    system = rim_that_turns(24, noise=0.3)
     gauge, G = np.zeros((len(system.gradient), 0)), system.gradient
     newton = system.solve(-G, gauge)[0]
     values, modes = system.lowest(4, gauge)
@@ -94,7 +94,7 @@ def rim_that_turns(columns, noise=0.0):
     moved = N + noise * rng.standard_normal(N.shape)
     moved /= np.linalg.norm(moved, axis=1)[:, None]
     moved[problem.dirichlet.fixed] = N[problem.dirichlet.fixed]
-    return TangentSystem.of(problem, problem.at(moved)), rng
+    return TangentSystem.of(problem, problem.at(moved))
 
 
 def test_rotations_that_respect_the_conditions():
