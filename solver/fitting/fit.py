@@ -108,10 +108,12 @@ class Fit:
             return [self.span.message]
         return [self.status.sentence, *self.unmet]
 
+    @checked
     def points(self, sheet: str | None = None) -> Array:
         """A sheet (n, 3) in its place; by default the fitted one."""
         return self.sign * self.surface.sheet(sheet or self.sheet) + self.shift
 
+    @checked
     def normals(self, sheet: str | None = None) -> Array:
         """Unit normals (n, 3) of a sheet in its place, on the side from which its faces are counter-clockwise."""
         N = self.surface.normals

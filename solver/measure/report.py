@@ -83,10 +83,12 @@ class Report:
         """Plain dictionaries, lists, numbers and strings; a number that is not finite is None."""
         return to_plain(self)
 
+    @checked
     def to_json(self, indent: int | None = 2) -> str:
         """Strict JSON: null for a number that is not finite."""
         return json.dumps(self.to_dict(), indent=indent, allow_nan=False, ensure_ascii=False)
 
+    @checked
     def summary(self, unit: str = "") -> str:
         """Six to nine lines for a person, and one for each plane; `unit` is the name of the length unit, as "m"."""
         steps, mesh = count(self.iterations, "iteration"), count(self.faces, "face")

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..closing.close import ClosingResult, close_periods
+from ..closing.close import ClosingResult, check_closing, close_periods
 from ..closing.holes import MOTIONS, MovingHoles
 from ..domain.domain import Domain
 from ..errors import ConditionError, JobError, Progress, check_choice
@@ -155,17 +155,19 @@ def close_plan(
     Raises `CmcError` on plans without holes and on unusable input; not closing is a status: see `ok` and `message`.
     """
     _check_sites(settings)
-    solver = solver or CmcSolver(plan_domain(plan))
-    domain = solver.domain
+    domain = plan_domain(plan) if solver is None else solver.domain
     conditions = plan_conditions(plan, settings, domain)
     if conditions.is_spanned:
         raise ConditionError("A shell on lines closes around its holes by itself; form it without closing.")
-    start = start or solve_plan(plan, settings, solver)
+    by = {"tilts": "normals", "hole": "moduli"}.get(options.by, options.by)
     moving = _moving(plan, domain, options)
+    check_closing(domain, conditions, by)
+    solver = solver or CmcSolver(domain)
+    start = start or solve_plan(plan, settings, solver)
     closing = close_periods(
         domain,
         conditions,
-        by={"tilts": "normals", "hole": "moduli"}.get(options.by, options.by),
+        by=by,
         moduli=None if moving is None else moving.moduli(),
         weight=options.weight,
         positions=plan.positions if options.by == "tilts" else None,

@@ -96,7 +96,7 @@ _BRANCHES = {
 }
 
 
-def checked(
+def checks_of(
     descent: Descent,
     points: Array,
     normals: Array,

@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
-from ..errors import ConditionError, plural
+from ..errors import ConditionError, plural, shown
 from ..gauss.frames import boundary_edges, unit
 from ..gauss.harmonic import HarmonicSolver
 from ..gauss.lines import checked_lean
-from ..limits import shown
 from ..linalg import as_array, sum_rows
 from ..notes import Note
 from .boundary import LINE, Lean, Plane, Side, mixed_loop, other_line, own_line

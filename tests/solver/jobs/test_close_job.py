@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 
 from solver.__main__ import main
 from solver.domain.topology import Homology
-from solver.errors import JobError
+from solver.errors import CmcError, JobError
 from solver.io.mesh_files import read_mesh
 from solver.jobs.job import load_job, run_job
 from solver.jobs.outcomes import FAILED, OK
@@ -173,7 +173,8 @@ def test_what_is_wrong_with_the_table_is_named(tmp_path, table, message):
         load_job(job_file(tmp_path, f"[close]\n{table}\n"))
 
 
-def test_what_cannot_be_closed(tmp_path):
+def test_what_cannot_be_closed_is_refused_before_anything_is_solved(tmp_path, monkeypatch):
+    monkeypatch.delattr("solver.shells.close.CmcSolver")
     disc = '[shape]\nkind = "disc"\nn = 60\n'
     for plan, close, message in (
         (disc, "[close]\n", "neither holes nor handles"),
@@ -182,5 +183,5 @@ def test_what_cannot_be_closed(tmp_path):
         (COURT, '[close]\n[solver]\nsites = "faces"\n', "Closing needs normals on vertices"),
         (disc, "[fit]\nrise = 0.2\n[close]\n", "a fit closes its shell by itself"),
     ):
-        with pytest.raises(Exception, match=message):
+        with pytest.raises(CmcError, match=message):
             run_job(load_job(job_file(tmp_path, close, plan)))
