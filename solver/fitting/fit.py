@@ -154,8 +154,8 @@ class Fit:
 class Start:
     """The start of a fit: boundary conditions, scale 1 / (2 H), shift, and normals (V, 3) of a first map or None.
 
-    response, model: of an earlier fit on the same domain, to use their matrices again. held: vertices (k,) whose normals stay
-    as the conditions have them.
+    response, model: of an earlier fit on the same domain, to use their matrices again. held: vertices (k,) whose
+    normals stay as the conditions have them.
     """
 
     conditions: Conditions
@@ -184,10 +184,11 @@ def fit(
 ) -> Fit:
     """Minimise Σ weight · target over the boundary normals, and the scale and the shift where they are free.
 
-    The normals at the vertices that `start.conditions` fix may change, but those at `start.held` stay. size: the length by which errors are divided.
-    gain: the part of the value that a step must gain to be followed by another. By L-BFGS in the coordinates of
-    `GaussNewtonModel`; each evaluation takes a warm solve and an adjoint one. progress(evaluation, value) is called at
-    every step; False cancels. Raises `ConditionError` on an unknown sheet and without targets.
+    The normals at the vertices that `start.conditions` fix may change, but for those at `start.held`. size: the length
+    by which errors are divided. gain: the part of the value that a step must gain to be followed by another. By L-BFGS
+    in the coordinates of `GaussNewtonModel`; each evaluation takes a warm solve and an adjoint one. A fit that continues
+    another one, with its response and model, stays near its surface. progress(evaluation, value) is called at every
+    step; False cancels. Raises `ConditionError` on an unknown sheet and without targets.
     """
     check_choice(sheet, _SIDES, "sheet")
     if not targets:

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from ..errors import plural
 from ..notes import Sentence
-from .wall_targets import ContactAngle
 from .curves import Curve
 from .sides import HELD, LEAN, LINE, Side
 from .target import Shape
 from .targets import RimOnCurve
+from .wall_targets import ContactAngle
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]

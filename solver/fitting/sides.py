@@ -22,6 +22,7 @@ from .response import runs
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
+_NORMALS = ("vertex_normals", "edge_normals", "behind_normals", "corner_normals", "up")
 LINE, HELD, MIRROR, FREE, LEAN = "line", "held", "mirror", "free", "lean"
 # The part of a side that one of its blend zones takes at most.
 _ZONE = 1.0 / 3.0
@@ -35,8 +36,8 @@ class Side:
     """A run of the boundary of one kind: vertices (k,) in order, with both ends, or around a whole loop (closed).
 
     loop: the number of its boundary loop. parts (k,): 1 where the kind holds fully; in the blend zones of a side with
-    given normals they rise from 0 at the junction. normals (k, 3): those given; of a mirror, its plane's; of a side that
-    leans, the level ones of the wall over its line, out of the plan. angle: at which it meets that wall, radians.
+    given normals they rise from 0 at the junction. normals (k, 3): those given; of a mirror that of its plane; of a
+    side that leans the level ones of the wall over its line, out of the plan. angle: at which it meets that wall.
     """
 
     kind: str
@@ -55,8 +56,10 @@ class Side:
 
 @dataclass(frozen=True, eq=False)
 class Sides:
-    """All sides of the boundary of a domain. given: the conditions with normals and mirrors; vertices (n,), normals
-    (n, 3): the given ones."""
+    """All sides of the boundary of a domain.
+
+    given: the conditions with normals and mirrors; vertices (n,), normals (n, 3): the given normals.
+    """
 
     all: list[Side]
     given: Conditions
@@ -77,6 +80,12 @@ class Sides:
         line. zone: the length of blend zones. Raises `ConditionError` on an edge that is in two of them."""
         labels, kinds = _labels(domain, given, leans, free)
         vertices, normals = given.resolve()
+        inside = np.setdiff1d(vertices, domain.boundary_vertices)
+        if len(inside):
+            raise ConditionError(
+                f"Normals are given inside, at {plural('vertex', inside)}; give them along the boundary only.",
+                vertices=inside,
+            )
         along = ~np.isin(vertices, given.only_vertices)
         normals[along] = MirrorSides.of(domain, given).blended(vertices[along], normals[along])
         at = np.zeros((domain.vertex_count, 3))
@@ -88,7 +97,8 @@ class Sides:
                 ends = np.append(run, (run[-1] + 1) % len(loop)) if len(run) < len(loop) else run
                 kind, angle, plane = kinds[labels[edges[run[0]]]]
                 its = loop[ends]
-                side = Side(kind, number, its, len(run) == len(loop), np.ones(len(its)), np.broadcast_to(plane, (len(its), 3)) if kind == MIRROR else at[its], angle)
+                normals_there = at[its] if kind == HELD else np.tile(plane, (len(its), 1))
+                side = Side(kind, number, its, len(run) == len(loop), np.ones(len(its)), normals_there, angle)
                 found.append(replace(side, normals=_walls(points, side)) if kind == LEAN else side)
         found = [_zoned(side, found, points, zone) if side.kind == HELD else side for side in found]
         return cls(found, given, vertices, normals)
@@ -224,3 +234,9 @@ def _zoned(side: Side, all_sides: Sequence[Side], points: Array, zone: float) ->
             t = np.clip(far / max(length, 1e-300), 0.0, 1.0)
             parts = np.minimum(parts, t * t * (3.0 - 2.0 * t))
     return replace(side, parts=parts)
+
+
+def opposite(conditions: Conditions) -> Conditions:
+    """The same conditions for the opposite map, -N: those of f- as a sheet of its own."""
+    turned = {name: -getattr(conditions, name) for name in _NORMALS}
+    return replace(conditions, **turned)
