@@ -169,15 +169,18 @@ class Goals:
         line = lines[outer]
         base = float(np.sum(Curve(line, closed=True).shares * line[:, 2]))
         extent = np.ptp(line[:, :2], axis=0)
+        size = float(np.linalg.norm(extent))
+        sides = Sides.of(domain, points, given, leans, free, options.blend * size)
+        if options.on_curve and not sides.has(LINE, LEAN):
+            raise ConditionError("No side is left on its line; solve with these conditions, or take one out of them.")
         height_parameter, number = options.height_parameter
         if height_parameter == "rise":
             height_parameter, number = "height", number * 0.5 * float(extent.min())
-        size = float(np.linalg.norm(extent))
         _check_size(height_parameter, float(number), size)
         curves = [Curve(each - [0.0, 0.0, base], closed=True) for each in lines]
         return cls(
             options=options,
-            sides=Sides.of(domain, points, given, leans, free, options.blend * size),
+            sides=sides,
             curves=curves,
             own=own,
             drawn=points - [0.0, 0.0, base],

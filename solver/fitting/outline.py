@@ -58,10 +58,10 @@ def fit_outline(domain: DomainLike, positions: ArrayLike, options: OutlineOption
 
     Sides may be other than lines. held: `conditions` with normals of the sheet, or mirrors, along some sides. leans:
     (edges, angle) pairs, sides over their line, see `span_outline`. free: edges with neither. Leans and mirrors are
-    spanned, too. Given normals are no unknowns of the search (paper, App. F: the gradient by the others is the same), so
-    they are kept to the last bit, and the rim there is where they lead it: not over its line. Next to a line they end
-    at a blend zone of length `blend` by the outline's size, at most a third of their side, whose normals are free: near
-    a junction of both the surface would go as the fourth root of the distance. `Fit.sides` has what each side misses.
+    spanned, too. Given normals are no unknowns of the search (the gradient by the others is that of the paper, App. F),
+    so they are kept to rounding, and the rim there is where they lead it: not over its line. Next to a line they end at
+    a blend zone of length `blend` by the outline's size, at most a third of their side, whose normals are free: near a
+    junction of both the surface would go as the fourth root of the distance. `Fit.sides` has what each side misses.
 
     Goals that no surface meets end with the nearest one: `Fit.is_met` is false and the message names the way out.
     Raises `ConditionError` on goals that contradict each other or have no meaning, as a crown below its own rim.
