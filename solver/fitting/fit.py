@@ -187,8 +187,8 @@ def fit(
     The normals at the vertices that `start.conditions` fix may change, but for those at `start.held`. size: the length
     by which errors are divided. gain: the part of the value that a step must gain to be followed by another. By L-BFGS
     in the coordinates of `GaussNewtonModel`; each evaluation takes a warm solve and an adjoint one. With the response
-    and the model of an earlier fit it stays near the surface of that one. progress(evaluation, value) is called at every
-    step; False cancels. Raises `ConditionError` on an unknown sheet and without targets.
+    and the model of an earlier fit it stays near the surface of that one. progress(evaluation, value) is called at
+    every step; False cancels. Raises `ConditionError` on an unknown sheet and without targets.
     """
     check_choice(sheet, _SIDES, "sheet")
     if not targets:

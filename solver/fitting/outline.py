@@ -33,9 +33,10 @@ from .spanned import spanned_fit, start_from
 
 Array = NDArray[np.float64]
 
-# Factor of the height parameter's weight, and the gain of a step that is worth another.
+# Factor of the height parameter's weight, and the gain of a step that is worth another: beside given normals the way
+# to the lines is longer.
 _STRICTNESS = 1e4
-_GAIN = 1e-3
+_GAIN, _GAIN_BESIDE = 1e-3, 2e-4
 # Mean curvature times size of the flattest start.
 _FLATTEST = 1e-2
 
@@ -129,7 +130,7 @@ def _searched(goals: Goals, domain: Domain, start: Start, near: Array, options: 
         sheet=options.sheet,
         free_scale=goals.height_parameter != "mean_curvature",
         max_evaluations=options.max_evaluations,
-        gain=_GAIN,
+        gain=_GAIN_BESIDE if goals.has_given_normals else _GAIN,
         solver=_solver(domain, options),
         progress=options.progress,
     )
