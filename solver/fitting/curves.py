@@ -14,6 +14,8 @@ Int = NDArray[np.integer]
 
 # Pairs of points and segments compared at once.
 _CHUNK = 2_000_000
+# Points nearer to each other than this part of the length are one.
+_SAME = 1e-9
 
 
 class Closest(NamedTuple):
@@ -72,6 +74,18 @@ class Curve:
         """The closest points of the curve, over all segments."""
         chunks = np.array_split(points, max(1, len(points) * len(self.points) // _CHUNK + 1))
         return Closest(*(np.concatenate(parts) for parts in zip(*map(self._closest, chunks), strict=True)))
+
+    def between(self, first: Array, last: Array) -> Curve:
+        """The open piece of a closed curve from its place nearest to a point (3,) to that nearest to another."""
+        ends = self.closest(np.stack([first, last]))
+        start, stop = (int(k) for k in ends.start)
+        steps = (stop - start) % len(self.points)
+        if steps == 0 and ends.along[1] <= ends.along[0]:
+            steps = len(self.points)
+        inner = self.points[(start + 1 + np.arange(steps)) % len(self.points)]
+        way = np.concatenate([ends.points[:1], inner, ends.points[1:]])
+        apart = np.linalg.norm(np.diff(way, axis=0), axis=1) > _SAME * self.length
+        return Curve(np.concatenate([way[:-1][apart], way[-1:]]), closed=False)
 
     def _closest(self, points: Array) -> Closest:
         start, end = self._segments

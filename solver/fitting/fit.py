@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
@@ -15,15 +15,18 @@ from scipy.optimize import minimize
 from ..domain.shape import DomainLike, as_domain
 from ..errors import CmcError, ConditionError, Progress, Status, check_choice
 from ..gauss.boundary_data import Conditions
+from ..gauss.sphere import dot
 from ..signatures import checked
 from ..spanning.span import Span
 from ..surface import convert, notebook
 from ..surface.adjoint import AdjointSolver
 from ..surface.cmc_surface import CmcSurface
+from ..surface.plane_projection import VertexPlanes
 from ..surface.solve import CmcSolver
-from .gauss_newton import GaussNewtonModel
+from .gauss_newton import CONTINUED, FAR, NEAR, GaussNewtonModel
 from .objective import Objective
 from .response import Response
+from .side_residuals import SideResidual
 from .target import Target
 
 if TYPE_CHECKING:
@@ -83,7 +86,10 @@ class Fit:
     sheet: str = "f+"
     sign: float = 1.0
     unmet: tuple[str, ...] | list[str] = ()
+    sides: tuple[SideResidual, ...] = ()
+    solver: CmcSolver | None = None
     response: Response | None = None
+    model: GaussNewtonModel | None = None
     span: Span | None = None
 
     @property
@@ -150,7 +156,8 @@ class Fit:
 class Start:
     """The start of a fit: boundary conditions, scale 1 / (2 H), shift, and normals (V, 3) of a first map or None.
 
-    response: of an earlier fit on the same domain, to use its matrices again.
+    response, model: of an earlier fit on the same domain, to use their matrices again. held: vertices (k,) whose
+    normals stay as the conditions have them.
     """
 
     conditions: Conditions
@@ -158,6 +165,8 @@ class Start:
     shift: Array
     normals: Array | None = None
     response: Response | None = None
+    model: GaussNewtonModel | None = None
+    held: NDArray[np.integer] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
 
 @checked
@@ -177,9 +186,10 @@ def fit(
 ) -> Fit:
     """Minimise Σ weight · target over the boundary normals, and the scale and the shift where they are free.
 
-    The normals at the vertices that `start.conditions` fix may change. size: the length by which errors are divided.
-    gain: the part of the value that a step must gain to be followed by another. By L-BFGS in the coordinates of
-    `GaussNewtonModel`; each evaluation takes a warm solve and an adjoint one. progress(evaluation, value) is called at
+    The normals at the vertices that `start.conditions` fix may change, but for those at `start.held`. size: the length
+    by which errors are divided. gain: the part of the value that a step must gain to be followed by another. By L-BFGS
+    in the coordinates of `GaussNewtonModel`; each evaluation takes a warm solve and an adjoint one. With the response
+    and the model of an earlier fit it stays near the surface of that one. progress(evaluation, value) is called at
     every step; False cancels. Raises `ConditionError` on an unknown sheet and without targets.
     """
     check_choice(sheet, _SIDES, "sheet")
@@ -189,32 +199,56 @@ def fit(
     solver = solver or CmcSolver(domain)
     fixed, rim = start.conditions.resolve()
     response = start.response
-    if response is None or not response.belongs(solver.harmonic, fixed):
-        response = Response(AdjointSolver(solver.harmonic, start.conditions))
-    objective = Objective(response, targets, _SIDES[sheet], size, free_scale, free_shift, start.normals)
-    status = _minimise(objective, objective.vector(rim, start.scale, start.shift), gain, max_evaluations, progress)
-    return _finished(solver, objective, status, sheet)
+    if response is None or not response.belongs(solver.harmonic, fixed, start.held):
+        response = Response(AdjointSolver(solver.harmonic, start.conditions), start.held)
+    objective = Objective(response, targets, _SIDES[sheet], size, free_scale, free_shift, start.normals, rim)
+    model = start.model.damped(CONTINUED) if start.model is not None and start.model.suits(objective) else None
+    first = objective.vector(rim, start.scale, start.shift)
+    status, model = _minimise(objective, first, gain, max_evaluations, progress, model)
+    return _finished(solver, objective, status, sheet, model)
 
 
-def _minimise(objective: Objective, x: Array, gain: float, limit: int, progress: Progress | None) -> FitStatus:
-    """Runs of L-BFGS, each with a model of its own, until one gains little."""
-    value = np.inf
-    while len(objective.history) < limit:
+def _minimise(
+    objective: Objective,
+    x: Array,
+    gain: float,
+    limit: int,
+    progress: Progress | None,
+    model: GaussNewtonModel | None,
+) -> tuple[FitStatus, GaussNewtonModel]:
+    """Runs of L-BFGS, each with a model of its own, until one gains little; and the last model.
+
+    model: of the first run, from an earlier search, or None.
+    """
+    value, damping = np.inf, FAR
+    while True:
         before, steps = value, min(_RUN, limit - len(objective.history))
-        x, value, goes_on = _run(objective, x, gain, steps, progress)
+        here = objective(x)
+        model = model or GaussNewtonModel(objective, x, damping)
+        x, value, goes_on = _run(objective, model, x, here, gain, steps, progress)
         if not goes_on:
-            return FitStatus.CANCELLED
+            return FitStatus.CANCELLED, model
         if before - value < _RUN_GAIN * gain * (value + _ENOUGH):
-            return FitStatus.CONVERGED
-    return FitStatus.EVALUATION_LIMIT
+            return FitStatus.CONVERGED, model
+        if len(objective.history) >= limit:
+            return FitStatus.EVALUATION_LIMIT, model
+        model, damping = None, NEAR
 
 
 def _run(
-    objective: Objective, x: Array, gain: float, limit: int, progress: Progress | None
+    objective: Objective,
+    model: GaussNewtonModel,
+    x: Array,
+    first: tuple[float, Array],
+    gain: float,
+    limit: int,
+    progress: Progress | None,
 ) -> tuple[Array, float, bool]:
-    """L-BFGS from x for up to `limit` evaluations; the vector reached, its value, and False where cancelled."""
-    here, slope = objective(x)
-    model = GaussNewtonModel(objective, x)
+    """L-BFGS from x, with the value and gradient `first`, for up to `limit` evaluations.
+
+    The vector reached, its value, and False where cancelled.
+    """
+    here, slope = first
     # in these units the first step of L-BFGS is the one that the model proposes
     unit = max(float(np.linalg.norm(model.back(slope))), 1e-150)
     goes_on = True
@@ -238,16 +272,21 @@ def _run(
     return x + unit * model.forth(reached.x), float(reached.fun) * unit**2 - _ENOUGH, goes_on
 
 
-def _finished(solver: CmcSolver, objective: Objective, status: FitStatus, sheet: str) -> Fit:
+def _finished(
+    solver: CmcSolver, objective: Objective, status: FitStatus, sheet: str, model: GaussNewtonModel
+) -> Fit:
     best = objective.best
     if best is None:
         raise CmcError("The fit was cancelled before it began.")
     conditions = objective.extension.given(best.rim)
     surface = solver.solve(conditions, initial=best.state.N, mean_curvature=0.5 / best.scale)
-    if not (surface.is_open or conditions.mirrors.size):
-        # the fitted conjugate; at the rim it differs from the solver's own at second order, and along mirrors only the
-        # solver's own lies in their planes
+    if not surface.is_open:
+        # the fitted conjugate; at the rim it differs from the solver's own at second order, which alone lies in the
+        # planes of mirrors
         g, N = best.scale * best.state.g, best.scale * surface.normals
+        planes = VertexPlanes.of(surface.domain, surface.harmonic.admissible.sides.planes)
+        offsets = dot(surface.g[planes.vertices[planes.places]], planes.normals)[:, 0]
+        g[planes.vertices] = planes.nearest(g[planes.vertices], offsets)
         surface = replace(surface, g=g, f_plus=g + N, f_minus=g - N)
     distances: dict[str, float] = {}
     for target in objective.targets:  # the farthest of those with one label, such as anchors of different weights
@@ -261,5 +300,7 @@ def _finished(solver: CmcSolver, objective: Objective, status: FitStatus, sheet:
         status=status,
         history=objective.history,
         sheet=sheet,
+        solver=solver,
         response=objective.response,
+        model=model,
     )

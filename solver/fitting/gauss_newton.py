@@ -8,6 +8,8 @@ the steps.
 
 from __future__ import annotations
 
+from copy import copy
+
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
@@ -20,27 +22,43 @@ from .target import Curvature
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
-# Curvature added in all directions, as a part of the mean; it limits steps along the flattest ones.
-_DAMPING = 1e-2
+# Curvature added in all directions, as a part of the mean, which limits steps along the flattest ones: at first, once a
+# search is near its end, and where it continues another one, whose surface it should stay near.
+FAR, NEAR, CONTINUED = 1e-2, 1e-3, 1.0
 
 
 class GaussNewtonModel:
     """T at x (m,): `forth(y)` is T y, `back(gradient)` is Tᵀ gradient.
 
     H is known on the knots of the boundary: with an orthonormal basis Q of their hat functions and H = C Cᵀ,
-    T = Q C⁻ᵀ Qᵀ there, and a mean on the rest.
+    T = Q C⁻ᵀ Qᵀ there, and a mean on the rest. damping: of H, see `FAR`.
     """
 
-    def __init__(self, objective: Objective, x: Array) -> None:
+    def __init__(self, objective: Objective, x: Array, damping: float = FAR) -> None:
+        self._free = objective.response, objective.free_scale, objective.free_shift
         placed = objective.place(x) if objective.best is None else objective.best
         hats = objective.response.hats.toarray()
         self._basis, triangle = np.linalg.qr(objective.roots * hats)
-        N = placed.rim[_middles(hats)]
+        N = placed.rim[objective.response.free[_middles(hats)]]
         H = _in_basis(_hessian(objective, x, placed, hats, N), triangle)
         mean = np.trace(H) / len(H)
         lengths = _in_basis(_lengths(objective, hats, N), triangle)
         self._spread = 1.0 / np.sqrt(mean)
-        self._cholesky = cholesky(H + mean * lengths + _held(objective, mean, len(H)), lower=True)
+        self._mean, self._model = mean, H + mean * lengths + _held(objective, mean, len(H))
+        self._cholesky = self._factor(damping)
+
+    def damped(self, damping: float) -> GaussNewtonModel:
+        """The same model with another damping."""
+        other = copy(self)
+        other._cholesky = self._factor(damping)
+        return other
+
+    def _factor(self, damping: float) -> Array:
+        return cholesky(self._model + damping * self._mean * np.eye(len(self._model)), lower=True)
+
+    def suits(self, objective: Objective) -> bool:
+        """Whether it is of the same unknowns."""
+        return self._free == (objective.response, objective.free_scale, objective.free_shift)
 
     def forth(self, y: Array) -> Array:
         low = self._onto(y)
@@ -122,8 +140,8 @@ def _lengths(objective: Objective, hats: Array, N: Array) -> Array:
 
 
 def _held(objective: Objective, mean: float, size: int) -> Array:
-    """Damping, which keeps the model positive definite, and holds on the scale and the shift where they are fixed."""
-    held = np.full(size, _DAMPING * mean)
-    held[-4] += mean * (not objective.free_scale)
-    held[-3:] += mean * (not objective.free_shift)
+    """Holds on the scale and the shift where they are fixed."""
+    held = np.zeros(size)
+    held[-4] = mean * (not objective.free_scale)
+    held[-3:] = mean * (not objective.free_shift)
     return np.diag(held)

@@ -8,19 +8,26 @@ from dataclasses import KW_ONLY, dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..domain.domain import Domain
+from ..domain.shape import DomainLike, as_domain
 from ..errors import ConditionError, Progress, check_choice
-from ..limits import COUNT, EXTREME, NUMBERS, POSITIVE, check_number
+from ..gauss.boundary_data import Conditions, check_conditions
+from ..gauss.frames import boundary_edges
+from ..limits import COUNT, EXTREME, NUMBERS, POSITIVE, Range, check_number
 from ..linalg import as_numbers
 from ..notes import Sentence
 from ..signatures import check_fields
+from ..spanning.boundary import checked_lean
 from ..spanning.lines import boundary_lines
 from ..surface.cmc_surface import SHEETS
 from ..surface.solve import CmcSolver
 from .curves import Curve
 from .fit import Fit
-from .target import Target
+from .side_residuals import SideResidual, side_residuals
+from .sides import HELD, LEAN, LINE, MIRROR, Sides, opposite
+from .supports import Supports
+from .target import Shape, Target
 from .targets import Anchors, Closed, Crown, RimOnCurve, SmoothRim, TiltBounds, Volume
+from .wall_targets import ContactAngle, InPlane
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
@@ -35,12 +42,13 @@ _CLOSED = 1e-3
 _TILT_MET = 0.01
 _TILT_WEIGHT = 0.1
 _RISE = 0.5
-# Weight of smooth boundary normals where none is given.
-_SMOOTH = 1e-7
+# Weight of smooth boundary normals where none is given; beside given normals it decides how these blend into lines.
+_SMOOTH, _SMOOTH_BLEND = 1e-7, 1e-8
+# Length of the blend zones by the size, and the weight of the angles at which sides lean over their lines.
+_BLEND, _BLENDS = 0.15, Range(0.0, 1.0)
+_LEAN_WEIGHT = 0.1
 # The way out where the rim stays off its curve.
 _LESS = {"mean_curvature": "smaller mean curvature", "volume": "smaller volume"}
-# Distance of an anchor from the plan at most, by the size.
-_FARTHEST = 100.0
 # Weight of the squared relative error of the height parameter against the squared distance of the rim by the size.
 _HEIGHT_WEIGHT = 0.01
 # Weight of the periods: more than all the rest, since nobody can build a shell that does not close.
@@ -79,7 +87,11 @@ class OutlineOptions:
     anchors: tuple[ArrayLike, ArrayLike, ArrayLike] | None = None
     on_curve: bool = True
     tilt: tuple[float, float] | None = None
-    smooth: float = _SMOOTH
+    smooth: float | None = None
+    held: Conditions | None = None
+    leans: Sequence[tuple[ArrayLike, float]] = ()
+    free: ArrayLike = ()
+    blend: float = _BLEND
     sheet: str = "f+"
     max_evaluations: int = 300
     initial: Fit | None = None
@@ -87,7 +99,11 @@ class OutlineOptions:
     progress: Progress | None = None
 
     def __post_init__(self) -> None:
-        check_number(self.smooth, "weight of smooth boundary normals")
+        if self.smooth is not None:
+            check_number(self.smooth, "weight of smooth boundary normals")
+        if self.held is not None:
+            check_conditions(self.held)
+        check_number(self.blend, "length of blend zones, as a part of the size,", _BLENDS)
         check_number(self.max_evaluations, "largest number of evaluations", COUNT)
         check_choice(self.sheet, SHEETS, "sheet")
         if self.tilt is not None:
@@ -106,8 +122,10 @@ class OutlineOptions:
 
     @property
     def may_be_spanned(self) -> bool:
-        """Whether the span is the surface if it keeps the bounds on its tilt."""
-        return self.on_curve and self.anchors is None and self.smooth == _SMOOTH
+        """Whether the span is the surface if it keeps the bounds on its tilt: with no normals given, no edge free."""
+        given = self.held is not None and len(self.held.vertices)
+        plain = self.anchors is None and self.smooth in (None, _SMOOTH) and not np.size(self.free)
+        return self.on_curve and plain and not given
 
     @property
     def height_parameter(self) -> tuple[str, float]:
@@ -119,25 +137,19 @@ class OutlineOptions:
 
 
 @dataclass(frozen=True, eq=False)
-class Supports:
-    """Vertices (k,) of the plan, their places (k, 3) in the shell, and weights (k,)."""
-
-    vertices: Int
-    places: Array
-    weights: Array
-
-
-@dataclass(frozen=True, eq=False)
 class Goals:
     """The options of an outline fit over a plan, ready to become targets; heights are over `base`.
 
-    base: the mean height of the outer curve. loops: vertices along each boundary loop, with its curve. size: of the
-    outer curve's bounding box. height_parameter: in `HEIGHT_PARAMETERS`, a rise as a height; number: the wanted height,
-    volume or H.
+    sides: of the boundary. base: the mean height of the outer curve. curves: of each boundary loop; own: whether it is
+    the loop itself, as drawn (V, 3). size: of the outer curve's bounding box. height_parameter: in `HEIGHT_PARAMETERS`,
+    a rise as a height; number: the wanted height, volume or H.
     """
 
     options: OutlineOptions
-    loops: Sequence[tuple[Int, Curve]]
+    sides: Sides
+    curves: Sequence[Curve]
+    own: Sequence[bool]
+    drawn: Array
     base: float
     size: float
     height_parameter: str
@@ -145,51 +157,118 @@ class Goals:
     supports: Supports | None
 
     @classmethod
-    def of(cls, domain: Domain, points: Array, options: OutlineOptions) -> Goals:
+    def of(cls, domain: DomainLike, points: Array, options: OutlineOptions) -> Goals:
         """Over a plan with these points (V, 3). Raises `ConditionError` on goals that do not fit the plan."""
+        leans = [(boundary_edges(domain, edges), checked_lean(angle)) for edges, angle in options.leans]
+        free, domain = boundary_edges(domain, options.free), as_domain(domain)
+        given = options.held or Conditions()
+        given = opposite(given) if options.sheet == "f-" else given
         if len(domain.boundary_loops) == 0 or domain.genus:
             raise ConditionError("Fitting to an outline needs a plan: a mesh with a boundary and without handles.")
-        lines, outer, _ = boundary_lines(domain, points, options.curve)
+        lines, outer, own = boundary_lines(domain, points, options.curve)
         line = lines[outer]
         base = float(np.sum(Curve(line, closed=True).shares * line[:, 2]))
         extent = np.ptp(line[:, :2], axis=0)
+        size = float(np.linalg.norm(extent))
+        sides = Sides.of(domain, points, given, leans, free, options.blend * size)
+        if options.on_curve and not sides.has(LINE, LEAN):
+            raise ConditionError("No side is left on its line; solve with these conditions, or take one out of them.")
         height_parameter, number = options.height_parameter
         if height_parameter == "rise":
             height_parameter, number = "height", number * 0.5 * float(extent.min())
-        size = float(np.linalg.norm(extent))
         _check_size(height_parameter, float(number), size)
         curves = [Curve(each - [0.0, 0.0, base], closed=True) for each in lines]
         return cls(
             options=options,
-            loops=[(loop.astype(np.int64), curve) for loop, curve in zip(domain.boundary_loops, curves, strict=True)],
+            sides=sides,
+            curves=curves,
+            own=own,
+            drawn=points - [0.0, 0.0, base],
             base=base,
             size=size,
             height_parameter=height_parameter,
             number=float(number),
-            supports=_supports(domain, options.anchors, base, line, size),
+            supports=Supports.of(domain, options.anchors, base, line, size),
         )
 
-    def targets(self, smooth: float, strictness: float) -> list[Target]:
-        """smooth: weight of smooth boundary normals; strictness: a factor of the height parameter's weight."""
+    @property
+    def has_given_normals(self) -> bool:
+        """Whether normals are given along some sides."""
+        return self.sides.has(HELD)
+
+    @property
+    def has_given_sides(self) -> bool:
+        """Whether some sides have given normals or lean over their lines, so that each side has a goal of its own."""
+        return self.options.on_curve and self.sides.has(HELD, LEAN)
+
+    def lines(self, points: Array) -> list[RimOnCurve]:
+        """A target for each side on a line, or over one.
+
+        points: (V, 3) of a surface near the wanted one; its ends of a side tell which piece of a curve the side is on.
+        """
+        found = []
+        for side in self.sides.of_kind(LINE, LEAN):
+            curve, ends = self.curves[side.loop], (self.drawn if self.own[side.loop] else points)[side.vertices]
+            piece = curve if side.closed else curve.between(ends[0], ends[-1])
+            found.append(RimOnCurve(piece, side.vertices, self.options.free_heights or side.kind == LEAN))
+        return found
+
+    def targets(self, strictness: float, points: Array) -> list[Target]:
+        """strictness: a factor of the height parameter's weight; points: see `lines`."""
+        smooth = self.options.smooth
+        if smooth is None:
+            smooth = _SMOOTH_BLEND if self.has_given_normals else _SMOOTH
         targets: list[Target] = [SmoothRim(weight=smooth)]
-        if len(self.loops) > 1:
+        if len(self.curves) > 1:
             targets.append(Closed(weight=_PERIOD_WEIGHT))
         if self.options.on_curve:
-            targets += [RimOnCurve(curve, loop, self.options.free_heights) for loop, curve in self.loops]
+            targets += [*self.lines(points), *self.leans(), *self._mirrors()]
         if self.height_parameter == "height":
             targets.append(Crown(self.number, weight=strictness * _HEIGHT_WEIGHT))
         elif self.height_parameter == "volume":
             targets.append(Volume(self.number, weight=strictness * _HEIGHT_WEIGHT))
         if self.supports is not None:
-            targets += _anchored(self.supports)
+            targets += self.supports.targets()
         if self.options.tilt is not None:
             targets.append(TiltBounds(*self.options.tilt, weight=_TILT_WEIGHT))
         return targets
 
+    def _mirrors(self) -> list[InPlane]:
+        """A target for each mirror at an end of a line: its plane goes through the middle of its drawn points."""
+        ends = self.sides.junctions
+        return [
+            InPlane(side.vertices, self.drawn[side.vertices].mean(axis=0), side.normals[0])
+            for side in self.sides.of_kind(MIRROR)
+            if np.isin(side.vertices, ends).any()
+        ]
+
+    def leans(self) -> list[ContactAngle]:
+        """A target for each side that leans over its line, without its ends."""
+        side = -1.0 if self.options.sheet == "f-" else 1.0
+        return [
+            ContactAngle(
+                each.vertices if each.closed else each.vertices[1:-1],
+                each.normals if each.closed else each.normals[1:-1],
+                each.angle,
+                side,
+                weight=_LEAN_WEIGHT,
+            )
+            for each in self.sides.of_kind(LEAN)
+        ]
+
+    def residuals(self, fit: Fit) -> tuple[SideResidual, ...]:
+        """How far each side of the fitted surface, in its place, is from what was asked of it."""
+        surface = fit.surface
+        if surface.is_open:  # vertices along the cut are there twice
+            return ()
+        N, points = surface.harmonic.normals, fit.points() - [0.0, 0.0, self.base]
+        shape = Shape(surface.domain, surface.domain.boundary_vertices.astype(np.int64), points, N, self.size)
+        return side_residuals(self.sides.all, self.lines(points), self.leans(), shape, self.drawn)
+
     def unmet(self, fit: Fit) -> list[str]:
         """A sentence for each goal that is not met: by how much, and the way out."""
-        sentences = []
-        far = fit.distances
+        sentences = [text for side in fit.sides for text in side.unmet(self.size) if self.has_given_sides]
+        far = {} if self.has_given_sides else {RimOnCurve.label: fit.distances.get(RimOnCurve.label, 0.0)}
         if (off := far.get(RimOnCurve.label, 0.0)) > _MET * self.size:
             less = _LESS.get(self.height_parameter, "flatter shell")
             text = (
@@ -197,6 +276,7 @@ class Goals:
                 f"choose a {less}."
             )
             sentences.append(Sentence(text, off))
+        far = fit.distances
         for label, power in ((Crown.label, 1), (Volume.label, 3)):
             if (miss := far.get(label, 0.0)) > _HEIGHT_MET * self.number:
                 text = f"The {label} is missed by {{}}; no surface with this rim reaches it."
@@ -239,30 +319,3 @@ def _check_size(height_parameter: str, number: float, size: float) -> None:
             f"The {label} {number:.3g} does not go with an outline that measures {size:.3g}; choose one between "
             f"{least:.3g} and {most:.3g}."
         )
-
-
-def _supports(
-    domain: Domain, anchors: tuple[ArrayLike, ArrayLike, ArrayLike] | None, base: float, line: Array, size: float
-) -> Supports | None:
-    if anchors is None:
-        return None
-    numbers = [as_numbers(part, "Vertices, places and weights of anchors", ConditionError) for part in anchors]
-    if len(numbers) != 3:
-        raise ConditionError("Anchors are vertices (k,), places (k, 3) and weights (k,).")
-    vertices, places, weights = numbers
-    if vertices.ndim != 1 or places.shape != (len(vertices), 3) or weights.shape != vertices.shape:
-        raise ConditionError("Anchors are vertices (k,), places (k, 3) and weights (k,).")
-    bad = vertices[~np.isin(vertices, np.arange(domain.vertex_count))]
-    if bad.size:
-        raise ConditionError(f"There is no vertex {bad[0]:g} to anchor.", vertices=bad)
-    if not (np.isfinite(places).all() and np.isfinite(weights).all() and (weights > 0.0).all()):
-        raise ConditionError("Places of anchors must be finite, and their weights positive.")
-    if np.linalg.norm(places - line.mean(axis=0), axis=1).max(initial=0.0) > _FARTHEST * size:
-        raise ConditionError(f"An anchor lies {_FARTHEST:g} times the plan's size away from it; move it nearer.")
-    return Supports(vertices.astype(np.int64), places.astype(np.float64) - [0.0, 0.0, base], weights.astype(np.float64))
-
-
-def _anchored(supports: Supports) -> list[Target]:
-    """One target for each weight."""
-    groups = [(weight, supports.weights == weight) for weight in np.unique(supports.weights)]
-    return [Anchors(supports.vertices[of], supports.places[of], weight=float(weight)) for weight, of in groups]

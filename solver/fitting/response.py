@@ -28,29 +28,46 @@ KNOTS = 160
 
 
 class Response:
-    """The knots along a domain's fixed boundary vertices, and how points move when the normals there turn."""
+    """The knots along a domain's free boundary vertices, and how points move when the normals there turn.
 
-    def __init__(self, extension: AdjointSolver) -> None:
+    held: sorted vertices whose normals are given and stay; free (n,): places of the others in `extension.fixed`.
+    """
+
+    def __init__(self, extension: AdjointSolver, held: Int | None = None) -> None:
         self.extension = extension
+        self.held = np.zeros(0, dtype=np.int64) if held is None else held
+        self.free = np.flatnonzero(~np.isin(extension.fixed, self.held))
         self._green: dict[bytes, Array] = {}
 
-    def __reduce__(self) -> tuple[type[Response], tuple[AdjointSolver]]:
+    def __reduce__(self) -> tuple[type[Response], tuple[AdjointSolver, Int]]:
         """Copies and pickles leave the matrices out; they are computed again on use."""
-        return Response, (self.extension,)
+        return Response, (self.extension, self.held)
 
-    def belongs(self, solver: HarmonicSolver, fixed: Int) -> bool:
-        """Whether it belongs to this solver with these vertices fixed."""
-        return self.extension.solver is solver and np.array_equal(self.extension.fixed, fixed)
+    def belongs(self, solver: HarmonicSolver, fixed: Int, held: Int) -> bool:
+        """Whether it belongs to this solver with these vertices fixed, and with the normals of these held."""
+        same = np.array_equal(self.extension.fixed, fixed) and np.array_equal(self.held, held)
+        return same and self.extension.solver is solver
+
+    @property
+    def vertices(self) -> Int:
+        """(n,) the vertices whose normals are free."""
+        return self.extension.fixed[self.free]
 
     @cached_property
     def hats(self) -> sp.csr_array:
-        """(n, m) the hat functions of m knots at the n fixed vertices; every row adds up to one."""
-        return hats(self.extension.domain, self.extension.fixed, KNOTS)
+        """(n, m) the hat functions of m knots at the n free vertices; every row adds up to one."""
+        return hats(self.extension.domain, self.vertices, KNOTS)
 
     @cached_property
     def spread(self) -> Array:
         """E (V, m): the harmonic extensions of the hat functions."""
-        return self.extension.spread(self.hats.toarray())
+        return self.spread_of(self.hats.toarray())
+
+    def spread_of(self, values: Array) -> Array:
+        """The harmonic extension (V, k) of values (n, k) at the free vertices, zero at the held ones."""
+        at_fixed = np.zeros((len(self.extension.fixed), values.shape[1]))
+        at_fixed[self.free] = values
+        return self.extension.spread(at_fixed)
 
     def green(self, points: Int) -> Array:
         """Gᵀ (V, k), the transpose of load ↦ g at some vertices (k,)."""
@@ -86,9 +103,11 @@ class Response:
 
 
 def hats(domain: Domain, vertices: Int, limit: int) -> sp.csr_array:
-    """(n, m) piecewise linear functions along the boundary loops at `vertices` (n,), sorted, with m <= limit knots.
+    """(n, m) piecewise linear functions along the boundary loops at `vertices` (n,), sorted, with about m <= limit
+    knots.
 
-    Knots are evenly spaced among the vertices of each loop, at least three; a gap between vertices counts as an edge.
+    Knots are evenly spaced among the vertices of each run, at least three if it has so many: around a whole loop, or
+    along a piece of one, with a knot at either end.
     """
     step = max(1, -(-len(vertices) // limit))
     place = np.full(domain.vertex_count, -1)
@@ -96,19 +115,30 @@ def hats(domain: Domain, vertices: Int, limit: int) -> sp.csr_array:
     blocks, order = [], []
     for loop in domain.boundary_loops:
         rows = place[loop]
-        rows = rows[rows >= 0]
-        if len(rows):
-            order.append(rows)
-            blocks.append(_ring(len(rows), max(min(3, len(rows)), len(rows) // step)))
+        for run in runs(rows >= 0):
+            knots = max(min(3, len(run)), len(run) // step)
+            order.append(rows[run])
+            blocks.append(_hats(len(run), knots, closed=len(run) == len(loop)))
     functions = sp.block_diag(blocks, format="csr")
     back = np.empty(len(vertices), dtype=np.int64)
     back[np.concatenate(order)] = np.arange(len(vertices))
     return sp.csr_array(functions)[back]
 
 
-def _ring(count: int, knots: int) -> sp.csr_array:
-    """(count, knots) hat functions on a ring of nodes."""
-    at = np.arange(count) * (knots / count)
+def runs(marked: NDArray[np.bool_]) -> list[Int]:
+    """The places of each run of marked nodes of a ring, in order; the whole ring is one run."""
+    count = len(marked)
+    starts = np.flatnonzero(marked & ~np.roll(marked, 1))
+    if not len(starts):
+        return [np.arange(count)] if marked.all() and count else []
+    ends = np.flatnonzero(marked & ~np.roll(marked, -1))
+    ends = np.roll(ends, -int(np.searchsorted(ends, starts[0])))
+    return [(start + np.arange((end - start) % count + 1)) % count for start, end in zip(starts, ends, strict=True)]
+
+
+def _hats(count: int, knots: int, closed: bool) -> sp.csr_array:
+    """(count, knots) hat functions on a ring of nodes, or on a row of them with a knot at either end."""
+    at = np.arange(count) * ((knots if closed else knots - 1) / max(count if closed else count - 1, 1))
     first = np.minimum(at.astype(np.int64), knots - 1)
     along = at - first
     rows = np.tile(np.arange(count), 2)

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import Status
-from ..gauss.boundary_data import Conditions
 from ..spanning.span import Span
 from ..spanning.verdict import SpanStatus
 from ..surface.cmc_surface import CmcSurface
 from .fit import Fit, FitStatus, Start
+from .sides import Sides, opposite
 from .target import Shape, Target
 
 Array = NDArray[np.float64]
@@ -32,7 +32,7 @@ def spanned_fit(
     surface, shift, sign = _seated(span)
     conditions = span.conditions
     if sheet == "f-":
-        surface, conditions = _turned(surface), _opposite(conditions)
+        surface, conditions = _turned(surface), opposite(conditions)
     points, rim = span.points - [0.0, 0.0, base], span.domain.boundary_vertices.astype(np.int64)
     shape = Shape(span.domain, rim, points, span.normals, size)
     return Fit(
@@ -50,16 +50,17 @@ def spanned_fit(
     )
 
 
-def start_from(span: Span, *, sheet: str, least: float, base: float = 0.0) -> Start:
-    """The start of a search at the span, with heights over `base`.
+def start_from(span: Span, sides: Sides, *, sheet: str, least: float, base: float = 0.0) -> Start:
+    """The start of a search at the span, with heights over `base`, and with the normals that `sides` give.
 
     least: the mean curvature of the flattest start, since f± = (g ± N) / 2H.
     """
     side = -1.0 if sheet == "f-" else 1.0
     scale = 0.5 / max(span.mean_curvature, least)
     g = (span.points - scale * span.normals)[span.domain.boundary_vertices]
-    conditions = _opposite(span.conditions) if sheet == "f-" else span.conditions
-    return Start(conditions, scale, g.mean(axis=0) - [0.0, 0.0, base], side * span.normals)
+    N = side * span.normals
+    shift = g.mean(axis=0) - [0.0, 0.0, base]
+    return Start(sides.conditions(N), scale, shift, N, held=sides.held)
 
 
 def _seated(span: Span) -> tuple[CmcSurface, Array, float]:
@@ -90,8 +91,3 @@ def _turned(surface: CmcSurface) -> CmcSurface:
     return replace(
         surface, harmonic=harmonic, f_plus=surface.f_minus, f_minus=surface.f_plus, normals=-surface.normals
     )
-
-
-def _opposite(conditions: Conditions) -> Conditions:
-    """The conditions of a span, whose normals are all at vertices, for the opposite map."""
-    return replace(conditions, vertex_normals=-conditions.vertex_normals, up=-conditions.up)

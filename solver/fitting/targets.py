@@ -42,7 +42,7 @@ class GaussMap(Target):
         return Partials.of(shape, value, by_normals=shares[:, None] * miss)
 
     def curvature(self, shape: Shape) -> Curvature:
-        return Curvature(stiffness=_diagonal(shape.domain.vertex_areas / shape.domain.area))
+        return Curvature(stiffness=diagonal(shape.domain.vertex_areas / shape.domain.area))
 
     def distance(self, shape: Shape) -> float:
         """Root mean square of |N - N_φ|."""
@@ -86,7 +86,7 @@ class MinimalChange(Target):
     def curvature(self, shape: Shape) -> Curvature:
         at_rim = np.zeros(len(shape.normals))
         at_rim[shape.rim] = 1.0 / len(shape.rim)
-        return Curvature(stiffness=_diagonal(at_rim))
+        return Curvature(stiffness=diagonal(at_rim))
 
     def distance(self, shape: Shape) -> float:
         return _root_of_twice(self.partials(shape).value)
@@ -99,7 +99,8 @@ class RimOnCurve(Target):
     From every rim vertex, weighted by the plan's rim, to its closest point on the curve, so that the rim may slide
     along it. The way back keeps the rim from gathering on a part of the curve. With `free_heights` distances are
     horizontal.
-    vertices: (n,) along the rim, in order, closed.
+    vertices: (n,) along the rim, in order, closed as the curve is; of a piece of the rim the first and the last lie at
+    the ends of an open curve, and its way back counts by its part of the rim.
     """
 
     curve: Curve
@@ -109,26 +110,29 @@ class RimOnCurve(Target):
 
     def partials(self, shape: Shape) -> Partials:
         by_points = np.zeros_like(shape.points)
-        points = shape.points[self.vertices]
-        there = self._flat(points - self._curve.closest(self._seen(points)).points)
+        points = self._seen(shape.points[self.vertices])
+        there = points - self._nearest(points)
         weights = boundary_shares(shape.domain)[self.vertices]
         value = float(np.sum(weights * dot(there, there)[:, 0]))
         np.add.at(by_points, self.vertices, weights[:, None] * there)
-        back = Curve(self._seen(points), closed=True).closest(self._curve.samples)
-        miss = self._flat(self._curve.samples - back.points)
-        value += float(np.mean(dot(miss, miss)))
-        pull = miss / len(miss)
+        back = Curve(points, self._curve.closed).closest(self._curve.samples)
+        miss = self._curve.samples - back.points
+        part = 1.0 if self._curve.closed else float(weights.sum())
+        value += part * float(np.mean(dot(miss, miss)))
+        pull = part * miss / len(miss)
         np.subtract.at(by_points, self.vertices[back.start], (1.0 - back.along)[:, None] * pull)
         np.subtract.at(by_points, self.vertices[back.end], back.along[:, None] * pull)
         scale = 1.0 / shape.size**2
         return Partials.of(shape, 0.5 * scale * value, scale * by_points)
 
     def curvature(self, shape: Shape) -> Curvature:
-        """Along the curve a point moves freely; the way back counts as much as the way there."""
+        """Along the curve a point moves freely, but for the ends; the way back counts as much as the way there."""
         closest = self._curve.closest(self._seen(shape.points[self.vertices]))
         along = self._curve.points[closest.end] - self._curve.points[closest.start]
         along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-300)
-        across = self._flat(np.eye(3)) - along[:, :, None] * along[:, None, :]
+        if not self._curve.closed:
+            along[[0, -1]] = 0.0
+        across = self._seen(np.eye(3)) - along[:, :, None] * along[:, None, :]
         shares = 2.0 * boundary_shares(shape.domain)[self.vertices] / shape.size**2
         return Curvature(self.vertices, shares[:, None, None] * across)
 
@@ -139,15 +143,23 @@ class RimOnCurve(Target):
     def _seen(self, points: Array) -> Array:
         return points * [1.0, 1.0, 0.0] if self.free_heights else points
 
-    def _flat(self, vectors: Array) -> Array:
-        return self._seen(vectors)
+    def _nearest(self, points: Array) -> Array:
+        """(n, 3) the places on the curve for the rim's points."""
+        nearest = self._curve.closest(points).points
+        if not self._curve.closed:
+            nearest[[0, -1]] = self._curve.points[[0, -1]]
+        return nearest
+
+    def distances(self, shape: Shape) -> Array:
+        """(n,) of the rim's vertices from their places on the curve."""
+        points = self._seen(shape.points[self.vertices])
+        return np.linalg.norm(points - self._nearest(points), axis=1)
 
     def distance(self, shape: Shape) -> float:
         """The largest distance of a rim vertex from the curve, and of the curve from the rim."""
         points = self._seen(shape.points[self.vertices])
-        there = points - self._curve.closest(points).points
-        back = self._curve.samples - Curve(points, closed=True).closest(self._curve.samples).points
-        return float(np.sqrt(max(dot(there, there).max(), dot(back, back).max())))
+        back = self._curve.samples - Curve(points, self._curve.closed).closest(self._curve.samples).points
+        return max(float(self.distances(shape).max()), float(np.linalg.norm(back, axis=1).max()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -318,7 +330,7 @@ class TiltBounds(Target):
     def curvature(self, shape: Shape) -> Curvature:
         shares = np.zeros(len(shape.normals))
         shares[shape.rim] = boundary_shares(shape.domain)[shape.rim] * (self._excess(shape) != 0.0)
-        return Curvature(stiffness=_diagonal(shares))
+        return Curvature(stiffness=diagonal(shares))
 
     def distance(self, shape: Shape) -> float:
         """The largest angle of a tilt outside the bounds, radians."""
@@ -338,7 +350,8 @@ def _root_of_twice(value: float) -> float:
     return float(np.sqrt(max(2.0 * value, 0.0)))
 
 
-def _diagonal(values: Array) -> sp.csr_array:
+def diagonal(values: Array) -> sp.csr_array:
+    """The stiffness of values (V,), one for each vertex."""
     return sp.csr_array(sp.diags_array(values))
 
 
