@@ -1,0 +1,1 @@
+"""Nets: curvature lines and panels."""

@@ -1,0 +1,171 @@
+"""A net of panels on a surface, and its measures."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..signatures import checked
+from ..surface import convert
+from .panel_measures import corner_angles, least_width, longest_diagonal, vector_area
+
+Array = NDArray[np.float64]
+Int = NDArray[np.integer]
+
+KINDS = {
+    "principal": "lines of principal curvature: almost flat, almost rectangular panels",
+    "diagonal": "lines half-way between them: normal curvature H along every line",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Net:
+    """Panels between two families of lines, and what is left of them along the rim.
+
+    vertices, normals: (n, 3), N with which H is positive. polygons: the P panels, nodes counter-clockwise seen from N.
+    edges: (m, 2), family: (m,) 0 along the larger principal curvature, 1 along the smaller one, -1 on the rim; of a
+    diagonal net its two families. faces (n,), barycentric (n, 3): where the nodes are on the triangles of the domain.
+    clipped: (P,) panels at the rim. orders: (P,) the sum of the orders of the umbilics inside each panel: an inner one
+    has 4 + 2 orders corners. branched: panels in which this sheet has a branch point.
+    kind, sheet: what was asked for. spacing: the panel side wanted; spacings: (2,) of the lines, in units of w, so that
+    sides are spacing / √(k1 - k2). curvature: (P,) the larger principal curvature k1. deviation: the mean angle between
+    lines and their exact directions, in radians. mean_curvature: H. euler_characteristic: of the surface.
+    """
+
+    vertices: Array
+    normals: Array
+    polygons: list[Int]
+    edges: Int
+    family: Int
+    faces: Int
+    barycentric: Array
+    clipped: NDArray[np.bool_]
+    orders: Int
+    branched: Int
+    kind: str
+    sheet: str
+    spacing: float
+    spacings: Array
+    curvature: Array
+    deviation: float
+    mean_curvature: float
+    euler_characteristic: int
+
+    def __repr__(self) -> str:
+        return f"Net({self.summary})"
+
+    @property
+    def summary(self) -> str:
+        """Counts and sizes in one line."""
+        sides = self.side_lengths
+        low, high = np.quantile(sides, [0.05, 0.95]) if len(sides) else (np.nan, np.nan)
+        umbilics = f", {len(self.umbilics)} with umbilics" if len(self.umbilics) else ""
+        return (
+            f"{len(self.polygons)} panels ({int((~self.clipped).sum())} whole, {int(self.clipped.sum())} clipped{umbilics}), "
+            f"sides {low:.3g} to {high:.3g}"
+        )
+
+    @property
+    def umbilics(self) -> Int:
+        """The panels with an umbilic in them."""
+        return np.flatnonzero(self.orders)
+
+    @property
+    def indices(self) -> Array:
+        """The index of the umbilics in each of these panels, -½ of their order."""
+        return -0.5 * self.orders[self.umbilics]
+
+    @property
+    def inner(self) -> Int:
+        """The panels that do not touch the rim."""
+        return np.flatnonzero(~self.clipped)
+
+    @property
+    def sphere_gap(self) -> float:
+        """How far each whole panel of a principal net departs from the sphere of radius 1 / |H|: w² / 16."""
+        return float(np.prod(self.spacings) / 16.0)
+
+    @cached_property
+    def side_lengths(self) -> Array:
+        """Lengths of the edges that are pieces of lines."""
+        i, j = self.edges[self.family >= 0].T
+        return np.linalg.norm(self.vertices[j] - self.vertices[i], axis=1)
+
+    @cached_property
+    def planarity(self) -> Array:
+        """(P,) the least distance of two parallel planes with the panel's corners between them, in model length."""
+        return self._measured(least_width)
+
+    @cached_property
+    def diagonal(self) -> Array:
+        """(P,) the longest diagonal of each panel."""
+        return self._measured(longest_diagonal)
+
+    @cached_property
+    def area(self) -> Array:
+        """(P,) the area of each panel, seen along its normal."""
+        return np.linalg.norm(self._vector_area, axis=1)
+
+    @cached_property
+    def corner_angles(self) -> list[Array]:
+        """The angles at the corners of each panel, in radians."""
+        found: list[Array] = [np.zeros(0)] * len(self.polygons)
+        for numbers, corners in self._groups():
+            for number, angles in zip(numbers.tolist(), corner_angles(corners), strict=True):
+                found[number] = angles
+        return found
+
+    @cached_property
+    def flipped(self) -> Int:
+        """Panels that face away from the mean of the normals at their corners."""
+        mean = np.array([self.normals[polygon].sum(axis=0) for polygon in self.polygons]).reshape(-1, 3)
+        return np.flatnonzero(np.einsum("pi,pi->p", self._vector_area, mean) <= 0.0)
+
+    @cached_property
+    def torsion(self) -> Array:
+        """Angles between the planes that an inner edge spans with the normals at its two ends, in radians."""
+        i, j = self.edges[self.family >= 0].T
+        e = self.vertices[j] - self.vertices[i]
+        a, b = np.cross(e, self.normals[i]), np.cross(e, self.normals[j])
+        return np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.einsum("ei,ei->e", a, b))
+
+    @cached_property
+    def normal_curvature(self) -> Array:
+        """(m,) of each edge, 2 <e, N_j - N_i> / ... along it: <ΔX, ΔN> / |ΔX|²."""
+        i, j = self.edges.T
+        e, n = self.vertices[j] - self.vertices[i], self.normals[j] - self.normals[i]
+        return np.einsum("ei,ei->e", e, n) / np.einsum("ei,ei->e", e, e)
+
+    @property
+    def counted(self) -> int:
+        """V - E + F, the Euler characteristic of the surface."""
+        return len(self.vertices) - len(self.edges) + len(self.polygons)
+
+    @cached_property
+    def _vector_area(self) -> Array:
+        return self._measured(vector_area, 3)
+
+    def _measured(self, measure: Callable[[Array], Array], width: int = 0) -> Array:
+        found = np.zeros((len(self.polygons), width) if width else len(self.polygons))
+        for numbers, corners in self._groups():
+            found[numbers] = measure(corners)
+        return found
+
+    def _groups(self) -> list[tuple[Int, Array]]:
+        """The panels by their number of corners: their numbers (p,) and corners (p, k, 3)."""
+        sizes = np.array([len(polygon) for polygon in self.polygons])
+        groups = []
+        for size in np.unique(sizes):
+            numbers = np.flatnonzero(sizes == size)
+            groups.append((numbers, self.vertices[np.stack([self.polygons[k] for k in numbers])]))
+        return groups
+
+    @checked
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the panels as OBJ, PLY, STL or GLB, by the suffix; raises `JobError` where that fails."""
+        convert.save_mesh(path, self.vertices, self.polygons, self.normals)

@@ -1,0 +1,82 @@
+"""Clipped panels at the rim that are too small are joined to their neighbours."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+# A clipped panel is joined to a neighbour if its area is below this part of the neighbour's.
+SMALLEST = 0.25
+
+
+def merged(
+    cells: list[list[int]], rim: set[tuple[int, int]], points: Array, kept: set[int]
+) -> tuple[list[list[int]], list[list[int]]]:
+    """Cells as lists of nodes, after joining, and the numbers of the cells that each consists of.
+
+    rim: pairs of nodes along the boundary, the surface on their left. kept: nodes that stay even where the boundary
+    alone runs through them. Smaller cells come first; each joins the neighbour across its longest side.
+    """
+    polygons = {number: list(cell) for number, cell in enumerate(cells)}
+    members = {number: [number] for number in polygons}
+    left = {pair: number for number, cell in polygons.items() for pair in _sides(cell)}
+    rim = set(rim)
+    area = {number: _area(points[cell]) for number, cell in polygons.items()}
+    clipped = sorted({left[pair] for pair in rim if pair in left}, key=lambda number: area[number])
+    for small in clipped:
+        sides = [pair for pair in _sides(polygons[small]) if pair[::-1] in left and left[pair[::-1]] != small]
+        if not sides:
+            continue
+        i, j = max(sides, key=lambda pair: float(np.linalg.norm(points[pair[1]] - points[pair[0]])))
+        big = left[j, i]
+        if area[small] >= SMALLEST * area[big]:
+            continue
+        joined = _joined(polygons[small], polygons[big], (i, j))
+        if joined is None:
+            continue
+        for number in (small, big):
+            for pair in _sides(polygons[number]):
+                left.pop(pair, None)
+        joined = _without_idle(joined, rim, kept)
+        del polygons[small]
+        polygons[big] = joined
+        members[big] += members.pop(small)
+        area[big] += area.pop(small)
+        left.update({pair: big for pair in _sides(joined)})
+    numbers = sorted(polygons)
+    return [polygons[number] for number in numbers], [members[number] for number in numbers]
+
+
+def _sides(cell: list[int]) -> list[tuple[int, int]]:
+    return list(zip(cell, cell[1:] + cell[:1], strict=True))
+
+
+def _area(corners: Array) -> float:
+    centre = corners.mean(axis=0)
+    return 0.5 * float(np.linalg.norm(np.cross(corners - centre, np.roll(corners, -1, axis=0) - centre).sum(axis=0)))
+
+
+def _joined(small: list[int], big: list[int], side: tuple[int, int]) -> list[int] | None:
+    """The two cells without the side (i, j) of the small one between them; None if they share more than that."""
+    i, j = side
+    at, to = small.index(i), big.index(j)
+    around_small = small[at + 1 :] + small[: at + 1]  # from j to i
+    around_big = big[to + 1 :] + big[: to + 1]  # from i to j
+    joined = around_small + around_big[1:-1]
+    return joined if len(set(joined)) == len(joined) else None
+
+
+def _without_idle(cell: list[int], rim: set[tuple[int, int]], kept: set[int]) -> list[int]:
+    """The cell without nodes that only the boundary runs through now; `rim` is shortened with it."""
+    count = 0
+    while count < len(cell):
+        before, node, after = cell[count - 1], cell[count], cell[(count + 1) % len(cell)]
+        if len(cell) > 3 and node not in kept and (before, node) in rim and (node, after) in rim:
+            rim -= {(before, node), (node, after)}
+            rim.add((before, after))
+            cell = cell[:count] + cell[count + 1 :]
+        else:
+            count += 1
+    return cell
