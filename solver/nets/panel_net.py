@@ -165,7 +165,7 @@ def _edges(polygons: list[list[int]], cells: Cells) -> tuple[Int, Int]:
     edges = np.unique(np.sort(ends, axis=1), axis=0)
     count = len(cells.faces)
     keys = np.sort(cells.arcs, axis=1) @ [count, 1]
-    order = np.argsort(keys)
+    order = np.lexsort((cells.family, keys))  # the rim first, where a line joins the same two nodes
     wanted = edges @ [count, 1]
     at = np.minimum(np.searchsorted(keys[order], wanted), len(keys) - 1)
     return edges, np.where(keys[order][at] == wanted, cells.family[order][at], -1)

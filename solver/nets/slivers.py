@@ -21,7 +21,14 @@ def merged(
     """
     polygons = {number: list(cell) for number, cell in enumerate(cells)}
     members = {number: [number] for number in polygons}
-    left = {pair: number for number, cell in polygons.items() for pair in _sides(cell)}
+    thin = {tuple(sorted(cell)): number for number, cell in polygons.items() if len(cell) == 2}
+    left = {pair: number for number, cell in polygons.items() if len(cell) > 2 for pair in _sides(cell)}
+    for ends, number in thin.items():
+        # between the rim and a line that leaves it and comes back at once: the rim takes the place of the line
+        pair = ends if ends in rim else ends[::-1]
+        if pair in left:
+            del polygons[number]
+            members[left[pair]] += members.pop(number)
     rim = set(rim)
     area = {number: _area(points[cell]) for number, cell in polygons.items()}
     clipped = sorted({left[pair] for pair in rim if pair in left}, key=lambda number: area[number])
