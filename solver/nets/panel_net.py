@@ -19,6 +19,7 @@ from .isothermic import Isothermic
 from .net import KINDS, Net
 from .places import normals_at, points_at
 from .quantise import Quantised, quantised
+from .rim_nodes import rim_nodes
 from .sheets import PlacedSurface, Sheet, gradients, shape_gradients, sheet_of
 from .sides import corner_vertices, line_sides
 from .slivers import merged
@@ -31,6 +32,8 @@ Int = NDArray[np.integer]
 _COUNT = Range(1, 1_000_000, whole=True)
 # No net has more lines across than vertices of the mesh would carry: crossings are at most this many a triangle.
 _MOST_A_FACE = 40
+# The rim of the panels is within this part of the spacing from the rim of the surface.
+_NEAR = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +78,9 @@ def panel_net(
     """
     field = line_field(surface, spacing, count, kind, sheet)
     lines = field.lines
-    cells = cells_of(field.sheet.domain, lines, corner_vertices(field.hopf))
+    domain, near = field.sheet.domain, _NEAR * field.spacing
+    corners = rim_nodes(domain, field.sheet.points, lines.points, corner_vertices(field.hopf), near)
+    cells = cells_of(domain, lines, corners)
     return _net(field, lines, cells, kind)
 
 
@@ -125,7 +130,8 @@ def _net(field: LineField, lines: Lines, cells: Cells, kind: str) -> Net:
     sheet, hopf = field.sheet, field.hopf
     points = points_at(sheet, cells.faces, cells.barycentric)
     rim = {(int(i), int(j)) for i, j in cells.arcs[cells.family < 0]}
-    polygons, members = merged([cell.tolist() for cell in cells.cells], rim, points, set(cells.corners.tolist()))
+    kept = set(cells.corners.tolist())
+    polygons, members = merged([cell.tolist() for cell in cells.cells], rim, points, kept, _NEAR * field.spacing)
     number = np.full(len(points), -1)
     used = np.unique(np.concatenate(polygons))
     number[used] = np.arange(len(used))

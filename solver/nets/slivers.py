@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from .rim_nodes import distance_to_chord
+
 Array = NDArray[np.float64]
 
 # A clipped panel is joined to a neighbour if its area is below this part of the neighbour's.
@@ -12,12 +14,12 @@ SMALLEST = 0.25
 
 
 def merged(
-    cells: list[list[int]], rim: set[tuple[int, int]], points: Array, kept: set[int]
+    cells: list[list[int]], rim: set[tuple[int, int]], points: Array, kept: set[int], tolerance: float
 ) -> tuple[list[list[int]], list[list[int]]]:
     """Cells as lists of nodes, after joining, and the numbers of the cells that each consists of.
 
     rim: pairs of nodes along the boundary, the surface on their left. kept: nodes that stay even where the boundary
-    alone runs through them. Smaller cells come first; each joins the neighbour across its longest side.
+    alone runs through them; so do those farther than `tolerance` from the line between their neighbours. Smaller cells come first; each joins the neighbour across its longest side.
     """
     polygons = {number: list(cell) for number, cell in enumerate(cells)}
     members = {number: [number] for number in polygons}
@@ -46,7 +48,7 @@ def merged(
         for number in (small, big):
             for pair in _sides(polygons[number]):
                 left.pop(pair, None)
-        joined = _without_idle(joined, rim, kept)
+        joined = _without_idle(joined, rim, points, kept, tolerance)
         del polygons[small]
         polygons[big] = joined
         members[big] += members.pop(small)
@@ -75,12 +77,15 @@ def _joined(small: list[int], big: list[int], side: tuple[int, int]) -> list[int
     return joined if len(set(joined)) == len(joined) else None
 
 
-def _without_idle(cell: list[int], rim: set[tuple[int, int]], kept: set[int]) -> list[int]:
+def _without_idle(
+    cell: list[int], rim: set[tuple[int, int]], points: Array, kept: set[int], tolerance: float
+) -> list[int]:
     """The cell without nodes that only the boundary runs through now; `rim` is shortened with it."""
     count = 0
     while count < len(cell):
         before, node, after = cell[count - 1], cell[count], cell[(count + 1) % len(cell)]
-        if len(cell) > 3 and node not in kept and (before, node) in rim and (node, after) in rim:
+        idle = len(cell) > 3 and node not in kept and (before, node) in rim and (node, after) in rim
+        if idle and distance_to_chord(points[[node]], points[before], points[after])[0] <= tolerance:
             rim -= {(before, node), (node, after)}
             rim.add((before, after))
             cell = cell[:count] + cell[count + 1 :]
