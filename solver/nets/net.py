@@ -17,11 +17,6 @@ from .panel_measures import corner_angles, least_width, longest_diagonal, vector
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
-KINDS = {
-    "principal": "lines of principal curvature: almost flat, almost rectangular panels",
-    "diagonal": "lines half-way between them: normal curvature H along every line",
-}
-
 
 @dataclass(frozen=True, eq=False)
 class Net:
@@ -136,7 +131,7 @@ class Net:
 
     @cached_property
     def normal_curvature(self) -> Array:
-        """(m,) of each edge, 2 <e, N_j - N_i> / ... along it: <ΔX, ΔN> / |ΔX|²."""
+        """(m,) along each edge, <ΔX, ΔN> / |ΔX|²."""
         i, j = self.edges.T
         e, n = self.vertices[j] - self.vertices[i], self.normals[j] - self.normals[i]
         return np.einsum("ei,ei->e", e, n) / np.einsum("ei,ei->e", e, e)
