@@ -76,7 +76,7 @@ def line_field(
     hopf = hopf_differential(on)
     cut = cut_domain(hopf)
     step, side = _steps(on, hopf, spacing, count)
-    isothermic = Isothermic.of(cut, kind == "diagonal")
+    isothermic = Isothermic.of(cut, 0.25 * np.pi if kind == "diagonal" else 0.0)
     sides = line_sides(hopf, cut)
     return LineField(on, hopf, quantised(isothermic, step, sides, exact=not quantise), side)
 

@@ -95,12 +95,25 @@ def hopf_differential(sheet: Sheet) -> HopfDifferential:
 
 
 def measured_differential(sheet: Sheet) -> Complex:
-    """Q (F,) = <f_x, N_x> - <f_y, N_y> - i (<f_x, N_y> + <f_y, N_x>), in the layout of each face."""
-    points, normals = sheet.measured
-    fx, fy = gradients(sheet.domain, points)
-    nx, ny = gradients(sheet.domain, normals)
+    """Q (F,) in the layout of each face, of f+ or f-, whichever jumps less from face to face."""
+    found = [_measured(sheet.domain, *one) for one in sheet.sheets]
+    return min(found, key=lambda Q: _jumps(sheet.domain, Q)) if len(found) > 1 else found[0]
+
+
+def _measured(domain: Domain, points: Array, normals: Array) -> Complex:
+    """Q (F,) = <f_x, N_x> - <f_y, N_y> - i (<f_x, N_y> + <f_y, N_x>)."""
+    fx, fy = gradients(domain, points)
+    nx, ny = gradients(domain, normals)
     real = np.einsum("fi,fi->f", fx, nx) - np.einsum("fi,fi->f", fy, ny)
     return real - 1j * (np.einsum("fi,fi->f", fx, ny) + np.einsum("fi,fi->f", fy, nx))
+
+
+def _jumps(domain: Domain, Q: Complex) -> float:
+    """The sum of the squared jumps of Q dz² across inner edges."""
+    z = layout(domain)
+    square = np.repeat(Q, 3) * (z[:, [2, 0, 1]] - z[:, [1, 2, 0]]).ravel() ** 2
+    left, right = domain.half_edges[domain.interior_edges].T
+    return float((np.abs(square[left] - square[right]) ** 2).sum())
 
 
 def corner_turns(domain: Domain) -> Array:
@@ -162,7 +175,7 @@ def _denoised(domain: Domain, Q: Complex) -> Complex:
 
 def _check_not_round(sheet: Sheet, measured: Complex, q: Complex) -> None:
     """Raise `ConditionError` on a sphere or a plane."""
-    areas, (points, normals) = sheet.domain.face_areas, sheet.measured
+    areas, (points, normals) = sheet.domain.face_areas, sheet.sheets[0]
     kept = np.sqrt(areas @ np.abs(q) ** 2)
     noise = np.sqrt(areas @ np.abs(measured - q) ** 2)
     fx, fy = gradients(sheet.domain, points)

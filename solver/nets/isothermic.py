@@ -27,18 +27,18 @@ Int = NDArray[np.integer]
 class Isothermic:
     """w of a cut domain: unknowns (V + k, 2), real and imaginary part, up to a translation.
 
-    quarter: how often 45° the coordinates are turned; 1 for lines of constant normal curvature H.
+    turn: the angle, in radians, by which the lines are turned against the curvature lines; ¼ π for normal curvature H.
     """
 
     cut: CutDomain
-    quarter: int
+    turn: float
     factor: Factor
     unknowns: Array
 
     @classmethod
-    def of(cls, cut: CutDomain, diagonal: bool = False) -> Isothermic:
-        """Integrate ω, or e^{iπ/4} ω for the lines half-way between the curvature lines."""
-        omega = cut.omega * np.exp(0.25j * np.pi) if diagonal else cut.omega
+    def of(cls, cut: CutDomain, turn: float = 0.0) -> Isothermic:
+        """Integrate e^{i turn} ω."""
+        omega = cut.omega * np.exp(1j * turn)
         domain, corner = cut.domain, cut.faces
         start, end = corner[:, [1, 2, 0]].ravel(), corner[:, [2, 0, 1]].ravel()
         weights = 0.5 * domain.corner_cotans.ravel()
@@ -50,7 +50,7 @@ class Isothermic:
         factor = factorize(A)
         right = (cut.transfer.T @ divergence)[1:]
         unknowns = np.vstack([np.zeros((1, 2)), factor.solve(right)])
-        return cls(cut, int(diagonal), factor, unknowns)
+        return cls(cut, turn, factor, unknowns)
 
     @cached_property
     def values(self) -> Array:
@@ -60,7 +60,7 @@ class Isothermic:
     @cached_property
     def omega(self) -> Complex:
         """ω (F, 3) along the half-edges, turned like the coordinates."""
-        return self.cut.omega * np.exp(0.25j * np.pi * self.quarter)
+        return self.cut.omega * np.exp(1j * self.turn)
 
     def responses(self, conditions: Array) -> Array:
         """A⁻¹ Bᵀ (V + k, m) of conditions B (m, V + k): how x gives way to a force along each."""

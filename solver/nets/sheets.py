@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol, runtime_checkable
 
@@ -34,8 +34,8 @@ class Sheet:
     """Points (V, 3) of f+, f- or g on their domain, and the unit normals N (V, 3) with which H is positive on f±.
 
     domain: conformal to f±; where a surface is cut open, cut open like it. mean_curvature: H of f±, with its sign.
-    normals: those of the sheet, -N on f-. beside: points and normals of the sheet that the Hopf differential is
-    measured on, f+ where it is no point.
+    normals: those of the sheet, -N on f-. pair: points and normals of f+ and f-, as far as they are no points; empty
+    where the sheet stands alone.
     """
 
     domain: Domain
@@ -43,12 +43,12 @@ class Sheet:
     normals: Array
     mean_curvature: float
     name: str = "f+"
-    beside: tuple[Array, Array] | None = None
+    pair: tuple[tuple[Array, Array], ...] = ()
 
     @property
-    def measured(self) -> tuple[Array, Array]:
-        """Points and normals of f+ or f-, on which the Hopf differential is measured; it is the same for both."""
-        return self.beside or (self.points, self.normals)
+    def sheets(self) -> tuple[tuple[Array, Array], ...]:
+        """Points and normals of f+ and f-, which have one Hopf differential."""
+        return self.pair or ((self.points, self.normals),)
 
     @cached_property
     def metric(self) -> Array:
@@ -102,9 +102,8 @@ def sheet_of(given: SurfaceLike | PlacedSurface | Fit | Sheet, name: str) -> She
         raise ConditionError(f"The sheet {name} of this surface is a point and carries no net; choose another one.")
     if not usable:
         raise ConditionError("Both sheets of this surface are points; there is nothing to put a net on.")
-    on = usable[0]
-    domain = _cut_domain(surface)
-    return Sheet(domain, points[name], normals[name], mean_curvature, name, (points[on], normals[on]))
+    pair = tuple((points[one], normals[one]) for one in usable)
+    return Sheet(_cut_domain(surface), points[name], normals[name], mean_curvature, name, pair)
 
 
 def _placed_curvature(surface: CmcSurface, points: dict[str, Array]) -> float:
@@ -134,7 +133,3 @@ def check_no_handles(domain: Domain) -> None:
     if not len(domain.boundary_loops):
         raise MeshError("The surface is closed; nets need a rim: take a part of it.")
 
-
-def on_sheet(sheet: Sheet, points: Array, normals: Array) -> Sheet:
-    """The same domain with other points and normals, which carry the Hopf differential themselves."""
-    return replace(sheet, points=points, normals=normals, beside=None)
