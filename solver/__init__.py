@@ -49,6 +49,7 @@ from .measure import (
 from .nets.lines import Line, curvature_lines
 from .nets.net import Net
 from .nets.panel_net import panel_net
+from .nets.planarise import planarise
 from .shells.form import form
 from .shells.plan import Group, Plan, Settings, read_plan
 from .shells.shell import Shell
@@ -104,6 +105,7 @@ __all__ = [
     "modules",
     "panel_net",
     "periods",
+    "planarise",
     "principal_curvatures",
     "read_plan",
     "report",

@@ -30,6 +30,7 @@ class Net:
     kind, sheet: what was asked for. spacing: the panel side wanted; spacings: (2,) of the lines, in units of w, so that
     sides are spacing / √(k1 - k2). curvature: (P,) the larger principal curvature k1. deviation: the mean angle between
     lines and their exact directions, in radians. mean_curvature: H. euler_characteristic: of the surface.
+    axes, moved, flatness: of nets with flat panels, see `planarise`.
     """
 
     vertices: Array
@@ -50,6 +51,9 @@ class Net:
     deviation: float
     mean_curvature: float
     euler_characteristic: int
+    axes: Array | None = None
+    moved: Array | None = None
+    flatness: float | None = None
 
     def __repr__(self) -> str:
         return f"Net({self.summary})"
@@ -84,6 +88,11 @@ class Net:
     def sphere_gap(self) -> float:
         """How far each whole panel of a principal net departs from the sphere of radius 1 / |H|: w² / 16."""
         return float(np.prod(self.spacings) / 16.0)
+
+    @property
+    def rim(self) -> Int:
+        """The nodes on the rim."""
+        return np.unique(self.edges[self.family < 0])
 
     @cached_property
     def side_lengths(self) -> Array:

@@ -11,6 +11,7 @@ from ..surface.cmc_surface import SurfaceLike
 from .cells import Cells, cells_of
 from .field import LineField, line_field, mean_deviation
 from .net import Net
+from .planarise import planarise
 from .places import normals_at, points_at
 from .rim_nodes import rim_nodes
 from .sheets import PlacedSurface, Sheet, gradients
@@ -33,6 +34,7 @@ def panel_net(
     count: int | None = None,
     kind: str = "principal",
     sheet: str = "f+",
+    planar: bool = False,
 ) -> Net:
     """A net of panels along the curvature lines of a surface of constant mean curvature, or along their diagonals.
 
@@ -42,12 +44,14 @@ def panel_net(
 
     surface: a `CmcSurface`, `Span`, `Fit` or `Shell`. spacing: the wanted side of a panel in model length, its median
     over the net; sides vary as 1 / √(k1 - k2). count: or the number of panels. kind: "principal", or "diagonal": the
-    lines of normal curvature H at 45° to these, at H = 0 the asymptotic lines. sheet: "f+", "f-" or "g".
+    lines of normal curvature H at 45° to these, at H = 0 the asymptotic lines. sheet: "f+", "f-" or "g". planar: make the panels flat, as
+    `planarise` does.
 
     Raises `MeshError` on surfaces with handles and on meshes too coarse; `ConditionError` on spheres and planes, which
     have no curvature lines, and on a spacing too large for the surface.
     """
-    return net_of(line_field(surface, spacing, count, kind, sheet), kind)
+    net = net_of(line_field(surface, spacing, count, kind, sheet), kind)
+    return planarise(net) if planar else net
 
 
 def net_of(field: LineField, kind: str) -> Net:

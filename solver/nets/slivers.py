@@ -53,7 +53,7 @@ def merged(
         polygons[big] = joined
         members[big] += members.pop(small)
         area[big] += area.pop(small)
-        left.update({pair: big for pair in _sides(joined)})
+        left.update(dict.fromkeys(_sides(joined), big))
     numbers = sorted(polygons)
     return [polygons[number] for number in numbers], [members[number] for number in numbers]
 

@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 from solver import ConditionError, Domain, MeshError, shapes, solve_cmc, span_outline
 from solver.gauss import conditions
 from solver.nets.cut import cut_domain
-from solver.nets.hopf import HopfDifferential, hopf_differential, measured_differential
+from solver.nets.hopf import HopfDifferential, hopf_differential
 from solver.nets.isothermic import Isothermic
 from solver.nets.sheets import Sheet, sheet_of
 from tests.solver.exact_surfaces import disc, hemisphere, rates
