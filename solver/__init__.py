@@ -47,6 +47,7 @@ from .measure import (
     vertex_principal_curvatures,
 )
 from .nets.lines import Line, curvature_lines
+from .nets.moulds import moulds
 from .nets.net import Net
 from .nets.panel_net import panel_net
 from .nets.planarise import planarise
@@ -103,6 +104,7 @@ __all__ = [
     "mean_curvature_of",
     "modes_of",
     "modules",
+    "moulds",
     "panel_net",
     "periods",
     "planarise",
