@@ -28,7 +28,8 @@ class Cells:
     faces (n,), barycentric (n, 3): where each node is. corners: the nodes that are corners of the domain. arcs: (m, 2)
     nodes; family: (m,) of the line, -1 on the rim. cells: nodes of each cell,
     counter-clockwise. cell_of_half: (2 m,)
-    the cell on the left of each half-arc, -1 outside. arc_of_point: (P,) for each edge point inside, the arc it is on.
+    the cell on the left of each half-arc, -1 outside. rim_edge: (m,) the boundary edge on which an arc of the rim begins,
+    else -1. arc_of_point: (P,) for each edge point inside, the arc it is on.
     """
 
     faces: Int
@@ -38,6 +39,7 @@ class Cells:
     family: Int
     cells: list[Int]
     cell_of_half: Int
+    rim_edge: Int
     arc_of_point: Int
 
 
@@ -48,7 +50,7 @@ def cells_of(domain: Domain, lines: Lines, corners: Int) -> Cells:
     """
     faces, barycentric, node_of_point, node_of_corner = _nodes(domain, lines, corners)
     along, family, arc_of_point = _line_arcs(lines, node_of_point)
-    rim, empty = _rim_arcs(domain, lines, node_of_point, node_of_corner)
+    rim, rim_edge, empty = _rim_arcs(domain, lines, node_of_point, node_of_corner)
     arcs = np.concatenate([along, rim])
     families = np.concatenate([family, np.full(len(rim), -1)])
     following = _next_halves(arcs, families, lines.from_right, len(faces))
@@ -60,7 +62,8 @@ def cells_of(domain: Domain, lines: Lines, corners: Int) -> Cells:
             "somewhere than a panel; choose a smaller spacing."
         )
     on_corners = node_of_corner[corners]
-    return Cells(faces, barycentric, on_corners, arcs, families, cells, cell_of_half, arc_of_point)
+    edge = np.concatenate([np.full(len(along), -1), rim_edge])
+    return Cells(faces, barycentric, on_corners, arcs, families, cells, cell_of_half, edge, arc_of_point)
 
 
 def _nodes(domain: Domain, lines: Lines, corners: Int) -> tuple[Int, Array, Int, Int]:
@@ -125,10 +128,12 @@ def _line_arcs(lines: Lines, node_of_point: Int) -> tuple[Int, Int, Int]:
     return arcs, family, arc_of_point
 
 
-def _rim_arcs(domain: Domain, lines: Lines, node_of_point: Int, node_of_corner: Int) -> tuple[Int, bool]:
-    """Arcs (m, 2) along the boundary loops, the surface on the left, and whether a loop has no node at all."""
+def _rim_arcs(domain: Domain, lines: Lines, node_of_point: Int, node_of_corner: Int) -> tuple[Int, Int, bool]:
+    """Arcs (m, 2) along the boundary loops, the surface on the left, the edges (m,) on which they begin, and whether a
+    loop has no node at all.
+    """
     points = lines.points
-    arcs, empty = [], False
+    arcs, begins, empty = [], [], False
     first = np.searchsorted(points.edge, np.arange(len(domain.edge_lengths) + 1))
     for vertices, edges in zip(domain.boundary_loops, domain.boundary_loop_edges, strict=True):
         # a boundary edge is directed with the surface on its left, and so are its points
@@ -138,10 +143,12 @@ def _rim_arcs(domain: Domain, lines: Lines, node_of_point: Int, node_of_corner: 
         for j in range(count.max(initial=0)):
             has = count > j
             node[has, 1 + j] = node_of_point[first[edges[has]] + j]
-        around = node.ravel()[node.ravel() >= 0]
+        is_node = node >= 0
+        around = node[is_node]
+        begins.append(np.repeat(edges, node.shape[1]).reshape(node.shape)[is_node])
         empty |= not len(around)
         arcs.append(np.column_stack([around, np.roll(around, -1)]))
-    return np.concatenate(arcs), empty
+    return np.concatenate(arcs), np.concatenate(begins), empty
 
 
 def _next_halves(arcs: Int, family: Int, from_right: NDArray[np.bool_], nodes: int) -> Int:

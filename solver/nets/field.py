@@ -17,7 +17,7 @@ from .hopf import HopfDifferential, hopf_differential
 from .isothermic import Isothermic
 from .quantise import Quantised, quantised
 from .sheets import PlacedSurface, Sheet, shape_gradients, sheet_of
-from .sides import line_sides
+from .sides import LineSide, line_sides
 from .tracing import Lines, traced
 
 Array = NDArray[np.float64]
@@ -37,18 +37,28 @@ _MOST_A_FACE = 40
 class LineField:
     """The coordinates behind a net: a sheet, its Hopf differential, w, and w as whole numbers.
 
-    spacing: the wanted side in model length.
+    sides: that are lines of the net. kind: of net. spacing: the wanted side in model length.
     """
 
     sheet: Sheet
     hopf: HopfDifferential
     coordinates: Quantised
+    sides: list[LineSide]
+    kind: str
     spacing: float
 
     @cached_property
     def lines(self) -> Lines:
         """The lines at whole numbers."""
         return traced(self.coordinates.isothermic.cut, self.coordinates.values)
+
+    @cached_property
+    def on_line(self) -> NDArray[np.bool_]:
+        """(E,) the boundary edges that are on a line of the net."""
+        found = np.zeros(len(self.sheet.domain.edge_lengths), dtype=bool)
+        for side in self.sides:
+            found[side.edges] = True
+        return found
 
     def half_difference(self, faces: Int, barycentric: Array) -> Array:
         """½ (k1 - k2) (n,) = ½ |Q| / e^{2u} at places (n, 3) on faces (n,)."""
@@ -63,8 +73,9 @@ def line_field(
     kind: str,
     sheet: str,
     quantise: bool = True,
+    known: Int | None = None,
 ) -> LineField:
-    """Checked arguments, and the coordinates of a net; see `panel_net`."""
+    """Checked arguments, and the coordinates of a net; see `panel_net`. known: as in `line_sides`."""
     check_choice(kind, KINDS, "kind of net")
     if (spacing is None) == (count is None):
         raise ConditionError("Give either the spacing of a net or the count of its panels.")
@@ -77,8 +88,8 @@ def line_field(
     cut = cut_domain(hopf)
     step, side = _steps(on, hopf, spacing, count)
     isothermic = Isothermic.of(cut, 0.25 * np.pi if kind == "diagonal" else 0.0)
-    sides = line_sides(hopf, cut)
-    return LineField(on, hopf, quantised(isothermic, step, sides, exact=not quantise), side)
+    sides = [] if kind == "diagonal" else line_sides(hopf, cut, known)
+    return LineField(on, hopf, quantised(isothermic, step, sides, exact=not quantise), sides, kind, side)
 
 
 def _steps(sheet: Sheet, hopf: HopfDifferential, spacing: float | None, count: int | None) -> tuple[float, float]:

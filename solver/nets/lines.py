@@ -70,15 +70,15 @@ def curvature_lines(
     """
     field = line_field(surface, spacing, count, kind, sheet, quantise=quantised)
     if quantised:
-        return lines_of(field, field.lines, kind)
+        return lines_of(field, field.lines)
     families, closed, faces, places = followed(field)
     return [
-        line_at(field, kind, family, is_closed, f, b)
+        line_at(field, family, is_closed, f, b)
         for family, is_closed, f, b in zip(families, closed, faces, places, strict=True)
     ]
 
 
-def lines_of(field: LineField, lines: Lines, kind: str) -> list[Line]:
+def lines_of(field: LineField, lines: Lines) -> list[Line]:
     """Polylines through the ends of the chords of traced lines."""
     chords = lines.chords
     order = np.lexsort((chords.position, chords.line))
@@ -89,14 +89,14 @@ def lines_of(field: LineField, lines: Lines, kind: str) -> list[Line]:
         if not lines.closed[number]:
             faces = np.append(faces, faces[-1])
             places = np.vstack([places, chords.barycentric[mine[-1], 1]])
-        found.append(line_at(field, kind, int(lines.family[number]), bool(lines.closed[number]), faces, places))
+        found.append(line_at(field, int(lines.family[number]), bool(lines.closed[number]), faces, places))
     return sorted(found, key=lambda line: line.family)
 
 
-def line_at(field: LineField, kind: str, family: int, closed: bool, faces: Int, places: Array) -> Line:
+def line_at(field: LineField, family: int, closed: bool, faces: Int, places: Array) -> Line:
     """The line through barycentric places (k, 3) on faces (k,)."""
     H = np.full(len(faces), field.sheet.mean_curvature)
     half = field.half_difference(faces, places)
-    curvature = H if kind == "diagonal" else H + half if family == 0 else H - half
+    curvature = H if field.kind == "diagonal" else H + half if family == 0 else H - half
     sheet = field.sheet
     return Line(points_at(sheet, faces, places), normalize(normals_at(sheet, faces, places)), family, closed, curvature)

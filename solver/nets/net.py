@@ -24,8 +24,10 @@ class Net:
 
     vertices, normals: (n, 3), N with which H is positive. polygons: the P panels, nodes counter-clockwise seen from N.
     edges: (m, 2), family: (m,) 0 along the larger principal curvature, 1 along the smaller one, -1 on the rim; of a
-    diagonal net its two families. faces (n,), barycentric (n, 3): where the nodes are on the triangles of the domain.
-    clipped: (P,) panels at the rim. orders: (P,) the sum of the orders of the umbilics inside each panel: an inner one
+    diagonal net its two families. rim_edges: (m,) the boundary edge of the domain on which an edge of the rim begins, -1
+    inside, and where ends of lines were dropped. faces (n,), barycentric (n, 3): where the nodes are on the triangles of the domain.
+    clipped: (P,) panels cut by the rim, where it is no line of the
+    net. orders: (P,) the sum of the orders of the umbilics inside each panel: an inner one
     has 4 + 2 orders corners. branched: panels in which this sheet has a branch point.
     kind, sheet: what was asked for. spacing: the panel side wanted; spacings: (2,) of the lines, in units of w, so that
     sides are spacing / √(k1 - k2). curvature: (P,) the larger principal curvature k1. deviation: the mean angle between
@@ -38,6 +40,7 @@ class Net:
     polygons: list[Int]
     edges: Int
     family: Int
+    rim_edges: Int
     faces: Int
     barycentric: Array
     clipped: NDArray[np.bool_]
@@ -81,7 +84,7 @@ class Net:
 
     @property
     def inner(self) -> Int:
-        """The panels that do not touch the rim."""
+        """The whole panels: those that the rim does not cut."""
         return np.flatnonzero(~self.clipped)
 
     @property
@@ -126,7 +129,7 @@ class Net:
 
     @cached_property
     def flipped(self) -> Int:
-        """Panels that face away from the mean of the normals at their corners."""
+        """Panels that face away from the mean of the normals at their corners; g does so where f± are saddles."""
         mean = np.array([self.normals[polygon].sum(axis=0) for polygon in self.polygons]).reshape(-1, 3)
         return np.flatnonzero(np.einsum("pi,pi->p", self._vector_area, mean) <= 0.0)
 

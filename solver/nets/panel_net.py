@@ -50,35 +50,37 @@ def panel_net(
     Raises `MeshError` on surfaces with handles and on meshes too coarse; `ConditionError` on spheres and planes, which
     have no curvature lines, and on a spacing too large for the surface.
     """
-    net = net_of(line_field(surface, spacing, count, kind, sheet), kind)
+    net = net_of(line_field(surface, spacing, count, kind, sheet))
     return planarise(net) if planar else net
 
 
-def net_of(field: LineField, kind: str) -> Net:
+def net_of(field: LineField) -> Net:
     """The net of the lines at whole numbers of a field."""
     lines = field.lines
     domain, near = field.sheet.domain, _NEAR * field.spacing
-    corners = rim_nodes(domain, field.sheet.points, lines.points, corner_vertices(field.hopf), near)
+    bends = corner_vertices(field.hopf)
+    corners = rim_nodes(domain, field.sheet.points, lines.points, bends, field.on_line, near)
     cells = cells_of(domain, lines, corners)
-    return _assembled(field, cells, kind)
+    return _assembled(field, cells)
 
 
-def _assembled(field: LineField, cells: Cells, kind: str) -> Net:
+def _assembled(field: LineField, cells: Cells) -> Net:
     sheet = field.sheet
     points = points_at(sheet, cells.faces, cells.barycentric)
-    rim = {(int(i), int(j)) for i, j in cells.arcs[cells.family < 0]}
+    is_open = (cells.family < 0) & ~field.on_line[cells.rim_edge]
+    rim = {(int(i), int(j)) for i, j in cells.arcs[is_open]}
     kept = set(cells.corners.tolist())
     polygons, members = merged([cell.tolist() for cell in cells.cells], rim, points, kept, _NEAR * field.spacing)
     number = np.full(len(points), -1)
     used = np.unique(np.concatenate(polygons))
     number[used] = np.arange(len(used))
-    edges, family = _edges(polygons, cells)
+    edges, family, rim_edges = _edges(polygons, cells)
     panel_of_cell = np.empty(len(cells.cells), dtype=np.int64)
     for panel, parts in enumerate(members):
         panel_of_cell[parts] = panel
     orders, branched = _umbilics(field, cells, panel_of_cell, len(polygons))
     clipped = np.zeros(len(polygons), dtype=bool)
-    clipped[panel_of_cell[np.unique(cells.cell_of_half[2 * np.flatnonzero(cells.family < 0)])]] = True
+    clipped[panel_of_cell[np.unique(cells.cell_of_half[2 * np.flatnonzero(is_open)])]] = True
     k1 = field.sheet.mean_curvature + field.half_difference(cells.faces, cells.barycentric)
     return Net(
         vertices=points[used],
@@ -86,12 +88,13 @@ def _assembled(field: LineField, cells: Cells, kind: str) -> Net:
         polygons=[number[polygon] for polygon in polygons],
         edges=number[edges],
         family=family,
+        rim_edges=rim_edges,
         faces=cells.faces[used],
         barycentric=cells.barycentric[used],
         clipped=clipped,
         orders=orders,
         branched=branched,
-        kind=kind,
+        kind=field.kind,
         sheet=sheet.name,
         spacing=field.spacing,
         spacings=field.coordinates.spacings,
@@ -102,8 +105,8 @@ def _assembled(field: LineField, cells: Cells, kind: str) -> Net:
     )
 
 
-def _edges(polygons: list[list[int]], cells: Cells) -> tuple[Int, Int]:
-    """The edges (m, 2) of the panels and their families (m,), -1 on the rim."""
+def _edges(polygons: list[list[int]], cells: Cells) -> tuple[Int, Int, Int]:
+    """The edges (m, 2) of the panels, their families (m,), -1 on the rim, and the boundary edges where they begin."""
     ends = np.concatenate([np.column_stack([p, np.roll(p, -1)]) for p in polygons])
     edges = np.unique(np.sort(ends, axis=1), axis=0)
     count = len(cells.faces)
@@ -111,7 +114,8 @@ def _edges(polygons: list[list[int]], cells: Cells) -> tuple[Int, Int]:
     order = np.lexsort((cells.family, keys))  # the rim first, where a line joins the same two nodes
     wanted = edges @ [count, 1]
     at = np.minimum(np.searchsorted(keys[order], wanted), len(keys) - 1)
-    return edges, np.where(keys[order][at] == wanted, cells.family[order][at], -1)
+    known = keys[order][at] == wanted
+    return edges, *(np.where(known, of_arcs[order][at], -1) for of_arcs in (cells.family, cells.rim_edge))
 
 
 def _umbilics(field: LineField, cells: Cells, panel_of_cell: Int, count: int) -> tuple[Int, Int]:

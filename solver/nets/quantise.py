@@ -66,7 +66,7 @@ class Conditions:
         zeros[np.arange(len(zeros)), cut.zeros] = 1.0
         jumps = np.zeros((k, n + k))
         jumps[np.arange(k), n + np.arange(k)] = 1.0
-        means = [side.mean(cut.transfer) for side in sides if side.axis == axis and not isothermic.turn]
+        means = [side.mean(cut.transfer) for side in sides if side.axis == axis]
         rows = np.vstack([zeros, jumps, *means])
         offsets = np.zeros(len(rows))
         offsets[: len(zeros)] = 0.5
@@ -178,7 +178,7 @@ def _settled(isothermic: Isothermic, unknowns: Array, sides: list[LineSide]) -> 
     x = unknowns.copy()
     x[n:] = np.rint(x[n:])
     x[cut.zeros] = np.rint(x[cut.zeros] - 0.5) + 0.5
-    for side in [] if isothermic.turn else sides:
+    for side in sides:
         values = (cut.transfer @ x)[:, side.axis]
         number = np.rint(values[side.cut_vertices].mean())
         touching = np.isin(cut.faces, side.cut_vertices).any(axis=1)

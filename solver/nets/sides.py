@@ -48,22 +48,22 @@ def corner_vertices(hopf: HopfDifferential) -> Int:
     return rim[np.abs(np.pi - angles[rim]) >= CORNER]
 
 
-def line_sides(hopf: HopfDifferential, cut: CutDomain) -> list[LineSide]:
-    """The sides that are curvature lines."""
+def line_sides(hopf: HopfDifferential, cut: CutDomain, known: Int | None = None) -> list[LineSide]:
+    """The sides that are curvature lines. known: (E,) the number of the side of boundary edges that certainly are, or -1."""
     domain = hopf.domain
+    known = np.full(len(domain.edge_lengths), -1) if known is None else known
     is_corner = np.zeros(domain.vertex_count, dtype=bool)
     is_corner[corner_vertices(hopf)] = True
     square = _rim_squares(hopf)
     found = []
     for loop in domain.boundary_loop_edges:
-        for edges in _pieces(domain.edges[loop], loop, is_corner, cut):
-            if len(edges) < _LEAST:
-                continue
+        for edges in _pieces(domain.edges[loop], loop, is_corner, known, cut):
             size = np.abs(square[edges])
-            for axis, target in ((1, 1.0), (0, -1.0)):
-                off = 0.5 * np.angle(square[edges] * target)
-                if np.sqrt((size * off**2).sum()) <= _ALONG * np.sqrt(size.sum()):
-                    found.append(LineSide(axis, _cut_vertices(cut, edges), edges))
+            off = 0.5 * np.angle(square[edges] * [[1.0], [-1.0]])  # from lines of family 0 and of family 1
+            apart = np.sqrt((off**2 @ size) / size.sum())
+            nearest = int(np.argmin(apart))
+            if known[edges[0]] >= 0 or (len(edges) >= _LEAST and apart[nearest] <= _ALONG):
+                found.append(LineSide(1 - nearest, _cut_vertices(cut, edges), edges))
     return found
 
 
@@ -78,10 +78,11 @@ def _rim_squares(hopf: HopfDifferential) -> NDArray[np.complex128]:
     return q * side**2
 
 
-def _pieces(ends: Int, loop: Int, is_corner: NDArray[np.bool_], cut: CutDomain) -> list[Int]:
-    """The edges of a loop, divided at corners and where the cut vertex of a vertex changes."""
+def _pieces(ends: Int, loop: Int, is_corner: NDArray[np.bool_], known: Int, cut: CutDomain) -> list[Int]:
+    """The edges of a loop, divided at corners, between known sides and where the cut vertex of a vertex changes."""
     starts, stops = _edge_cut_vertices(cut, loop)
-    breaks = np.flatnonzero(is_corner[ends[:, 0]] | (starts != np.roll(stops, 1)))
+    other = known[loop] != np.roll(known[loop], 1)
+    breaks = np.flatnonzero(is_corner[ends[:, 0]] | other | (starts != np.roll(stops, 1)))
     if not breaks.size:
         return [loop]
     return np.split(np.roll(loop, -breaks[0]), breaks[1:] - breaks[0])

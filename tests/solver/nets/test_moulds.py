@@ -19,7 +19,7 @@ SHELLS = {
     "its twin": lambda: panel_net(span("square", 0.2), count=300, sheet="f-"),
     "L": lambda: panel_net(span("L", 0.2), count=400),
     "hanging ring": lambda: panel_net(span("ring", -0.4, 0.3), count=300),
-    "nodoid": lambda: net_of(line_field(exact.nodoid(64)[0], None, 300, "principal", "f+"), "principal"),
+    "nodoid": lambda: net_of(line_field(exact.nodoid(64)[0], None, 300, "principal", "f+")),
 }
 
 
@@ -79,7 +79,7 @@ def test_heights_and_slopes():
 
 def test_samples_lie_on_the_surface():
     sheet, _ = exact.catenoid(96)
-    net = net_of(line_field(sheet, None, 200, "principal", "f+"), "principal")
+    net = net_of(line_field(sheet, None, 200, "principal", "f+"))
     points = samples(net, quads(net)).reshape(-1, 3)
     assert np.abs(np.hypot(points[:, 0], points[:, 1]) - np.cosh(points[:, 2])).max() < 2e-4
 
