@@ -1,34 +1,22 @@
-"""Nets of panels on a surface, from its Hopf differential."""
+"""Nets of panels on a surface: the door to this room."""
 
 from __future__ import annotations
-
-import numpy as np
-from numpy.typing import NDArray
 
 from ..fitting.fit import Fit
 from ..signatures import checked
 from ..surface.cmc_surface import SurfaceLike
-from .cells import Cells, cells_of
-from .field import LineField, line_field, mean_deviation
+from ..symmetry.completion import Completion
+from .assembly import net_of
+from .completed import completed_net
+from .field import line_field
 from .net import Net
 from .planarise import planarise
-from .places import normals_at, points_at
-from .rim_nodes import rim_nodes
-from .sheets import PlacedSurface, Sheet, gradients
-from .sides import corner_vertices
-from .slivers import merged
-from .zero_cells import cells_of_vertices
-
-Array = NDArray[np.float64]
-Int = NDArray[np.integer]
-
-# The rim of the panels is within this part of the spacing from the rim of the surface.
-_NEAR = 0.1
+from .sheets import PlacedSurface
 
 
 @checked
 def panel_net(
-    surface: SurfaceLike | PlacedSurface | Fit,
+    surface: SurfaceLike | PlacedSurface | Fit | Completion,
     spacing: float | None = None,
     *,
     count: int | None = None,
@@ -42,7 +30,8 @@ def panel_net(
     The mesh is that of the lines' crossings. Inner panels have four corners, and 4 + 2 n around umbilics of order n;
     at the rim panels are clipped, the smallest ones joined to their neighbours.
 
-    surface: a `CmcSurface`, `Span`, `Fit` or `Shell`. spacing: the wanted side of a panel in model length, its median
+    surface: a `CmcSurface`, `Span`, `Fit` or `Shell`, or a `Completion`: then the net goes on across the mirrors, and
+    `sheet` is that of the completion. spacing: the wanted side of a panel in model length, its median
     over the net; sides vary as 1 / √(k1 - k2). count: or the number of panels. kind: "principal", or "diagonal": the
     lines of normal curvature H at 45° to these, at H = 0 the asymptotic lines. sheet: "f+", "f-" or "g". planar: make the panels flat, as
     `planarise` does.
@@ -50,88 +39,8 @@ def panel_net(
     Raises `MeshError` on surfaces with handles and on meshes too coarse; `ConditionError` on spheres and planes, which
     have no curvature lines, and on a spacing too large for the surface.
     """
-    net = net_of(line_field(surface, spacing, count, kind, sheet))
+    if isinstance(surface, Completion):
+        net = completed_net(surface, spacing, count, kind)
+    else:
+        net = net_of(line_field(surface, spacing, count, kind, sheet))
     return planarise(net) if planar else net
-
-
-def net_of(field: LineField) -> Net:
-    """The net of the lines at whole numbers of a field."""
-    lines = field.lines
-    domain, near = field.sheet.domain, _NEAR * field.spacing
-    bends = corner_vertices(field.hopf)
-    corners = rim_nodes(domain, field.sheet.points, lines.points, bends, field.on_line, near)
-    cells = cells_of(domain, lines, corners)
-    return _assembled(field, cells)
-
-
-def _assembled(field: LineField, cells: Cells) -> Net:
-    sheet = field.sheet
-    points = points_at(sheet, cells.faces, cells.barycentric)
-    is_open = (cells.family < 0) & ~field.on_line[cells.rim_edge]
-    rim = {(int(i), int(j)) for i, j in cells.arcs[is_open]}
-    kept = set(cells.corners.tolist())
-    polygons, members = merged([cell.tolist() for cell in cells.cells], rim, points, kept, _NEAR * field.spacing)
-    number = np.full(len(points), -1)
-    used = np.unique(np.concatenate(polygons))
-    number[used] = np.arange(len(used))
-    edges, family, rim_edges = _edges(polygons, cells)
-    panel_of_cell = np.empty(len(cells.cells), dtype=np.int64)
-    for panel, parts in enumerate(members):
-        panel_of_cell[parts] = panel
-    orders, branched = _umbilics(field, cells, panel_of_cell, len(polygons))
-    clipped = np.zeros(len(polygons), dtype=bool)
-    clipped[panel_of_cell[np.unique(cells.cell_of_half[2 * np.flatnonzero(is_open)])]] = True
-    k1 = field.sheet.mean_curvature + field.half_difference(cells.faces, cells.barycentric)
-    return Net(
-        vertices=points[used],
-        normals=normals_at(sheet, cells.faces[used], cells.barycentric[used]),
-        polygons=[number[polygon] for polygon in polygons],
-        edges=number[edges],
-        family=family,
-        rim_edges=rim_edges,
-        faces=cells.faces[used],
-        barycentric=cells.barycentric[used],
-        clipped=clipped,
-        orders=orders,
-        branched=branched,
-        kind=field.kind,
-        sheet=sheet.name,
-        spacing=field.spacing,
-        spacings=field.coordinates.spacings,
-        curvature=np.array([k1[polygon].mean() for polygon in polygons]),
-        deviation=mean_deviation(field.coordinates),
-        mean_curvature=sheet.mean_curvature,
-        euler_characteristic=sheet.domain.euler_characteristic,
-    )
-
-
-def _edges(polygons: list[list[int]], cells: Cells) -> tuple[Int, Int, Int]:
-    """The edges (m, 2) of the panels, their families (m,), -1 on the rim, and the boundary edges where they begin."""
-    ends = np.concatenate([np.column_stack([p, np.roll(p, -1)]) for p in polygons])
-    edges = np.unique(np.sort(ends, axis=1), axis=0)
-    count = len(cells.faces)
-    keys = np.sort(cells.arcs, axis=1) @ [count, 1]
-    order = np.lexsort((cells.family, keys))  # the rim first, where a line joins the same two nodes
-    wanted = edges @ [count, 1]
-    at = np.minimum(np.searchsorted(keys[order], wanted), len(keys) - 1)
-    known = keys[order][at] == wanted
-    return edges, *(np.where(known, of_arcs[order][at], -1) for of_arcs in (cells.family, cells.rim_edge))
-
-
-def _umbilics(field: LineField, cells: Cells, panel_of_cell: Int, count: int) -> tuple[Int, Int]:
-    """The sum of the orders of the zeros in each panel, and the panels in which the sheet has a branch point."""
-    zeros = field.hopf.zeros
-    where = panel_of_cell[cells_of_vertices(field.sheet.domain, field.lines, cells)[zeros]]
-    orders = np.bincount(where, field.hopf.orders, count).astype(np.int64)
-    return orders, np.unique(where[branch_points(field.sheet, zeros)])
-
-
-def branch_points(sheet: Sheet, zeros: Int) -> NDArray[np.bool_]:
-    """Which zeros of q are branch points of f±: where <N, N_x × N_y> < 0. At H = 0 and on g none are."""
-    if sheet.mean_curvature == 0.0 or sheet.name == "g":
-        return np.zeros(len(zeros), dtype=bool)
-    nx, ny = gradients(sheet.domain, sheet.normals)
-    middle = sheet.normals[sheet.domain.faces].mean(axis=1)
-    turned = np.einsum("fi,fi->f", middle, np.cross(nx, ny)) * sheet.domain.face_areas
-    around = np.bincount(sheet.domain.faces.ravel(), np.repeat(turned, 3), sheet.domain.vertex_count)
-    return around[zeros] < 0.0
