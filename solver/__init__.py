@@ -5,8 +5,8 @@ The Gauss map of such a surface is harmonic, and the surface follows from it. Th
 boundary and `HarmonicSolver` finds the unit normals N (gauss); `solve_cmc` integrates them to a conjugate surface g and
 returns f± = g ± N (surface); `report` measures what came of it (measure). Then surfaces are completed by mirrors
 (symmetry) and closed around holes (closing); others span given lines (spanning) or are fitted to goals (fitting); some
-are ready-made (catalogue). `panel_net` makes curvature lines and panels of them (nets). `form` makes a shell over a drawn `Plan`, sized and placed (shells), from Python or from a
-job file (jobs). Each room opens with such a page::
+are ready-made (catalogue). `panel_net` makes curvature lines and panels of them (nets). `form` makes a shell over a
+drawn `Plan`, sized and placed (shells), from Python or from a job file (jobs). Each room opens with such a page::
 
     import numpy as np
     from solver import conditions, report, shapes, solve_cmc

@@ -1,10 +1,11 @@
 """The mean curvature of the corner complex, a mesh of flat panels, by Steiner's formula.
 
-With normals at vertices f± = g ± N on the corners of the domain has flat polygons only: that of g around each vertex, at
-right angles to N_i; the triangle of the normals of each face; and a rectangle for each edge, with sides τ_ij and N_j -
-N_i, which are at right angles since τ_ij = w N_i × N_j. Moved along N by t the first ones keep their shape, triangles
-grow as (1 + t)² and rectangles as 1 + t. So the area is A(t) = A + 2 t ∫H + t² ∫K with ∫H = ½ A_rectangles + A_triangles:
-rectangles have H = ½ exactly, triangles 1, the others 0, and the mean over the surface tends to ½ (second order).
+With normals at vertices f± = g ± N on the corners of the domain has flat polygons only: that of g around each vertex,
+at right angles to N_i; the triangle of the normals of each face; and a rectangle for each edge, with sides τ_ij and N_j
+- N_i, which are at right angles since τ_ij = w N_i × N_j. Moved along N by t the first ones keep their shape, triangles
+grow as (1 + t)² and rectangles as 1 + t. So the area is A(t) = A + 2 t ∫H + t² ∫K with ∫H = ½ A_rectangles +
+A_triangles: rectangles have H = ½ exactly, triangles 1, the others 0, and the mean over the surface tends to ½ (second
+order).
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ def steiner_mean_curvature(surface: CmcSurface, sheet: str = "f+") -> float | No
 
 
 def _polygons(surface: CmcSurface, N: Array) -> float:
-    """The area of the polygons of g around the vertices, seen from N; those at the rim closed as in the paper's Fig. 7."""
+    """The area of the polygons of g around the vertices, seen from N; at the rim they are closed by one edge (Fig. 7)."""
     domain, conjugate = surface.graph.domain, surface.conjugate
     left, right = domain.edge_faces.T
     on_left, on_right = conjugate.g[left], conjugate.g[np.maximum(right, 0)]

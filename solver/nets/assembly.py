@@ -83,7 +83,8 @@ def _edges(polygons: list[list[int]], cells: Cells) -> tuple[Int, Int, Int]:
     wanted = edges @ [count, 1]
     at = np.minimum(np.searchsorted(keys[order], wanted), len(keys) - 1)
     known = keys[order][at] == wanted
-    return edges, *(np.where(known, of_arcs[order][at], -1) for of_arcs in (cells.family, cells.rim_edge))
+    family, rim_edges = (np.where(known, of_arcs[order][at], -1) for of_arcs in (cells.family, cells.rim_edge))
+    return edges, family, rim_edges
 
 
 def _umbilics(field: LineField, cells: Cells, panel_of_cell: Int, count: int) -> tuple[Int, Int]:

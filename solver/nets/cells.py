@@ -26,10 +26,9 @@ class Cells:
     """A net of n nodes, m arcs and P cells, on the faces of a domain.
 
     faces (n,), barycentric (n, 3): where each node is. corners: the nodes that are corners of the domain. arcs: (m, 2)
-    nodes; family: (m,) of the line, -1 on the rim. cells: nodes of each cell,
-    counter-clockwise. cell_of_half: (2 m,)
-    the cell on the left of each half-arc, -1 outside. rim_edge: (m,) the boundary edge on which an arc of the rim begins,
-    else -1. arc_of_point: (P,) for each edge point inside, the arc it is on.
+    nodes; family: (m,) of the line, -1 on the rim. cells: nodes of each cell, counter-clockwise. cell_of_half: (2 m,)
+    the cell on the left of each half-arc, -1 outside. rim_edge: (m,) the boundary edge on which an arc of the rim
+    begins, else -1. arc_of_point: (P,) for each edge point inside, the arc it is on.
     """
 
     faces: Int
@@ -58,8 +57,8 @@ def cells_of(domain: Domain, lines: Lines, corners: Int) -> Cells:
     euler = len(faces) - len(arcs) + len(cells)
     if not len(lines.family) or empty or euler != domain.euler_characteristic or _parts(arcs, len(faces)) > 1:
         raise ConditionError(
-            "At this spacing the lines do not divide the surface into panels: too few of them cross it, or it is narrower "
-            "somewhere than a panel; choose a smaller spacing."
+            "At this spacing the lines do not divide the surface into panels: too few of them cross it, or it is "
+            "narrower somewhere than a panel; choose a smaller spacing."
         )
     on_corners = node_of_corner[corners]
     edge = np.concatenate([np.full(len(along), -1), rim_edge])
@@ -93,13 +92,14 @@ def _line_arcs(lines: Lines, node_of_point: Int) -> tuple[Int, Int, Int]:
     rows = []
     for side in (0, 1):
         chord = crossings[:, side]
-        rows.append((chords.line[chord], chords.position[chord], lines.along[:, side], np.arange(count), np.full(count, -1)))
-    every = np.arange(len(chords.face))
+        crossing = np.arange(count)
+        rows.append((chords.line[chord], chords.position[chord], lines.along[:, side], crossing, np.full(count, -1)))
     for end, key in ((0, -1.0), (1, 4.0)):
         point = chords.ends[:, end]
         node = node_of_point[point]
         kept = (node >= 0) | (end == 1)
-        rows.append((chords.line[every[kept]], chords.position[kept], np.full(kept.sum(), key), node[kept], point[kept]))
+        keys = np.full(kept.sum(), key)
+        rows.append((chords.line[kept], chords.position[kept], keys, node[kept], point[kept]))
     line, position, key, node, point = (np.concatenate(column) for column in zip(*rows, strict=True))
     order = np.lexsort((key, position, line))
     line, node, point = line[order], node[order], point[order]

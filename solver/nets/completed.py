@@ -1,4 +1,4 @@
-"""The net of a surface completed by its mirrors: that of one module, whose sides are lines of the net, copied and welded.
+"""The net of a surface completed by its mirrors: that of one module, its sides on lines, copied and welded.
 
 Nodes are welded because the copies are neighbours across a side, never because they are near. At corners of a module
 where mirrors meet at 60°, three lines cross: there an umbilic is a node of valence 6.
@@ -12,13 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..domain.gluing import Glued, glue
-from ..errors import ConditionError, MeshError
+from ..errors import ConditionError
 from ..gauss.sphere import normalize
 from ..symmetry.completion import Completion
-from ..symmetry.seams import Seam
+from .assembly import net_of
 from .field import LineField, line_field
 from .net import Net
-from .assembly import net_of
 from .places import normals_at, points_at
 from .sheets import Sheet
 from .tracing import AXIS_OF_FAMILY

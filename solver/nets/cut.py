@@ -28,7 +28,7 @@ Int = NDArray[np.integer]
 
 @dataclass(frozen=True, eq=False)
 class CutDomain:
-    """The cut domain, and how w at its n cut vertices follows from unknowns: w at the V vertices, c of the k loop paths.
+    """The cut domain, and how w at its n cut vertices follows from w at the V vertices and c of the k loop paths.
 
     faces: (F, 3) cut vertices. source, same: (n,) the vertex of each cut vertex, and ±1, how w follows that there.
     transfer: (n, V + k), `w = transfer @ unknowns`. signs: (k,) σ of the loop paths.
@@ -151,7 +151,8 @@ class _Ways:
         self.on_rim[domain.boundary_vertices] = True
         a, b = domain.edges[self.inside].T
         n = domain.vertex_count
-        self.number = {(min(i, j), max(i, j)): e for i, j, e in zip(a.tolist(), b.tolist(), self.inside.tolist(), strict=True)}
+        pairs = zip(np.minimum(a, b).tolist(), np.maximum(a, b).tolist(), strict=True)
+        self.number = dict(zip(pairs, self.inside.tolist(), strict=True))
         self.ends = np.concatenate([a, b]), np.concatenate([b, a])
         self.lengths = np.tile(domain.edge_lengths[self.inside], 2)
         self.n = n
@@ -171,8 +172,10 @@ class _Ways:
         )
         targets = np.flatnonzero(is_target & ~self.used & np.isfinite(distance) & ~is_source)
         if not targets.size:
-            raise MeshError("The mesh is too coarse for curvature lines: there is no room to cut it between its umbilics "
-                            "and loops; refine it.")
+            raise MeshError(
+                "The mesh is too coarse for curvature lines: there is no room to cut it between its umbilics and loops; "
+                "refine it."
+            )
         path = [int(targets[np.argmin(distance[targets])])]
         while not is_source[path[-1]]:
             path.append(int(previous[path[-1]]))

@@ -103,8 +103,8 @@ def _steps(sheet: Sheet, hopf: HopfDifferential, spacing: float | None, count: i
     most = _MOST_A_FACE * len(panels)
     if panels.sum() / step**2 > most:
         raise ConditionError(
-            f"The net would have more than {most:,} panels, {_MOST_A_FACE} in a triangle of the mesh; choose a spacing of "
-            f"at least {np.sqrt(panels.sum() / most) / median:.3g}, or refine the mesh."
+            f"The net would have more than {most:,} panels, {_MOST_A_FACE} in a triangle of the mesh; choose a spacing "
+            f"of at least {np.sqrt(panels.sum() / most) / median:.3g}, or refine the mesh."
         )
     return step, step / median
 

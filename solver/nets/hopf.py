@@ -1,9 +1,9 @@
 """The Hopf differential of a surface: measured on the faces, denoised at the vertices, its zeros counted.
 
 On a surface with conformal parameter z = x + iy and unit normals N, Q = 4 <f_z, N_z> has `|Q| = e^{2u} (k1 - k2)`, and
-along a tangent vector X the normal curvature is H + ½ Re(Q X²) / e^{2u} |X|²: the direction with Q X² > 0 has the larger
-curvature k1. Q dz² is holomorphic where H is constant. It is the same on f+ with N and on f- with -N. Its zeros are
-umbilics of one sheet and branch points of the other.
+along a tangent vector X the normal curvature is H + ½ Re(Q X²) / e^{2u} |X|²: the direction with Q X² > 0 has the
+larger curvature k1. Q dz² is holomorphic where H is constant. It is the same on f+ with N and on f- with -N. Its zeros
+are umbilics of one sheet and branch points of the other.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ _ROUND = 0.5
 class HopfDifferential:
     """Q of a sheet: measured on the faces (F,), and q (F, 3), holomorphic as far as possible, at their corners.
 
-    Both are in the layout of each face (`Domain.layout`). vertex_orders: (V,) the order of the zero of q at each vertex,
-    0 at most of them; on the boundary 0.
+    Both are in the layout of each face (`Domain.layout`). vertex_orders: (V,) the order of the zero of q at each
+    vertex, 0 at most of them; on the boundary 0.
     """
 
     domain: Domain
@@ -185,8 +185,8 @@ def _check_not_round(sheet: Sheet, measured: Complex, q: Complex) -> None:
     if flat or kept < _NOISE * noise or kept < _ROUND * bent / np.sqrt(len(points)):
         shape = "plane" if flat else "sphere"
         raise ConditionError(
-            f"The surface is a part of a {shape} as far as this mesh can tell, umbilic everywhere: every line on it is a "
-            "curvature line. Lay any net on it, or bend its rim."
+            f"The surface is a part of a {shape} as far as this mesh can tell, umbilic everywhere: every line on it is "
+            "a curvature line. Lay any net on it, or bend its rim."
         )
 
 

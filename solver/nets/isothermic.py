@@ -42,7 +42,7 @@ class Isothermic:
         domain, corner = cut.domain, cut.faces
         start, end = corner[:, [1, 2, 0]].ravel(), corner[:, [2, 0, 1]].ravel()
         weights = 0.5 * domain.corner_cotans.ravel()
-        n = cut.transfer.shape[0]
+        n = len(cut.source)
         laplacian = graph_laplacian(np.stack([start, end], axis=1), weights, n)
         flow = weights[:, None] * np.column_stack([omega.ravel().real, omega.ravel().imag])
         divergence = sum_rows(end, flow, n) - sum_rows(start, flow, n)

@@ -1,8 +1,9 @@
 """Moulds: which whole panels of a net fit one curved surface, by a rigid motion, within a tolerance.
 
 In the middle of its sides a panel of a principal net departs from the sphere of radius 1 / |H| by L² (k1 - k2) / 16 =
-w² / 16, the same for all (`Net.sphere_gap`): from that tolerance on one spherical mould serves. Below it, k1 alone tells
-panels apart at first (k1 + k2 = 2H), but not how the curvature changes over them; so every panel is laid on its mould.
+w² / 16, the same for all (`Net.sphere_gap`): from that tolerance on one spherical mould serves. Below it, k1 alone
+tells panels apart at first (k1 + k2 = 2H), but not how the curvature changes over them; so every panel is laid on its
+mould.
 """
 
 from __future__ import annotations
@@ -32,9 +33,9 @@ _STEPS = 4
 def moulds(net: Net, tolerance: float) -> NDArray[np.int64]:
     """The mould (P,) of each whole four-sided panel, -1 for the others, which are bent or cut to measure.
 
-    Mould 0 serves most panels. Each panel, 5 × 5 points of its curved surface, lies within `tolerance`, in model length,
-    of its mould after a rigid motion; panels are not turned over. Moulds are spheres of radius 1 / |H| or surfaces of
-    panels, continued; the least number of moulds may be smaller than the one found.
+    Mould 0 serves most panels. Each panel, 5 × 5 points of its curved surface, lies within `tolerance`, in model
+    length, of its mould after a rigid motion; panels are not turned over. Moulds are spheres of radius 1 / |H| or
+    surfaces of panels, continued; the least number of moulds may be smaller than the one found.
 
     Raises `ConditionError` on nets on g and on a tolerance that is no positive number.
     """

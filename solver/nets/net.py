@@ -24,15 +24,14 @@ class Net:
 
     vertices, normals: (n, 3), N with which H is positive. polygons: the P panels, nodes counter-clockwise seen from N.
     edges: (m, 2), family: (m,) 0 along the larger principal curvature, 1 along the smaller one, -1 on the rim; of a
-    diagonal net its two families. rim_edges: (m,) the boundary edge of the domain on which an edge of the rim begins, -1
-    inside, and where ends of lines were dropped. faces (n,), barycentric (n, 3): where the nodes are on the triangles of the domain.
-    clipped: (P,) panels cut by the rim, where it is no line of the
-    net. orders: (P,) the sum of the orders of the umbilics inside each panel: an inner one
-    has 4 + 2 orders corners. branched: panels in which this sheet has a branch point.
-    kind, sheet: what was asked for. spacing: the panel side wanted; spacings: (2,) of the lines, in units of w, so that
-    sides are spacing / √(k1 - k2). curvature: (P,) the larger principal curvature k1. deviation: the mean angle between
-    lines and their exact directions, in radians. mean_curvature: H. euler_characteristic: of the surface.
-    axes, moved, flatness: of nets with flat panels, see `planarise`.
+    diagonal net its two families. rim_edges: (m,) the boundary edge of the domain on which an edge of the rim begins,
+    -1 inside, and where ends of lines were dropped. faces (n,), barycentric (n, 3): where the nodes are on the
+    triangles of the domain. clipped: (P,) panels cut by the rim, where it is no line of the net. orders: (P,) the sum
+    of the orders of the umbilics inside each panel: an inner one has 4 + 2 orders corners. branched: panels in which
+    this sheet has a branch point. kind, sheet: what was asked for. spacing: the panel side wanted; spacings: (2,) of
+    the lines, in units of w, so that sides are spacing / √(k1 - k2). curvature: (P,) the larger principal curvature k1.
+    deviation: the mean angle between lines and their exact directions, in radians. mean_curvature: H.
+    euler_characteristic: of the surface. axes, moved, flatness: of nets with flat panels, see `planarise`.
     """
 
     vertices: Array
@@ -68,7 +67,7 @@ class Net:
         low, high = np.quantile(sides, [0.05, 0.95]) if len(sides) else (np.nan, np.nan)
         umbilics = f", {len(self.umbilics)} with umbilics" if len(self.umbilics) else ""
         return (
-            f"{len(self.polygons)} panels ({int((~self.clipped).sum())} whole, {int(self.clipped.sum())} clipped{umbilics}), "
+            f"{len(self.polygons)} panels ({len(self.inner)} whole, {int(self.clipped.sum())} clipped{umbilics}), "
             f"sides {low:.3g} to {high:.3g}"
         )
 

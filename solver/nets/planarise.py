@@ -1,9 +1,9 @@
 """Panels made flat: the nodes that are nearest to a net whose panels on f+, g and f- are planar and parallel.
 
-Unknowns are the nodes X and axes n, near the normals: g and f- have nodes X - n / 2H and X - n / H. Where e × dn = 0 along
-a beam, e and dn the differences of its ends, the beams of the three sheets are parallel, and their panels are planar
-together; the node then has no torsion either. Inner panels are parallel so; clipped ones are planar on f+ alone, and
-other beams have coplanar axes, det(n_i, n_j, e) = 0. Gauss–Newton steps of least norm solve these equations.
+Unknowns are the nodes X and axes n, near the normals: g and f- have nodes X - n / 2H and X - n / H. Where e × dn = 0
+along a beam, e and dn the differences of its ends, the beams of the three sheets are parallel, and their panels are
+planar together; the node then has no torsion either. Inner panels are parallel so; clipped ones are planar on f+ alone,
+and other beams have coplanar axes, det(n_i, n_j, e) = 0. Gauss–Newton steps of least norm solve these equations.
 """
 
 from __future__ import annotations
@@ -39,9 +39,9 @@ _SHORT = 0.15
 def planarise(net: Net, *, keep_rim: bool = False) -> Net:
     """The net with flat panels: its `vertices`, `normals` and `axes`, and how far each node has `moved`.
 
-    Whole panels are planar on f+, g and f-, at the nodes X, X - axes / 2H and X - axes / H, with parallel beams; clipped
-    ones on the sheet of the net. keep_rim: nodes on the rim stay, and only whole panels become planar. `flatness` is what
-    is left, as a part of the side.
+    Whole panels are planar on f+, g and f-, at the nodes X, X - axes / 2H and X - axes / H, with parallel beams;
+    clipped ones on the sheet of the net. keep_rim: nodes on the rim stay, and only whole panels become planar.
+    `flatness` is what is left, as a part of the side.
 
     Raises `ConditionError` on diagonal nets, whose panels are twisted.
     """

@@ -150,7 +150,7 @@ def quantised(isothermic: Isothermic, spacing: float, sides: list[LineSide], *, 
         if len(conditions.rows) and not exact:
             rounding = _Rounding(isothermic, conditions, x)
             found = [rounding.at(spacing * part) for part in _SPACINGS]
-            costs = [one / total + _DEPARTURE * np.log(part) ** 2 for (one, _), part in zip(found, _SPACINGS, strict=True)]
+            costs = np.array([one for one, _ in found]) / total + _DEPARTURE * np.log(_SPACINGS) ** 2
             best = int(np.argmin(costs))
             spacings[axis] = spacing * _SPACINGS[best]
             x = rounding.moved(found[best][1], spacings[axis])

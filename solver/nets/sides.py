@@ -1,7 +1,7 @@
 """Sides of the boundary that are curvature lines themselves: mirrors, planes that the surface meets at one angle.
 
-There one coordinate of w is constant along the rim, and the rim can be a line of the net. The boundary is divided at the
-corners of the domain and where paths of the cut end.
+There one coordinate of w is constant along the rim, and the rim can be a line of the net. The boundary is divided at
+the corners of the domain and where paths of the cut end.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def corner_vertices(hopf: HopfDifferential) -> Int:
 
 
 def line_sides(hopf: HopfDifferential, cut: CutDomain, known: Int | None = None) -> list[LineSide]:
-    """The sides that are curvature lines. known: (E,) the number of the side of boundary edges that certainly are, or -1."""
+    """The sides that are curvature lines. known: (E,) the side of each boundary edge that certainly is one, or -1."""
     domain = hopf.domain
     known = np.full(len(domain.edge_lengths), -1) if known is None else known
     is_corner = np.zeros(domain.vertex_count, dtype=bool)

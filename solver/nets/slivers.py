@@ -19,15 +19,16 @@ def merged(
     """Cells as lists of nodes, after joining, and the numbers of the cells that each consists of.
 
     rim: pairs of nodes along the boundary, the surface on their left. kept: nodes that stay even where the boundary
-    alone runs through them; so do those farther than `tolerance` from the line between their neighbours. Smaller cells come first; each joins the neighbour across its longest side.
+    alone runs through them; so do those farther than `tolerance` from the line between their neighbours. Smaller cells
+    come first; each joins the neighbour across its longest side.
     """
     polygons = {number: list(cell) for number, cell in enumerate(cells)}
     members = {number: [number] for number in polygons}
-    thin = {tuple(sorted(cell)): number for number, cell in polygons.items() if len(cell) == 2}
+    thin = [(cell[0], cell[1], number) for number, cell in polygons.items() if len(cell) == 2]
     left = {pair: number for number, cell in polygons.items() if len(cell) > 2 for pair in _sides(cell)}
-    for ends, number in thin.items():
+    for i, j, number in thin:
         # between the rim and a line that leaves it and comes back at once: the rim takes the place of the line
-        pair = ends if ends in rim else ends[::-1]
+        pair = (i, j) if (i, j) in rim else (j, i)
         if pair in left:
             del polygons[number]
             members[left[pair]] += members.pop(number)

@@ -58,8 +58,8 @@ class Chords:
 class Lines:
     """Traced lines: the family (L,) of each, whether it is closed, and its points and crossings.
 
-    crossings: (X, 2) the chords of family 0 and 1 that meet. from_right: (X,) whether family 1 crosses family 0 from right
-    to left. along: (X, 2) grows along each of the two chords.
+    crossings: (X, 2) the chords of family 0 and 1 that meet. from_right: (X,) whether family 1 crosses family 0 from
+    right to left. along: (X, 2) grows along each of the two chords.
     """
 
     points: EdgePoints
@@ -190,8 +190,8 @@ def _walked(chords: Chords) -> tuple[Chords, Int, NDArray[np.bool_]]:
 
 
 def _crossings(chords: Chords) -> tuple[Int, NDArray[np.bool_], Array]:
-    """Pairs (X, 2) of chords of family 0 and 1 whose ends alternate; whether 1 crosses 0 from right to left; and numbers
-    (X, 2) that grow along each of the two.
+    """Pairs (X, 2) of chords of family 0 and 1 whose ends alternate; whether 1 crosses 0 from right to left; and
+    numbers (X, 2) that grow along each of the two.
     """
     every = np.arange(len(chords.face))
     zero, one = every[chords.family == 0], every[chords.family == 1]

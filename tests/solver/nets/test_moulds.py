@@ -7,9 +7,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from solver import ConditionError, moulds, panel_net, shapes, span_outline
+from solver.nets.assembly import net_of
 from solver.nets.field import line_field
 from solver.nets.moulds import _laid, covered
-from solver.nets.assembly import net_of
 from solver.nets.patches import frames, height, local, quads, quartic, samples, sphere_quartic
 from tests.solver.nets import exact_sheets as exact
 from tests.solver.nets.test_panel_net import span

@@ -10,9 +10,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from solver import ConditionError, Net, Shape, Span, curvature_lines, panel_net, shapes, span_outline
+from solver.nets.assembly import net_of
 from solver.nets.field import line_field
 from solver.nets.isothermic import Isothermic
-from solver.nets.assembly import net_of
 from solver.nets.quantise import quantised
 from tests.solver.exact_surfaces import rates
 from tests.solver.nets import exact_sheets as exact
