@@ -46,7 +46,7 @@ from .measure import (
     report,
     vertex_principal_curvatures,
 )
-from .nets.lines import Line, curvature_lines
+from .nets.lines import Line, curvature_lines, isothermic_coordinates
 from .nets.moulds import moulds
 from .nets.net import Net
 from .nets.panel_net import panel_net
@@ -101,6 +101,7 @@ __all__ = [
     "form",
     "gauss_curvature_of",
     "hole",
+    "isothermic_coordinates",
     "mean_curvature_of",
     "modes_of",
     "modules",

@@ -39,7 +39,7 @@ def steiner_mean_curvature(surface: CmcSurface, sheet: str = "f+") -> float | No
 
 
 def _polygons(surface: CmcSurface, N: Array) -> float:
-    """The area of the polygons of g around the vertices, seen from N; at the rim they are closed by one edge (Fig. 7)."""
+    """The area of the polygons of g around the vertices, seen from N; at the rim one edge closes them (Fig. 7)."""
     domain, conjugate = surface.graph.domain, surface.conjugate
     left, right = domain.edge_faces.T
     on_left, on_right = conjugate.g[left], conjugate.g[np.maximum(right, 0)]

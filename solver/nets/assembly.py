@@ -20,6 +20,8 @@ Int = NDArray[np.integer]
 
 # The rim of the panels is within this part of the spacing from the rim of the surface.
 _NEAR = 0.1
+# A count of panels that is nearer to the wanted one, as a part of it, is not improved.
+_NEAR_COUNT = 0.05
 
 
 def net_of(field: LineField) -> Net:
@@ -30,6 +32,18 @@ def net_of(field: LineField) -> Net:
     corners = rim_nodes(domain, field.sheet.points, lines.points, bends, field.on_line, near)
     cells = cells_of(domain, lines, corners)
     return _assembled(field, cells)
+
+
+def net_of_count(field: LineField, count: int | None) -> Net:
+    """The net of a field, or of one with its lines farther apart or nearer that has more nearly `count` panels.
+
+    How many panels the rim cuts is known only afterwards.
+    """
+    net = net_of(field)
+    if count is None or abs(len(net.polygons) / count - 1.0) <= _NEAR_COUNT:
+        return net
+    again = net_of(field.scaled(float(np.sqrt(len(net.polygons) / count))))
+    return min((net, again), key=lambda one: abs(len(one.polygons) - count))
 
 
 def _assembled(field: LineField, cells: Cells) -> Net:
@@ -70,6 +84,7 @@ def _assembled(field: LineField, cells: Cells) -> Net:
         deviation=mean_deviation(field.coordinates),
         mean_curvature=sheet.mean_curvature,
         euler_characteristic=sheet.domain.euler_characteristic,
+        folded=folded_vertices(sheet),
     )
 
 
@@ -93,6 +108,23 @@ def _umbilics(field: LineField, cells: Cells, panel_of_cell: Int, count: int) ->
     where = panel_of_cell[cells_of_vertices(field.sheet.domain, field.lines, cells)[zeros]]
     orders = np.bincount(where, field.hopf.orders, count).astype(np.int64)
     return orders, np.unique(where[branch_points(field.sheet, zeros)])
+
+
+def folded_vertices(sheet: Sheet) -> Int:
+    """Vertices of f± in the middle of faces that look the other way than the normals, as at sharp corners of plans."""
+    if sheet.name == "g":
+        return np.zeros(0, dtype=np.int64)
+    faces = sheet.domain.faces
+    a, b, c = (sheet.points[faces[:, k]] for k in range(3))
+    turned = np.einsum("fi,fi->f", np.cross(b - a, c - a), sheet.normals[faces].sum(axis=1)) < 0.0
+    count = np.bincount(faces[turned].ravel(), minlength=len(sheet.points))
+    found = []
+    while count.any():  # one vertex for each group of such faces
+        vertex = int(np.argmax(count))
+        found.append(vertex)
+        near = np.isin(faces, np.unique(faces[(faces == vertex).any(axis=1)])).any(axis=1)
+        count[np.unique(faces[near])] = 0
+    return np.array(found, dtype=np.int64)
 
 
 def branch_points(sheet: Sheet, zeros: Int) -> NDArray[np.bool_]:

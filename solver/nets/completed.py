@@ -15,7 +15,7 @@ from ..domain.gluing import Glued, glue
 from ..errors import ConditionError
 from ..gauss.sphere import normalize
 from ..symmetry.completion import Completion
-from .assembly import net_of
+from .assembly import net_of_count
 from .field import LineField, line_field
 from .net import Net
 from .places import normals_at, points_at
@@ -37,7 +37,7 @@ def completed_net(completion: Completion, spacing: float | None, count: int | No
     module = module_sheet(completion, completion.sheet)
     each = None if count is None else max(1, round(count / len(completion.copies)))
     field = line_field(module, spacing, each, kind, completion.sheet, known=side_of_edge)
-    return _copied(completion, field, net_of(field), side_of_edge)
+    return _copied(completion, field, net_of_count(field, each), side_of_edge)
 
 
 def module_sheet(completion: Completion, name: str) -> Sheet:

@@ -173,8 +173,8 @@ class _Ways:
         targets = np.flatnonzero(is_target & ~self.used & np.isfinite(distance) & ~is_source)
         if not targets.size:
             raise MeshError(
-                "The mesh is too coarse for curvature lines: there is no room to cut it between its umbilics and loops; "
-                "refine it."
+                "The mesh is too coarse for curvature lines: there is no room to cut it between its umbilics and "
+                "loops; refine it."
             )
         path = [int(targets[np.argmin(distance[targets])])]
         while not is_source[path[-1]]:

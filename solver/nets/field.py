@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -37,7 +37,7 @@ _MOST_A_FACE = 40
 class LineField:
     """The coordinates behind a net: a sheet, its Hopf differential, w, and w as whole numbers.
 
-    sides: that are lines of the net. kind: of net. spacing: the wanted side in model length.
+    sides: that are lines of the net. kind: of net. spacing: the wanted side in model length; step: in units of w.
     """
 
     sheet: Sheet
@@ -46,11 +46,18 @@ class LineField:
     sides: list[LineSide]
     kind: str
     spacing: float
+    step: float
 
     @cached_property
     def lines(self) -> Lines:
         """The lines at whole numbers."""
         return traced(self.coordinates.isothermic.cut, self.coordinates.values)
+
+    def scaled(self, factor: float) -> LineField:
+        """The field of lines that are `factor` times as far apart."""
+        step = factor * self.step
+        coordinates = quantised(self.coordinates.isothermic, step, self.sides)
+        return replace(self, coordinates=coordinates, spacing=factor * self.spacing, step=step)
 
     @cached_property
     def on_line(self) -> NDArray[np.bool_]:
@@ -89,7 +96,7 @@ def line_field(
     step, side = _steps(on, hopf, spacing, count)
     isothermic = Isothermic.of(cut, 0.25 * np.pi if kind == "diagonal" else 0.0)
     sides = [] if kind == "diagonal" else line_sides(hopf, cut, known)
-    return LineField(on, hopf, quantised(isothermic, step, sides, exact=not quantise), sides, kind, side)
+    return LineField(on, hopf, quantised(isothermic, step, sides, exact=not quantise), sides, kind, side, step)
 
 
 def _steps(sheet: Sheet, hopf: HopfDifferential, spacing: float | None, count: int | None) -> tuple[float, float]:

@@ -78,6 +78,25 @@ def curvature_lines(
     ]
 
 
+@checked
+def isothermic_coordinates(
+    surface: SurfaceLike | PlacedSurface | Fit,
+    spacing: float | None = None,
+    *,
+    count: int | None = None,
+    kind: str = "principal",
+    sheet: str = "f+",
+) -> Array:
+    """(F, 3, 2) coordinates at the corners of the surface's faces, in which the lines of the net are at whole numbers.
+
+    They are w = ∫ √Q dz in units of the spacing, almost conformal: squares drawn in them, as texture coordinates, are
+    almost squares between curvature lines. They jump by whole numbers, and change sign, across cuts from the umbilics
+    to the rim and between loops. Lines of family 0 run along the first. Arguments and errors as `panel_net`.
+    """
+    field = line_field(surface, spacing, count, kind, sheet)
+    return field.coordinates.values[field.coordinates.isothermic.cut.faces]
+
+
 def lines_of(field: LineField, lines: Lines) -> list[Line]:
     """Polylines through the ends of the chords of traced lines."""
     chords = lines.chords

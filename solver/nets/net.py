@@ -10,12 +10,16 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import plural
 from ..signatures import checked
 from ..surface import convert
 from .panel_measures import corner_angles, least_width, longest_diagonal, vector_area
 
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
+
+# Lines that are farther than this from their exact directions, in the mean, are not what was asked for.
+_OFF = np.radians(5.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +35,7 @@ class Net:
     this sheet has a branch point. kind, sheet: what was asked for. spacing: the panel side wanted; spacings: (2,) of
     the lines, in units of w, so that sides are spacing / √(k1 - k2). curvature: (P,) the larger principal curvature k1.
     deviation: the mean angle between lines and their exact directions, in radians. mean_curvature: H.
-    euler_characteristic: of the surface. axes, moved, flatness: of nets with flat panels, see `planarise`.
+    euler_characteristic: of the surface. folded: vertices of the domain at which the surface turns over. axes, moved, flatness: of nets with flat panels, see `planarise`.
     """
 
     vertices: Array
@@ -53,6 +57,7 @@ class Net:
     deviation: float
     mean_curvature: float
     euler_characteristic: int
+    folded: Int
     axes: Array | None = None
     moved: Array | None = None
     flatness: float | None = None
@@ -70,6 +75,35 @@ class Net:
             f"{len(self.polygons)} panels ({len(self.inner)} whole, {int(self.clipped.sum())} clipped{umbilics}), "
             f"sides {low:.3g} to {high:.3g}"
         )
+
+    @property
+    def ok(self) -> bool:
+        """Whether the panels cover the surface once, look the same way, and follow its curvature."""
+        return (
+            self.counted == self.euler_characteristic
+            and self.deviation <= _OFF
+            and (self.sheet == "g" or not len(self.flipped))
+        )
+
+    @property
+    def message(self) -> str:
+        """The panels in a sentence, and what is wrong with them or with the surface."""
+        sentences = [f"{self.summary[0].upper()}{self.summary[1:]}: all different in outline."]
+        if len(self.folded):
+            sentences.append(
+                f"The surface is folded at {plural('vertex', self.folded)}, where panels turn over; round the corner of "
+                "the plan there, or let leans change gradually."
+            )
+        if len(self.branched):
+            sentences.append(
+                f"{plural('panel', self.branched).capitalize()} {'has' if len(self.branched) == 1 else 'have'} a branch "
+                f"point of {self.sheet}, where sides shrink to nothing; take the other sheet."
+            )
+        if self.counted != self.euler_characteristic or self.deviation > _OFF:
+            sentences.append("The panels do not follow the curvature of the surface; refine the mesh.")
+        elif not self.ok and not len(self.folded):
+            sentences.append(f"{plural('panel', self.flipped).capitalize()} turn over; choose a smaller spacing.")
+        return " ".join(sentences)
 
     @property
     def umbilics(self) -> Int:

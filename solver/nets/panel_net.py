@@ -6,7 +6,7 @@ from ..fitting.fit import Fit
 from ..signatures import checked
 from ..surface.cmc_surface import SurfaceLike
 from ..symmetry.completion import Completion
-from .assembly import net_of
+from .assembly import net_of_count
 from .completed import completed_net
 from .field import line_field
 from .net import Net
@@ -32,7 +32,7 @@ def panel_net(
 
     surface: a `CmcSurface`, `Span`, `Fit` or `Shell`, or a `Completion`: then the net goes on across the mirrors, and
     `sheet` is that of the completion. spacing: the wanted side of a panel in model length, its median over the net;
-    sides vary as 1 / √(k1 - k2). count: or the number of panels. kind: "principal", or "diagonal": the lines of normal
+    sides vary as 1 / √(k1 - k2). count: or the number of panels, about. kind: "principal", or "diagonal": the lines of normal
     curvature H at 45° to these, at H = 0 the asymptotic lines. sheet: "f+", "f-" or "g". planar: make the panels flat,
     as `planarise` does.
 
@@ -42,5 +42,5 @@ def panel_net(
     if isinstance(surface, Completion):
         net = completed_net(surface, spacing, count, kind)
     else:
-        net = net_of(line_field(surface, spacing, count, kind, sheet))
+        net = net_of_count(line_field(surface, spacing, count, kind, sheet), count)
     return planarise(net) if planar else net

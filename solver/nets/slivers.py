@@ -33,10 +33,10 @@ def merged(
             del polygons[number]
             members[left[pair]] += members.pop(number)
     rim = set(rim)
-    area = {number: _area(points[cell]) for number, cell in polygons.items()}
+    area = dict(enumerate(_areas(cells, points).tolist()))
     clipped = sorted({left[pair] for pair in rim if pair in left}, key=lambda number: area[number])
     for small in clipped:
-        sides = [pair for pair in _sides(polygons[small]) if pair[::-1] in left and left[pair[::-1]] != small]
+        sides = [(i, j) for i, j in _sides(polygons[small]) if left.get((j, i), small) != small]
         if not sides:
             continue
         i, j = max(sides, key=lambda pair: float(np.linalg.norm(points[pair[1]] - points[pair[0]])))
@@ -63,9 +63,16 @@ def _sides(cell: list[int]) -> list[tuple[int, int]]:
     return list(zip(cell, cell[1:] + cell[:1], strict=True))
 
 
-def _area(corners: Array) -> float:
-    centre = corners.mean(axis=0)
-    return 0.5 * float(np.linalg.norm(np.cross(corners - centre, np.roll(corners, -1, axis=0) - centre).sum(axis=0)))
+def _areas(cells: list[list[int]], points: Array) -> Array:
+    """The area (P,) of each cell, seen along its normal."""
+    sizes = np.array([len(cell) for cell in cells])
+    node = np.concatenate(cells)
+    first = np.cumsum(sizes) - sizes
+    following = np.arange(1, len(node) + 1)
+    following[first + sizes - 1] = first
+    about = points[node] - np.repeat(points[node[first]], sizes, axis=0)
+    swept = np.add.reduceat(np.cross(about, about[following]), first, axis=0)
+    return 0.5 * np.linalg.norm(swept, axis=1)
 
 
 def _joined(small: list[int], big: list[int], side: tuple[int, int]) -> list[int] | None:
