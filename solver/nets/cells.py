@@ -55,7 +55,7 @@ def cells_of(domain: Domain, lines: Lines, corners: Int) -> Cells:
     following = _next_halves(arcs, families, lines.from_right, len(faces))
     cells, cell_of_half = _cycles(arcs, families, following)
     euler = len(faces) - len(arcs) + len(cells)
-    if not len(lines.family) or empty or euler != domain.euler_characteristic or _parts(arcs, len(faces)) > 1:
+    if empty or euler != domain.euler_characteristic or _parts(arcs, len(faces)) > 1:
         raise ConditionError(
             "At this spacing the lines do not divide the surface into panels: too few of them cross it, or it is "
             "narrower somewhere than a panel; choose a smaller spacing."

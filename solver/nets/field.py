@@ -50,8 +50,13 @@ class LineField:
 
     @cached_property
     def lines(self) -> Lines:
-        """The lines at whole numbers."""
-        return traced(self.coordinates.isothermic.cut, self.coordinates.values)
+        """The lines at whole numbers. Raises `ConditionError` where none crosses the surface."""
+        lines = traced(self.coordinates.isothermic.cut, self.coordinates.values)
+        if not len(lines.family):
+            raise ConditionError(
+                f"No line crosses the surface at a spacing of {self.spacing:.3g}; choose a smaller one, or more panels."
+            )
+        return lines
 
     def scaled(self, factor: float) -> LineField:
         """The field of lines that are `factor` times as far apart."""

@@ -166,8 +166,10 @@ def test_arguments():
         panel_net(surface, -1.0)
     with pytest.raises(ConditionError, match='no kind of net "diagnal"; did you mean "diagonal"'):
         panel_net(surface, 0.3, kind="diagnal")
-    with pytest.raises(ConditionError, match="choose a smaller spacing"):
+    with pytest.raises(ConditionError, match="No line crosses the surface"):
         panel_net(surface, 30.0)
+    with pytest.raises(ConditionError, match="No line crosses the surface"):
+        curvature_lines(surface, 30.0)
     with pytest.raises(ConditionError, match="choose a spacing of at least"):
         panel_net(surface, 1e-3)
 
