@@ -84,7 +84,7 @@ def _assembled(field: LineField, cells: Cells) -> Net:
         deviation=mean_deviation(field.coordinates),
         mean_curvature=sheet.mean_curvature,
         euler_characteristic=sheet.domain.euler_characteristic,
-        folded=folded_vertices(sheet),
+        folded=folded_vertices(sheet, field.hopf.zeros),
     )
 
 
@@ -110,13 +110,17 @@ def _umbilics(field: LineField, cells: Cells, panel_of_cell: Int, count: int) ->
     return orders, np.unique(where[branch_points(field.sheet, zeros)])
 
 
-def folded_vertices(sheet: Sheet) -> Int:
-    """Vertices of f± in the middle of faces that look the other way than the normals, as at sharp corners of plans."""
+def folded_vertices(sheet: Sheet, zeros: Int) -> Int:
+    """Vertices of f± in the middle of faces that look the other way than the normals, as at sharp corners of plans.
+
+    Faces around zeros of q are passed over: at branch points they turn over, too.
+    """
     if sheet.name == "g":
         return np.zeros(0, dtype=np.int64)
     faces = sheet.domain.faces
     a, b, c = (sheet.points[faces[:, k]] for k in range(3))
     turned = np.einsum("fi,fi->f", np.cross(b - a, c - a), sheet.normals[faces].sum(axis=1)) < 0.0
+    turned &= ~np.isin(faces, zeros).any(axis=1)
     count = np.bincount(faces[turned].ravel(), minlength=len(sheet.points))
     found = []
     while count.any():  # one vertex for each group of such faces

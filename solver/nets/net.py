@@ -35,7 +35,8 @@ class Net:
     this sheet has a branch point. kind, sheet: what was asked for. spacing: the panel side wanted; spacings: (2,) of
     the lines, in units of w, so that sides are spacing / √(k1 - k2). curvature: (P,) the larger principal curvature k1.
     deviation: the mean angle between lines and their exact directions, in radians. mean_curvature: H.
-    euler_characteristic: of the surface. folded: vertices of the domain at which the surface turns over. axes, moved, flatness: of nets with flat panels, see `planarise`.
+    euler_characteristic: of the surface. folded: vertices of the domain at which the surface turns over. axes, moved,
+    flatness: of nets with flat panels, see `planarise`.
     """
 
     vertices: Array
@@ -91,13 +92,14 @@ class Net:
         sentences = [f"{self.summary[0].upper()}{self.summary[1:]}: all different in outline."]
         if len(self.folded):
             sentences.append(
-                f"The surface is folded at {plural('vertex', self.folded)}, where panels turn over; round the corner of "
-                "the plan there, or let leans change gradually."
+                f"The surface is folded at {plural('vertex', self.folded)}, where panels turn over; round the corner "
+                "of the plan there, or let leans change gradually."
             )
         if len(self.branched):
+            has = "has" if len(self.branched) == 1 else "have"
             sentences.append(
-                f"{plural('panel', self.branched).capitalize()} {'has' if len(self.branched) == 1 else 'have'} a branch "
-                f"point of {self.sheet}, where sides shrink to nothing; take the other sheet."
+                f"{plural('panel', self.branched).capitalize()} {has} a branch point of {self.sheet}, where sides shrink "
+                "to nothing; take the other sheet."
             )
         if self.counted != self.euler_characteristic or self.deviation > _OFF:
             sentences.append("The panels do not follow the curvature of the surface; refine the mesh.")

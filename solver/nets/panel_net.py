@@ -32,9 +32,9 @@ def panel_net(
 
     surface: a `CmcSurface`, `Span`, `Fit` or `Shell`, or a `Completion`: then the net goes on across the mirrors, and
     `sheet` is that of the completion. spacing: the wanted side of a panel in model length, its median over the net;
-    sides vary as 1 / √(k1 - k2). count: or the number of panels, about. kind: "principal", or "diagonal": the lines of normal
-    curvature H at 45° to these, at H = 0 the asymptotic lines. sheet: "f+", "f-" or "g". planar: make the panels flat,
-    as `planarise` does.
+    sides vary as 1 / √(k1 - k2). count: or the number of panels, about. kind: "principal", or "diagonal": the lines of
+    normal curvature H at 45° to these, at H = 0 the asymptotic lines. sheet: "f+", "f-" or "g". planar: make the panels
+    flat, as `planarise` does.
 
     Raises `MeshError` on surfaces with handles and on meshes too coarse; `ConditionError` on spheres and planes, which
     have no curvature lines, and on a spacing too large for the surface.

@@ -11,9 +11,9 @@ from numpy.testing import assert_allclose
 from solver import ConditionError, Domain, MeshError, shapes, solve_cmc, span_outline
 from solver.gauss import conditions
 from solver.nets.cut import cut_domain
-from solver.nets.hopf import HopfDifferential, hopf_differential
+from solver.nets.hopf import HopfDifferential, _vertex_orders, hopf_differential
 from solver.nets.isothermic import Isothermic
-from solver.nets.sheets import Sheet, sheet_of
+from solver.nets.sheets import Sheet, layout, sheet_of
 from tests.solver.exact_surfaces import disc, hemisphere, rates
 from tests.solver.nets import exact_sheets as exact
 
@@ -144,3 +144,29 @@ def test_handles_and_closed_surfaces_are_refused():
     ball = shapes.sphere(100)
     with pytest.raises(MeshError, match="closed"):
         hopf_differential(Sheet(ball.domain, ball.positions, ball.positions, 1.0))
+
+
+def test_zeros_on_a_curved_domain():
+    """Edge lengths in space give angle defects, which orders and the boundary's turn must take into account."""
+    plan, count = PLANS["L"]
+    span = span_outline(plan, plan.positions, mean_curvature=0.25)
+    curved = Domain.from_positions(span.points, span.faces)
+    hopf = hopf_differential(Sheet(curved, span.points, span.normals, 0.25))
+    assert hopf.orders.sum() == count == hopf.boundary_winding - 2
+
+
+def test_a_zero_of_order_four_on_the_sphere():
+    """z⁴ dz² in the stereographic parameter, on the sphere without its south pole."""
+    ball = shapes.sphere(2000)
+    upper = ball.positions[:, 2] > -0.9
+    used, faces = np.unique(ball.domain.faces[upper[ball.domain.faces].all(axis=1)], return_inverse=True)
+    points = ball.positions[used]
+    cap = Domain.from_positions(points, faces.reshape(-1, 3))
+    z = (points[:, 0] + 1j * points[:, 1]) / (1.0 + points[:, 2])
+    corner = z[cap.faces]
+    sides = layout(cap)
+    slope = (corner[:, 1] - corner[:, 0]) / (sides[:, 1] - sides[:, 0])
+    q = corner.mean(axis=1) ** 4 * slope**2
+    orders = _vertex_orders(cap, q)
+    assert orders.sum() == 4
+    assert np.abs(z[orders != 0]).max() < 0.1

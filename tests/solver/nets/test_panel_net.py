@@ -9,7 +9,16 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from solver import ConditionError, Net, Shape, Span, curvature_lines, panel_net, shapes, span_outline
+from solver import (
+    ConditionError,
+    Net,
+    Shape,
+    Span,
+    curvature_lines,
+    panel_net,
+    shapes,
+    span_outline,
+)
 from solver.nets.assembly import net_of
 from solver.nets.field import line_field
 from solver.nets.isothermic import Isothermic
