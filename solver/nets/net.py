@@ -98,8 +98,8 @@ class Net:
         if len(self.branched):
             has = "has" if len(self.branched) == 1 else "have"
             sentences.append(
-                f"{plural('panel', self.branched).capitalize()} {has} a branch point of {self.sheet}, where sides shrink "
-                "to nothing; take the other sheet."
+                f"{plural('panel', self.branched).capitalize()} {has} a branch point of {self.sheet}, where sides "
+                "shrink to nothing; take the other sheet."
             )
         if self.counted != self.euler_characteristic or self.deviation > _OFF:
             sentences.append("The panels do not follow the curvature of the surface; refine the mesh.")

@@ -170,3 +170,18 @@ def test_a_zero_of_order_four_on_the_sphere():
     orders = _vertex_orders(cap, q)
     assert orders.sum() == 4
     assert np.abs(z[orders != 0]).max() < 0.1
+
+
+def test_orders_at_a_cone():
+    """The top of an octahedron has the angle defect 2π/3; a field that is constant in its frame has no zero there."""
+    top = Domain.from_positions([[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0], [0, 0, 1]], [[i, (i + 1) % 4, 4] for i in range(4)])
+    q = np.exp(2j * corner_turns(top)[:, 2])
+    assert not _vertex_orders(top, q).any()
+    around = np.exp(1j * np.arctan2(*top_directions(top)[::-1]))
+    assert _vertex_orders(top, q * around)[4] == 1
+
+
+def top_directions(top: Domain) -> np.ndarray:
+    """x and y (2, F) of the middles of the faces around the top, seen from above."""
+    square = np.array([[1, 0], [0, 1], [-1, 0], [0, -1], [0, 0]], dtype=float)
+    return square[top.faces].mean(axis=1).T
