@@ -55,7 +55,7 @@ def exact() -> list[str]:
 def spans() -> list[str]:
     """Nets of 300 panels, and 1000, on spanning surfaces."""
     rows = [
-        "| surface | vertices | umbilics | off, ° | gap / diagonal, 100 | 300 | 1000 | torsion, 300 | κ of 45° net - H |",
+        "| surface | vertices | umbilics | off, ° | gap, 100 | 300 | 1000 | torsion, 300 | κ of 45° net - H |",
         "|---" * 9 + "|",
     ]
     for name, case in SHELLS.items():

@@ -11,7 +11,12 @@ from numpy.testing import assert_allclose
 from solver import ConditionError, Domain, MeshError, shapes, solve_cmc, span_outline
 from solver.gauss import conditions
 from solver.nets.cut import cut_domain
-from solver.nets.hopf import HopfDifferential, _vertex_orders, hopf_differential
+from solver.nets.hopf import (
+    HopfDifferential,
+    _vertex_orders,
+    corner_turns,
+    hopf_differential,
+)
 from solver.nets.isothermic import Isothermic
 from solver.nets.sheets import Sheet, layout, sheet_of
 from tests.solver.exact_surfaces import disc, hemisphere, rates
@@ -174,7 +179,8 @@ def test_a_zero_of_order_four_on_the_sphere():
 
 def test_orders_at_a_cone():
     """The top of an octahedron has the angle defect 2π/3; a field that is constant in its frame has no zero there."""
-    top = Domain.from_positions([[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0], [0, 0, 1]], [[i, (i + 1) % 4, 4] for i in range(4)])
+    corners = [[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0], [0, 0, 1]]
+    top = Domain.from_positions(corners, [[i, (i + 1) % 4, 4] for i in range(4)])
     q = np.exp(2j * corner_turns(top)[:, 2])
     assert not _vertex_orders(top, q).any()
     around = np.exp(1j * np.arctan2(*top_directions(top)[::-1]))

@@ -91,3 +91,15 @@ def test_refusals():
         moulds(panel_net(surface, count=50, sheet="g"), 0.01)
     with pytest.raises(ConditionError, match="tolerance of moulds"):
         moulds(panel_net(surface, count=50), 0.0)
+
+
+def test_few_moulds_serve_a_ring():
+    net = SHELLS["hanging ring"]()
+    assert moulds(net, 0.25 * net.sphere_gap).max() + 1 <= 3
+
+
+def test_the_sphere_of_the_law():
+    x, y = np.random.default_rng(1).uniform(-0.3, 0.3, (2, 50))
+    z, _, _ = height(sphere_quartic(0.8), x, y)
+    exact_z = np.sqrt(1.0 / 0.8**2 - x**2 - y**2) - 1.0 / 0.8
+    assert_allclose(z, exact_z, atol=0.8**5 * 0.18**3 / 10.0)
