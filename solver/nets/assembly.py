@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import ConditionError
 from .cells import Cells, cells_of
 from .field import LineField, mean_deviation
 from .net import Net
@@ -42,7 +43,10 @@ def net_of_count(field: LineField, count: int | None) -> Net:
     net = net_of(field)
     if count is None or abs(len(net.polygons) / count - 1.0) <= _NEAR_COUNT:
         return net
-    again = net_of(field.scaled(float(np.sqrt(len(net.polygons) / count))))
+    try:
+        again = net_of(field.scaled(float(np.sqrt(len(net.polygons) / count))))
+    except ConditionError:  # its lines would be too far apart
+        return net
     return min((net, again), key=lambda one: abs(len(one.polygons) - count))
 
 
