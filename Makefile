@@ -87,6 +87,7 @@ gallery: .venv/ready
 	$(PYTHON) -m scripts.tables.measure_symmetry --write
 	$(PYTHON) -m scripts.tables.measure_periods --write
 	$(PYTHON) -m scripts.tables.measure_bubbles --write
+	$(PYTHON) -m scripts.tables.measure_nets --write
 	$(PYTHON) -m scripts.gallery.render_gallery
 	$(PYTHON) -m scripts.gallery.gallery_window
 

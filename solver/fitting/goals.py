@@ -12,11 +12,11 @@ from ..domain.shape import DomainLike, as_domain
 from ..errors import ConditionError, Progress, check_choice
 from ..gauss.boundary_data import Conditions, check_conditions
 from ..gauss.frames import boundary_edges
+from ..gauss.lines import checked_lean
 from ..limits import COUNT, EXTREME, NUMBERS, POSITIVE, Range, check_number
 from ..linalg import as_numbers
 from ..notes import Sentence
 from ..signatures import check_fields
-from ..spanning.boundary import checked_lean
 from ..spanning.lines import boundary_lines
 from ..surface.cmc_surface import SHEETS
 from ..surface.solve import CmcSolver

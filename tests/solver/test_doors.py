@@ -26,6 +26,9 @@ SHELL = solver.form(PLAN)
 SPAN = solver.span_outline(DISC, DISC.positions, rise=0.4)
 START = Start(RIM, 1.0, np.zeros(3))
 NONE = np.zeros((0, 2), dtype=int)
+SQUARE = shapes.polygon([[0, 0], [1, 0], [1, 1], [0, 1]], max_edge=0.2, corner_radius=0.2)
+SQUARE_SPAN = solver.span_outline(SQUARE, SQUARE.positions, mean_curvature=0.3)
+NET = solver.panel_net(SQUARE_SPAN, 0.3)
 # Calls of each public name, with one argument left open.
 CALLS: dict[str, list[Callable]] = {
     "CmcSolver": [solver.CmcSolver, CMC.moved, lambda x: CMC.index(RIM, x), lambda x: CMC.index(x, NORMALS)],
@@ -70,6 +73,11 @@ CALLS: dict[str, list[Callable]] = {
         lambda x: solver.conformal_distortion(x, PLACES),
         lambda x: solver.conformal_distortion(DISC, x),
     ],
+    "curvature_lines": [
+        lambda x: solver.curvature_lines(x, 0.3),
+        lambda x: solver.curvature_lines(SQUARE_SPAN, x),
+        lambda x: solver.curvature_lines(SQUARE_SPAN, 0.3, quantised=x),
+    ],
     "fit": [lambda x: solver.fit(DISC, x, START, size=1.0), lambda x: solver.fit(DISC, [], x, size=1.0)],
     "fit_gauss_map": [
         lambda x: solver.fit_gauss_map(DISC, x, max_evaluations=2),
@@ -91,13 +99,28 @@ CALLS: dict[str, list[Callable]] = {
         lambda x: solver.hole(DISC, x, 0),
         lambda x: solver.hole(DISC, DISC.positions, 0, x),
     ],
+    "isothermic_coordinates": [
+        lambda x: solver.isothermic_coordinates(x, 0.3),
+        lambda x: solver.isothermic_coordinates(SQUARE_SPAN, x),
+    ],
     "mean_curvature_of": [lambda x: solver.mean_curvature_of(PLACES, x, NORMALS)],
     "modes_of": [
         lambda x: solver.modes_of(x, RIM, NORMALS),
         lambda x: solver.modes_of(HARMONIC, x, NORMALS),
         lambda x: solver.modes_of(HARMONIC, RIM, x),
     ],
+    "moulds": [lambda x: solver.moulds(x, 0.01), lambda x: solver.moulds(NET, x)],
+    "Net": [NET.save],
+    "panel_net": [
+        lambda x: solver.panel_net(x, 0.3),
+        lambda x: solver.panel_net(SQUARE_SPAN, x),
+        lambda x: solver.panel_net(SQUARE_SPAN, count=x),
+        lambda x: solver.panel_net(SQUARE_SPAN, 0.3, kind=x),
+        lambda x: solver.panel_net(SQUARE_SPAN, 0.3, sheet=x),
+        lambda x: solver.panel_net(SQUARE_SPAN, 0.3, planar=x),
+    ],
     "periods": [solver.periods],
+    "planarise": [solver.planarise, lambda x: solver.planarise(NET, keep_rim=x)],
     "principal_curvatures": [lambda x: solver.principal_curvatures(PLACES, FACES, x)],
     "read_plan": [solver.read_plan],
     "report": [
@@ -159,7 +182,7 @@ CALLS: dict[str, list[Callable]] = {
     ],
 }
 # Results, which nobody makes, and names that are no calls.
-NO_CALLS = {"ClosingResult", "Completion", "Fit", "HarmonicMap", "Shape", "Status"}
+NO_CALLS = {"ClosingResult", "Completion", "Fit", "HarmonicMap", "Line", "Shape", "Status"}
 
 
 def test_every_public_name_has_a_call():
