@@ -77,7 +77,7 @@ class Conditions:
 
     def __post_init__(self) -> None:
         for item in fields(self):
-            if item.name != "is_balanced" and not isinstance(getattr(self, item.name), np.ndarray):
+            if item.name not in ("is_balanced", "curves") and not isinstance(getattr(self, item.name), np.ndarray):
                 raise ConditionError(
                     f"Conditions: {item.name} must be an array; the functions of `conditions` make them."
                 )
