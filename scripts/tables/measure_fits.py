@@ -233,7 +233,7 @@ def mixed_cells(plan: MixedPlan, fit: Fit) -> str:
     cells = [
         f"{far('line'):.2f} %{'' if fit.is_met else ', not met'}",
         f"{far('lean'):.2f} %, {angle('lean'):.1f}°" if not np.isnan(far("lean")) else "",
-        f"{angle('held'):.0e}°" if not np.isnan(far("held")) else "",
+        f"{angle('held'):.1g}°" if not np.isnan(far("held")) else "",
         f"{far('held'):.1f} %" if not np.isnan(far("held")) else "",
         f"{fit.surface.mean_curvature:.4f}, {np.nanmedian(H):.4f}",
         f"{len(self_intersections(fit.points(), fit.surface.faces))}",

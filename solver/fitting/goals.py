@@ -170,7 +170,7 @@ class Goals:
         base = float(np.sum(Curve(line, closed=True).shares * line[:, 2]))
         extent = np.ptp(line[:, :2], axis=0)
         size = float(np.linalg.norm(extent))
-        sides = Sides.of(domain, points, given, leans, free, options.blend * size)
+        sides = Sides.of(domain, points, given, leans, free, size, options.blend)
         if options.on_curve and not sides.has(LINE, LEAN):
             raise ConditionError("No side is left on its line; solve with these conditions, or take one out of them.")
         height_parameter, number = options.height_parameter
@@ -243,18 +243,14 @@ class Goals:
         ]
 
     def leans(self) -> list[ContactAngle]:
-        """A target for each side that leans over its line, without its ends."""
-        side = -1.0 if self.options.sheet == "f-" else 1.0
-        return [
-            ContactAngle(
-                each.vertices if each.closed else each.vertices[1:-1],
-                each.normals if each.closed else each.normals[1:-1],
-                each.angle,
-                side,
-                weight=_LEAN_WEIGHT,
-            )
-            for each in self.sides.of_kind(LEAN)
-        ]
+        """A target for each side that leans over its line, far from its ends."""
+        sign = -1.0 if self.options.sheet == "f-" else 1.0
+        found = []
+        for side in self.sides.of_kind(LEAN):
+            far = self.sides.far(side)
+            target = ContactAngle(side.vertices[far], side.normals[far], side.angle, sign, weight=_LEAN_WEIGHT)
+            found.append(target)
+        return found
 
     def residuals(self, fit: Fit) -> tuple[SideResidual, ...]:
         """How far each side of the fitted surface, in its place, is from what was asked of it."""

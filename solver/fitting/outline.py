@@ -111,7 +111,7 @@ def _spanned(goals: Goals, domain: Domain, points: Array, options: OutlineOption
         progress=options.progress,
     )
     leans = [(goals.sides.edges(side), side.angle) for side in goals.sides.of_kind(LEAN)]
-    also = goals.sides.start_leans(points, -1.0 if options.sheet == "f-" else 1.0)
+    also = goals.sides.start_leans(-1.0 if options.sheet == "f-" else 1.0)
     if also and curve is None:
         with suppress(ConditionError):  # walls that cannot be met
             span = call(leans=[*leans, *also])

@@ -148,6 +148,18 @@ def test_lines_stay_in_the_distances_that_a_user_can_measure():
     assert 0.01 * SIZE < held.distance < 0.1 * SIZE  # the rim is free there
 
 
+def test_neither_unit_nor_place_matter():
+    """Nor does the sheet: f- of the opposite map is the same surface."""
+    plan = hall()
+    found = fit_outline(plan, plan.positions, **street(plan))
+    for scale, place in ((1000.0, [0.0, 0.0, 0.0]), (1.0, [1e4, -2e4, 50.0])):
+        points = scale * in_space(plan.domain, plan.positions) + place
+        other = fit_outline(plan, points, **street(plan))
+        assert_allclose((other.points() - place) / scale, found.points(), rtol=0, atol=2e-4 * SIZE)
+    twin = fit_outline(plan, plan.positions, **street(plan), sheet="f-")
+    assert_allclose(twin.points(), found.points(), rtol=0, atol=1e-6 * SIZE)
+
+
 def test_a_mirror_stays_in_its_plane():
     plan = hall(corner_radius=0.0)
     found = fit_outline(plan, plan.positions, **mirrored(plan))
