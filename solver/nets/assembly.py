@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ConditionError
-from .cells import Cells, cells_of
+from .cells import Cells, cells_of, collapsed
 from .field import LineField, mean_deviation
 from .net import Net
 from .places import normals_at, points_at
@@ -21,6 +21,8 @@ Int = NDArray[np.integer]
 
 # The rim of the panels is within this part of the spacing from the rim of the surface.
 _NEAR = 0.1
+# Nodes that are nearer than this part of the spacing are one.
+_POINT = 1e-5
 # A count of panels that is nearer to the wanted one, as a part of it, is not improved.
 _NEAR_COUNT = 0.05
 
@@ -53,6 +55,7 @@ def net_of_count(field: LineField, count: int | None) -> Net:
 def _assembled(field: LineField, cells: Cells) -> Net:
     sheet = field.sheet
     points = points_at(sheet, cells.faces, cells.barycentric)
+    cells = collapsed(cells, points, _POINT * field.spacing)
     is_open = (cells.family < 0) & ~field.on_line[cells.rim_edge]
     rim = {(int(i), int(j)) for i, j in cells.arcs[is_open]}
     kept = set(cells.corners.tolist())

@@ -6,7 +6,7 @@ of a boundary loop. Arc a has half-arcs 2a and 2a + 1; each cell is a cycle of h
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
@@ -63,6 +63,25 @@ def cells_of(domain: Domain, lines: Lines, corners: Int) -> Cells:
     on_corners = node_of_corner[corners]
     edge = np.concatenate([np.full(len(along), -1), rim_edge])
     return Cells(faces, barycentric, on_corners, arcs, families, cells, cell_of_half, edge, arc_of_point)
+
+
+def collapsed(cells: Cells, points: Array, least: float) -> Cells:
+    """The cells with nodes (n, 3) that are joined by arcs shorter than `least` in one: the first of each group.
+
+    Where sides that are lines meet at an umbilic, another line starts there, and ends beside the corner by rounding.
+    """
+    short = np.linalg.norm(points[cells.arcs[:, 1]] - points[cells.arcs[:, 0]], axis=1) < least
+    if not short.any():
+        return cells
+    i, j = cells.arcs[short].T
+    graph = sp.csr_array((np.ones(len(i), dtype=np.int8), (i, j)), shape=(len(points), len(points)))
+    _, first, same = np.unique(
+        connected_components(graph, directed=False)[1], return_index=True, return_inverse=True
+    )
+    node = first[same.ravel()]
+    merged = [node[cell] for cell in cells.cells]
+    proper = [cell[cell != np.roll(cell, 1)] for cell in merged]
+    return replace(cells, arcs=node[cells.arcs], cells=proper, corners=np.unique(node[cells.corners]))
 
 
 def _nodes(domain: Domain, lines: Lines, corners: Int) -> tuple[Int, Array, Int, Int]:
