@@ -12,10 +12,11 @@ from ..domain.domain import Domain
 from ..errors import ConditionError, plural
 from ..gauss.frames import boundary_edges, unit
 from ..gauss.harmonic import HarmonicSolver
+from ..gauss.lines import checked_lean
 from ..limits import shown
 from ..linalg import as_array, sum_rows
 from ..notes import Note
-from .boundary import LINE, Lean, Plane, Side, checked_lean, mixed_loop, other_line, own_line
+from .boundary import LINE, Lean, Plane, Side, mixed_loop, other_line, own_line
 from .coordinates import Coordinates
 from .curves import enclosed
 from .douglas import angles, douglas_kernel, rim_angles
@@ -85,7 +86,7 @@ class Conditions:
 def setting(
     domain: Domain,
     points: Array,
-    curve: ArrayLike | Sequence[ArrayLike] | None = None,
+    curve: ArrayLike | Sequence[ArrayLike | None] | None = None,
     mirrors: Sequence[tuple[ArrayLike, ArrayLike]] = (),
     leans: Sequence[tuple[ArrayLike, float]] = (),
     anchors: ArrayLike | None = None,

@@ -78,6 +78,13 @@ class Span:
         return self.status is SpanStatus.CONVERGED
 
     @property
+    def corners(self) -> NDArray[np.integer]:
+        """Vertices (k,) of the rim that stay where lines have corners, and where kinds of sides meet."""
+        problem = self.kept.descent.problem
+        rim = problem.coordinates.rim
+        return np.unique(np.concatenate([rim[loop[at]] for loop, at in zip(problem.loops, problem.marks, strict=True)]))
+
+    @property
     def g(self) -> Array | None:
         """The parallel surface of constant Gauss curvature, f - N / 2H; None where H = 0."""
         return None if self.mean_curvature == 0.0 else self.points - 0.5 / self.mean_curvature * self.normals
