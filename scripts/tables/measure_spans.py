@@ -157,7 +157,7 @@ def leans() -> list[str]:
         "heights",
         "H, by area, by normals",
         "crossings",
-        "runs back",
+        "upright",
         "back-solves",
         "cold solves",
     )
@@ -193,9 +193,9 @@ def lean_row(case: Leaning, count: int) -> str:
     if count > COUNT and steepest >= 35 and max(lean.off for lean in checks.leans) > np.radians(LEAN):
         off += ", missed"
     cost = f"{time:.1f}{', missed' if time > (QUICK if steepest >= 45 else SLOW) else ''}"
-    back = f"{checks.runs_back:.2f}" if checks.runs_back > 0.0 else "no"
+    stands = len(span.kept.upright)
     solves = span.history[-1].solves
-    return row(case.name, len(points), asked, off, heights, H, checks.crossings, back, solves, cost)
+    return row(case.name, len(points), asked, off, heights, H, checks.crossings, stands, solves, cost)
 
 
 # --- necks, a slider, random lines -----------------------------------------------------------------------------------

@@ -40,10 +40,12 @@ class Wish:
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """The end of a search. largest: of H, where a larger one was asked for."""
+    """The end of a search. largest: of H, where a larger one was asked for. upright: rim vertices that stand at the end
+    of their leaning side."""
 
     descent: Descent
     largest: float | None = None
+    upright: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
