@@ -20,7 +20,7 @@ from ..gauss.conditions import KINDS, Parameter
 from ..io.mesh_files import FORMATS, read_mesh
 from ..io.obj import MeshData, decoded
 from ..notes import Note
-from ..shells.close import ClosingOptions, close_plan, closing_report
+from ..shells.close import ClosingOptions, close_plan, closing_input, closing_report
 from ..shells.complete import Completed, complete_plan
 from ..shells.fit import FitOptions, fit_plan
 from ..shells.form import form
@@ -135,8 +135,10 @@ def make_job(data: Mapping[str, object], file: Path) -> Job:
     close = read_close(root) if "close" in root else None
     job = Job(file, plan, settings, mesh, outputs, up, fit, close, complete, [*mesh.notes, *root.notes], data)
     check_paths(file, _reads(root, mesh, file.parent), _writes(job))
-    if fit is None:
-        with drawn_numbers(plan):
+    with drawn_numbers(plan):
+        if close is not None:
+            closing_input(plan, settings, close, domain)
+        elif fit is None:
             plan_conditions(plan, settings, domain)
     return job
 
@@ -269,5 +271,7 @@ def _outputs(table: Table, folder: Path) -> dict[str, Path]:
             suffix = outputs[name].suffix.lower()
             if name != "report" and suffix not in FORMATS:
                 raise table.fail(f'"{key}" has no format known here ("{suffix}"); use one of {", ".join(FORMATS)}.')
+            if name == "report" and suffix in FORMATS:
+                raise table.fail(f'"report" is a file of JSON, not of meshes ("{suffix}"); call it report.json.')
     table.finish()
     return outputs
