@@ -192,7 +192,25 @@ _KEYS = (
 _DOTTED = re.compile(r"""(?<![\w"'-])(?:(?:"[^"\n]*"|'[^'\n]*'|[\w-]++)[ \t]*+\.[ \t]*+){30}""")
 
 
+# What often stands in a line that is not TOML, and what to write in its place.
+_HINTS = (
+    (r"[“”„‘’«»]", "write straight quotes"),
+    (r'= *"[^"\n]*\\', 'write paths with "/", or in single quotes'),
+    (r"= *-?\d+,\d", "write numbers with a point, and without separators"),
+)
+
+
+def _hint(error: Exception, text: str) -> str:
+    """"; …" what to write in a line that is not valid, where that can be guessed."""
+    place = re.search(r"at line (\d+)", str(error))
+    line = text.split("\n")[int(place[1]) - 1] if place else ""
+    return next((f"; {hint}" for pattern, hint in _HINTS if re.search(pattern, line)), "")
+
+
 def _parse(file: Path) -> dict[str, object]:
+    text = ""
+    if file.suffix.lower() in FORMATS:
+        raise JobError(f'{file} is a mesh, not a job; write a job that names it, mesh = "{file.name}".')
     try:
         text = decoded(file.read_bytes())
         if deep := _DOTTED.search(text):
@@ -202,7 +220,7 @@ def _parse(file: Path) -> dict[str, object]:
     except OSError as error:
         raise JobError(f"{file} cannot be read: {error.strerror or error}.") from error
     except tomllib.TOMLDecodeError as error:
-        raise JobError(f"{file} is not valid TOML: {error}.") from error
+        raise JobError(f"{file} is not valid TOML: {error}{_hint(error, text)}.") from error
     except (RecursionError, ValueError) as error:
         why = "it is nested too deeply" if isinstance(error, RecursionError) else "a number in it has too many digits"
         raise JobError(f"{file} cannot be read: {why}.") from error
