@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..closing.close import ClosingResult, check_closing, close_periods
 from ..closing.holes import MOTIONS, MovingHoles
 from ..domain.domain import Domain
-from ..errors import JobError, Progress, check_choice
+from ..errors import ConditionError, JobError, Progress, check_choice
 from ..gauss.boundary_data import Conditions
 from ..limits import COUNT, POSITIVE, check_number
 from ..measure.report import to_plain
@@ -185,6 +185,8 @@ def closing_input(
     _check_sites(settings)
     moving = _moving(plan, domain, options)
     conditions = plan_conditions(plan, settings, domain)
+    if conditions.is_spanned:
+        raise ConditionError("A shell on lines closes around its holes by itself; form it without closing.")
     check_closing(domain, conditions, _BY[options.by])
     return conditions, moving
 
