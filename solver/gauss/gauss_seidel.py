@@ -67,7 +67,7 @@ class _Pace:
         self.looks: list[Point] = []
 
     def ended(self, point: Point) -> Status | None:
-        """STALLED where the energy is level and the residual up and down, ITERATION_LIMIT where it is too slow."""
+        """STALLED where the energy is level and the residual goes up and down, ITERATION_LIMIT at too slow a pace."""
         self.sweep += 1
         if self.sweep % _LOOK:
             return None
