@@ -83,9 +83,11 @@ gallery: .venv/ready
 	$(PYTHON) -m scripts.tables.measure_faces --write
 	$(PYTHON) -m scripts.tables.measure_fits --write
 	$(PYTHON) -m scripts.tables.measure_approximation --write
+	$(PYTHON) -m scripts.tables.measure_spans --write
 	$(PYTHON) -m scripts.tables.measure_symmetry --write
 	$(PYTHON) -m scripts.tables.measure_periods --write
 	$(PYTHON) -m scripts.tables.measure_bubbles --write
+	$(PYTHON) -m scripts.tables.measure_nets --write
 	$(PYTHON) -m scripts.gallery.render_gallery
 	$(PYTHON) -m scripts.gallery.gallery_window
 

@@ -5,8 +5,8 @@ The Gauss map of such a surface is harmonic, and the surface follows from it. Th
 boundary and `HarmonicSolver` finds the unit normals N (gauss); `solve_cmc` integrates them to a conjugate surface g and
 returns f± = g ± N (surface); `report` measures what came of it (measure). Then surfaces are completed by mirrors
 (symmetry) and closed around holes (closing); others span given lines (spanning) or are fitted to goals (fitting); some
-are ready-made (catalogue). `form` makes a shell over a drawn `Plan`, sized and placed (shells), from Python or from a
-job file (jobs). Each room opens with such a page::
+are ready-made (catalogue). `panel_net` makes curvature lines and panels of them (nets). `form` makes a shell over a
+drawn `Plan`, sized and placed (shells), from Python or from a job file (jobs). Each room opens with such a page::
 
     import numpy as np
     from solver import conditions, report, shapes, solve_cmc
@@ -46,6 +46,11 @@ from .measure import (
     report,
     vertex_principal_curvatures,
 )
+from .nets.lines import Line, curvature_lines, isothermic_coordinates
+from .nets.moulds import moulds
+from .nets.net import Net
+from .nets.panel_net import panel_net
+from .nets.planarise import planarise
 from .shells.form import form
 from .shells.plan import Group, Plan, Settings, read_plan
 from .shells.shell import Shell
@@ -74,7 +79,9 @@ __all__ = [
     "HarmonicMap",
     "HarmonicSolver",
     "JobError",
+    "Line",
     "MeshError",
+    "Net",
     "Plan",
     "Report",
     "Settings",
@@ -87,16 +94,21 @@ __all__ = [
     "complete",
     "conditions",
     "conformal_distortion",
+    "curvature_lines",
     "fit",
     "fit_gauss_map",
     "fit_outline",
     "form",
     "gauss_curvature_of",
     "hole",
+    "isothermic_coordinates",
     "mean_curvature_of",
     "modes_of",
     "modules",
+    "moulds",
+    "panel_net",
     "periods",
+    "planarise",
     "principal_curvatures",
     "read_plan",
     "report",

@@ -9,8 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from difflib import get_close_matches
 from enum import Enum
+from numbers import Integral, Real
+from typing import Any
 
 _LISTED = 8
+_DIGITS = 40
 
 
 class CmcError(Exception):
@@ -74,7 +77,8 @@ _SENTENCES = {
     Status.CONVERGED: "Converged: the normals are harmonic to the tolerance.",
     Status.STALLED: "No step lowers the energy any further, but the tolerance is not reached; "
     "refine or improve the mesh.",
-    Status.ITERATION_LIMIT: "The iteration limit was reached before the tolerance; allow more iterations.",
+    Status.ITERATION_LIMIT: "The iteration limit comes before the tolerance; allow more iterations, or take another "
+    "method.",
     Status.UNDER_RESOLVED: "Neighbouring normals differ by more than 90°, so the mesh does not resolve the map; "
     "refine it, or round the corners of the plan.",
     Status.COLLAPSED: "The normals are all the same, so the surface shrinks to a point; tilt some boundary normals.",
@@ -112,12 +116,32 @@ def suggestion(name: object, known: Iterable[str]) -> str:
     return f"; did you mean {meant}?" if near else f"; known are {', '.join(names.values()) or 'none'}."
 
 
+def shown(value: Any) -> str:
+    """A value as a message has it: texts in quotes, long ones cut; 1000000 as 1,000,000; functions without address."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, Integral):
+        digits = int(int(value).bit_length() * 0.30103) + 1
+        return f"{value:,}" if digits < _DIGITS else f"a number of about {digits} digits"
+    if isinstance(value, Real):
+        return f"{float(value):g}"
+    if isinstance(value, str):
+        text = f'"{value}"'
+    else:
+        try:
+            text = str(value)
+        except (RecursionError, ValueError):  # nested too deeply, or with thousands of digits
+            text = f"a {type(value).__name__}"
+        if text.startswith("<") or " at 0x" in text:  # what Python shows of functions, types and bare objects
+            text = "a function" if callable(value) and not isinstance(value, type) else f"a {type(value).__name__}"
+    return text if len(text) <= _DIGITS else text[: _DIGITS - 3] + "..."
+
+
 def check_choice(name: object, known: Iterable[str], what: str, error: type[CmcError] = ConditionError) -> None:
     """Raise `error` unless `name` is among the `known` names; `what` is the noun for them."""
     names = list(known)
     if not isinstance(name, str) or name not in names:
-        shown = f'"{name}"' if isinstance(name, str) else repr(name)
-        raise error(f"There is no {what} {shown}{suggestion(name, names)}")
+        raise error(f"There is no {what} {shown(name)}{suggestion(name, names)}")
 
 
 def unexpected(error: Exception, way_out: str) -> str:

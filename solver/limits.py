@@ -10,14 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from .errors import CmcError, ConditionError
+from .errors import CmcError, ConditionError, shown
 
 SMALLEST, LARGEST = 1e-30, 1e30
 MOST_VERTICES = 1_000_000
 """Vertices of a plan that is made here; more is nearly always a mistake in the units."""
 EXTREME = 1e-6
 """Part of a plan's size below which, and above whose inverse, no shell is one over this plan."""
-_DIGITS = 40
 
 
 @dataclass(frozen=True)
@@ -57,22 +56,3 @@ def check_number(
     """Raise `error`, naming `what` and the range, on a value that is no number `within` it."""
     if value not in within:
         raise error(f"The {what} must be {within}, not {shown(value)}.")
-
-
-def shown(value: Any) -> str:
-    """A value as a message has it: texts in quotes, long ones cut; 1000000 as 1,000,000."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, (int, np.integer)):
-        digits = int(int(value).bit_length() * 0.30103) + 1
-        return f"{value:,}" if digits < _DIGITS else f"a number of about {digits} digits"
-    if isinstance(value, (float, np.floating)):
-        return f"{value:g}"
-    if isinstance(value, str):
-        text = f'"{value}"'
-    else:
-        try:
-            text = str(value)
-        except (RecursionError, ValueError):  # nested too deeply, or with thousands of digits
-            text = f"a {type(value).__name__}"
-    return text if len(text) <= _DIGITS else text[: _DIGITS - 3] + "..."

@@ -21,6 +21,7 @@ CODES = {
     "distorted": "the plan's holes were kept, so the map to the surface distorts and its mean curvature is not even",
     "several": "several surfaces of this mean curvature span the lines, and this is the fuller one or a saddle",
     "lean-missed": "a side meets the wall over its line at another angle than asked",
+    "runs-back": "the rim of a side that leans runs back along its line, or past the end of the side, next to a line",
     "steep-corner": "two sides lean steeply about a corner that is rounded a little, where the rim goes far down or up",
     "crossing": "the shell goes through itself",
     "overhang": "part of the shell leans out past the vertical",

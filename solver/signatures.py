@@ -15,8 +15,7 @@ from typing import Annotated, Any, TypeVar, Union, get_args, get_origin, get_typ
 
 import numpy as np
 
-from .errors import ArgumentError
-from .limits import shown
+from .errors import ArgumentError, shown
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -76,8 +75,8 @@ def _fits(value: Any, hint: Any) -> bool:
     if origin is Callable:
         return callable(value)
     if origin in (Sequence, list, tuple):
-        if isinstance(value, np.ndarray):
-            return True
+        if isinstance(value, np.ndarray):  # of items alike
+            return value.ndim > 0 and (not len(value) or _fits(value[0], parts[0]))
         if isinstance(value, str):
             return parts[0] is str  # one name in place of a list: where it is used, the message is better
         if not isinstance(value, Sequence) or isinstance(value, bytes):

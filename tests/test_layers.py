@@ -20,7 +20,7 @@ ROOT = Path(__file__).parent.parent
 SOLVER = (
     "interrupts", "version",
     "errors", "notes", "limits", "signatures", "linalg", "io", "meshing", "domain", "gauss", "surface", "measure",
-    "symmetry", "closing", "spanning", "fitting", "catalogue", "shells", "jobs",
+    "symmetry", "closing", "spanning", "fitting", "catalogue", "nets", "shells", "jobs",
 )
 ADDON = (
     "properties", "bridges", "drawing", "background", "results", "tasks", "operators", "live", "headless", "panels",

@@ -16,6 +16,7 @@ from ...solver import interrupts
 from ...solver.errors import JobError
 from ...solver.jobs.job import Job
 from ...solver.notes import Note
+from ...solver.shells.close import closing_input
 from ...solver.shells.complete import CopySelection
 from ...solver.shells.plan_conditions import plan_conditions
 from ..background import plan_cache
@@ -133,13 +134,18 @@ def _shown(plan: bpy.types.Object) -> str:
 
 
 def check(task: Task) -> None:
-    """Raise `CmcError` where the conditions of a solve contradict each other, before it begins."""
+    """Raise `CmcError` where the conditions of a solve contradict each other, or nothing can be closed, before it
+    begins."""
     solve = task.solve if isinstance(task, ShellTask) else task
     if isinstance(solve, SolveTask):
         settings = solver_settings(solve.settings)
         prepared = plan_cache.prepare(solve.mesh, settings.solver_choice)
+        plan, domain = solve.plan(prepared), prepared.solver.domain
         with prepared.plan_numbers(solve.mesh):
-            plan_conditions(solve.plan(prepared), settings, prepared.solver.domain)
+            if isinstance(task, CloseTask):
+                closing_input(plan, settings, task.closing, domain)
+            else:
+                plan_conditions(plan, settings, domain)
 
 
 def run_step(context: bpy.types.Context, plan: bpy.types.Object, step: str, task: Task) -> Formed:

@@ -68,6 +68,11 @@ class CloseTask(ShellTask[CloseResult]):
     def shows(self) -> str:
         return self.solve.shows()
 
+    @property
+    def closing(self) -> ClosingOptions:
+        """What may change."""
+        return self.options or closure_of(self.wanted)
+
     def work(self, progress: Progress) -> CloseResult:
         settings, mesh = solver_settings(self.solve.settings), self.solve.mesh
         prepared = plan_cache.prepare(mesh, settings.solver_choice)
@@ -75,7 +80,7 @@ class CloseTask(ShellTask[CloseResult]):
             closed = close_plan(
                 self.solve.plan(prepared),
                 settings,
-                self.options or closure_of(self.wanted),
+                self.closing,
                 solver=prepared.solver,
                 start=None if self.known is None else self.known.shell.surface,
                 progress=progress,

@@ -20,8 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scripts.tables.measured_page import Tables, measure
-from solver import CmcSolver, ConditionError, Domain, Fit, conditions, fit_outline, shapes
+from scripts.tables.mixed_plans import MixedPlan, mixed_plans
+from solver import CmcSolver, ConditionError, Domain, Fit, conditions, fit_outline, mean_curvature_of, shapes
 from solver.fitting.curves import Curve
+from solver.measure.intersections import self_intersections
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -197,12 +199,83 @@ def off(fit: Fit, size: float) -> float:
     return 100 * fit.distances["rim on curve"] / size
 
 
+def mixed() -> list[str]:
+    """Lines along some sides, given normals along others: what each misses, and the work."""
+    rows = [
+        "| plan | vertices | lines off | over their line: off, angle | given normals off | their rim drifts "
+        "| H, measured | crossings | evaluations, time |",
+        "|---" * 9 + "|",
+    ]
+    for plan in mixed_plans():
+        start = time.process_time()
+        fit = mixed_fit(plan)
+        spent = (time.process_time() - start) / cold(plan.shape)
+        count = len(plan.positions)
+        rows.append(f"| {plan.name} | {count} | {mixed_cells(plan, fit)} | {len(fit.history)}, {spent:.0f} × |")
+    return rows
+
+
+def mixed_fit(plan: MixedPlan, by: float = 0.0, **more: Any) -> Fit:
+    """The fit of a plan whose lean is changed by some degrees."""
+    return fit_outline(plan.shape, plan.positions, **plan.goals(plan.angle + by), **more)
+
+
+def mixed_cells(plan: MixedPlan, fit: Fit) -> str:
+    size = size_of(plan.positions)
+
+    def far(kind: str) -> float:
+        return max((100 * side.distance / size for side in fit.sides if side.kind == kind), default=np.nan)
+
+    def angle(kind: str) -> float:
+        return max((np.degrees(side.angle) for side in fit.sides if side.kind == kind), default=np.nan)
+
+    H = mean_curvature_of(fit.points(), fit.surface.faces, fit.surface.normals)
+    cells = [
+        f"{far('line'):.2f} %{'' if fit.is_met else ', not met'}",
+        f"{far('lean'):.2f} %, {angle('lean'):.1f}°" if not np.isnan(far("lean")) else "",
+        f"{angle('held'):.1g}°" if not np.isnan(far("held")) else "",
+        f"{far('held'):.1f} %" if not np.isnan(far("held")) else "",
+        f"{fit.surface.mean_curvature:.4f}, {np.nanmedian(H):.4f}",
+        f"{len(self_intersections(fit.points(), fit.surface.faces))}",
+    ]
+    return " | ".join(cells)
+
+
+def restarts() -> list[str]:
+    """A lean changed by 1°: the least work, the whole fit, and how far it is from that from nothing."""
+    rows = [
+        "| plan | one step: time, lines off | to the end: evaluations, time, lines off | moved by "
+        "| away from the fit from nothing |",
+        "|---" * 5 + "|",
+    ]
+    for plan in [plan for plan in mixed_plans() if plan.angle and "mirror" not in plan.name][:6]:
+        unit, first, fresh = cold(plan.shape), mixed_fit(plan), mixed_fit(plan, 1.0)
+        quick, quick_time = restarted(plan, first, unit, max_evaluations=1)
+        whole, whole_time = restarted(plan, first, unit)
+        size = size_of(plan.positions)
+        moved, apart = (100 * np.abs(whole.points() - other.points()).max() / size for other in (first, fresh))
+        lines = [max(100 * s.distance / size for s in fit.sides if s.kind == "line") for fit in (quick, whole)]
+        rows.append(
+            f"| {plan.name} | {quick_time:.1f} ×, {lines[0]:.2f} % | {len(whole.history)}, {whole_time:.0f} ×, "
+            f"{lines[1]:.2f} % | {moved:.1f} % | {apart:.1f} % |"
+        )
+    return rows
+
+
+def restarted(plan: MixedPlan, first: Fit, unit: float, **more: Any) -> tuple[Fit, float]:
+    start = time.process_time()
+    fit = mixed_fit(plan, 1.0, initial=first, **more)
+    return fit, (time.process_time() - start) / unit
+
+
 TABLES: Tables = {
     "outlines": outlines,
     "work": work,
     "height_parameters": height_parameters,
     "raised": raised,
     "courtyards": courtyards,
+    "mixed": mixed,
+    "restarts": restarts,
 }
 
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..domain.domain import Domain
 from ..domain.shape import Shape
 from ..errors import MeshError
-from ..limits import COUNT, Range, check_number
+from ..limits import COUNT, POSITIVE, Range, check_number
 from ..meshing.mesher import mesh_plan
 from ..signatures import checked
 
@@ -194,7 +194,7 @@ def vault(openings: int, foot: float | Sequence[float], *, length: float = 1.0, 
 
 def _quadrilateral(length: float, tubes: int, depth: float, bend: float, max_edge: float) -> Array:
     """The outline of a node: from the node along the axis, the end and the floor to the bisector."""
-    if not (min(length, depth, bend, max_edge) > 0.0 and np.isfinite([length, depth, bend, max_edge]).all()):
+    if any(number not in POSITIVE for number in (length, depth, bend, max_edge)):
         raise MeshError("The length, depth, bend and largest edge of a node must be positive numbers.")
     corners = np.array([[0.0, 0.0], [length, 0.0], [length, depth]])
     if tubes == 2:

@@ -12,8 +12,8 @@ import numpy as np
 
 from ..domain.domain import Domain
 from ..domain.shape import Shape
-from ..errors import MeshError
-from ..limits import MOST_VERTICES, POSITIVE, Range, shown
+from ..errors import MeshError, shown
+from ..limits import MOST_VERTICES, POSITIVE, Range
 from ..meshing.mesher import mesh_plan
 from ..meshing.outline import check_loops, signed_area
 from ..meshing.rounding import rounded_sentence

@@ -15,7 +15,8 @@ import numpy as np
 from scipy.optimize import root_scalar
 from scipy.special import ellipe, ellipk, elliprf, elliprj
 
-from ..errors import ConditionError
+from ..errors import ConditionError, shown
+from ..limits import POSITIVE
 from ..signatures import checked
 
 # Distance of the parameter from the ends of its range, as a part of it: angles of 0.001° and 180°.
@@ -56,10 +57,10 @@ def check_angle(angle: float) -> None:
             f"The angle {angle:g} is more than half a turn: angles are in radians. For {angle:g}° write "
             f"np.radians({angle:g})."
         )
-    if not (isinstance(angle, (int, float, np.number)) and np.isfinite(angle) and 0.0 < angle < np.pi):
+    if not (angle in POSITIVE and angle < np.pi):
         raise ConditionError(
             f"The normals of the two ends of a Wente cylinder differ by more than 0 and less than π radians, not by "
-            f"{angle!r}; π/2 gives a torus of four cylinders, π/3 and 2π/3 one of six."
+            f"{shown(angle)}; π/2 gives a torus of four cylinders, π/3 and 2π/3 one of six."
         )
 
 

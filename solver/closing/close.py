@@ -24,7 +24,7 @@ from ..signatures import check_fields
 from ..surface.cmc_surface import CmcSurface
 from ..surface.solve import CmcSolver
 from ..symmetry.sides import Side
-from .closing_conditions import ClosingConditions
+from .closing_conditions import NOTHING_OPEN, ClosingConditions
 from .closing_map import ClosingMap, Place
 from .holes import together
 from .moduli import Moduli
@@ -165,15 +165,24 @@ def close_periods(domain: DomainLike, conditions: Conditions, options: PeriodOpt
     and where nothing may change.
     """
     domain = as_domain(domain)
-    check_conditions(conditions)
-    if not conditions.vertices.size and options.by != "moduli":
-        raise ConditionError("No normals are prescribed that could change; close by moduli.")
+    check_closing(domain, conditions, options.by, options.coplanar)
     moduli = Moduli.none(domain) if options.moduli is None else together(options.moduli)
     closing = ClosingConditions.of(domain, conditions, options.coplanar)
     closing_map = ClosingMap(conditions, closing, moduli, options.method)
     axes = None if options.positions is None else boundary_tangents(domain, options.positions, closing_map.fixed)
     steps = ClosingSteps(closing_map, options.by, options.weight, axes)
     return _result(closing_map, _search(steps, options), options.mean_curvature)
+
+
+def check_closing(
+    domain: Domain, conditions: Conditions, by: str, coplanar: Sequence[Sequence[Side]] = ()
+) -> None:
+    """Raise `ConditionError` where nothing is open, or nothing may change; nothing is solved for that."""
+    check_conditions(conditions)
+    if not conditions.vertices.size and by != "moduli":
+        raise ConditionError("No normals are prescribed that could change; close by moduli.")
+    if domain.euler_characteristic > 0 and not len(coplanar):
+        raise ConditionError(NOTHING_OPEN)
 
 
 @dataclass(frozen=True, eq=False)

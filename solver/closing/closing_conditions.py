@@ -28,6 +28,10 @@ from ..symmetry.sides import Side
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
+NOTHING_OPEN = (
+    "There is nothing to close: the domain has neither holes nor handles, and no two sides must share a plane."
+)
+
 
 @dataclass(frozen=True, eq=False)
 class ClosingConditions:
@@ -60,10 +64,7 @@ class ClosingConditions:
                 paths.append(path_across(homology, start, end))
                 directions.append(normal[None])
         if not names:
-            raise ConditionError(
-                "There is nothing to close: the domain has neither holes nor handles, and no two sides must share a "
-                "plane."
-            )
+            raise ConditionError(NOTHING_OPEN)
         sizes = [len(each) for each in directions]
         owners = np.repeat(np.arange(len(names)), sizes)
         return cls(homology, np.stack(paths, axis=1), np.concatenate(directions), owners, tuple(names))

@@ -116,8 +116,11 @@ class Domain:
     def with_lengths(self, lengths: Array) -> Domain:
         """The same faces with other edge lengths (E,); the topology computed so far is kept.
 
-        Raises `MeshError` where a triangle inequality fails.
+        Raises `MeshError` on another number of lengths and where a triangle inequality fails.
         """
+        lengths = as_numbers(lengths, "The edge lengths", MeshError)
+        if lengths.shape != self.edge_lengths.shape:
+            raise MeshError(f"The edge lengths must have the shape {self.edge_lengths.shape}, not {lengths.shape}.")
         domain = _with_proper_faces(self._mesh, self.faces, lengths)
         domain.__dict__.update({name: self.__dict__[name] for name in _TOPOLOGY if name in self.__dict__})
         return domain

@@ -59,6 +59,10 @@ class Tree:
         steps = self.sign[:, None] * np.vstack([form, np.zeros((1, form.shape[1]))])[self.pair]
         return accumulate(self.parent, steps)
 
+    def accumulated(self, steps: Array) -> Array:
+        """Sums (n,) of `steps` (n,), one from the parent of each node to the node, from the root on."""
+        return accumulate(self.parent, steps[:, None])[:, 0]
+
     def climb(self, node: int) -> tuple[Int, Array]:
         """The pairs between a node and the root, and their signs: `value(node) = Σ sign form[pair]`."""
         way = []

@@ -76,7 +76,7 @@ class Curve:
         return Closest(*(np.concatenate(parts) for parts in zip(*map(self._closest, chunks), strict=True)))
 
     def between(self, first: Array, last: Array) -> Curve:
-        """The open piece of a closed curve that runs from the place nearest to a point (3,) to that nearest to another."""
+        """The open piece of a closed curve from its place nearest to a point (3,) to that nearest to another."""
         ends = self.closest(np.stack([first, last]))
         start, stop = (int(k) for k in ends.start)
         steps = (stop - start) % len(self.points)

@@ -114,10 +114,12 @@ class Fit:
             return [self.span.message]
         return [self.status.sentence, *self.unmet]
 
+    @checked
     def points(self, sheet: str | None = None) -> Array:
         """A sheet (n, 3) in its place; by default the fitted one."""
         return self.sign * self.surface.sheet(sheet or self.sheet) + self.shift
 
+    @checked
     def normals(self, sheet: str | None = None) -> Array:
         """Unit normals (n, 3) of a sheet in its place, on the side from which its faces are counter-clockwise."""
         N = self.surface.normals
@@ -154,8 +156,8 @@ class Fit:
 class Start:
     """The start of a fit: boundary conditions, scale 1 / (2 H), shift, and normals (V, 3) of a first map or None.
 
-    response, model: of an earlier fit on the same domain, to use their matrices again. held: vertices (k,) whose normals stay
-    as the conditions have them.
+    response, model: of an earlier fit on the same domain, to use their matrices again. held: vertices (k,) whose
+    normals stay as the conditions have them.
     """
 
     conditions: Conditions
@@ -184,9 +186,10 @@ def fit(
 ) -> Fit:
     """Minimise Σ weight · target over the boundary normals, and the scale and the shift where they are free.
 
-    The normals at the vertices that `start.conditions` fix may change, but those at `start.held` stay. size: the length by which errors are divided.
-    gain: the part of the value that a step must gain to be followed by another. By L-BFGS in the coordinates of
-    `GaussNewtonModel`; each evaluation takes a warm solve and an adjoint one. progress(evaluation, value) is called at
+    The normals at the vertices that `start.conditions` fix may change, but for those at `start.held`. size: the length
+    by which errors are divided. gain: the part of the value that a step must gain to be followed by another. By L-BFGS
+    in the coordinates of `GaussNewtonModel`; each evaluation takes a warm solve and an adjoint one. With the response
+    and the model of an earlier fit it stays near the surface of that one. progress(evaluation, value) is called at
     every step; False cancels. Raises `ConditionError` on an unknown sheet and without targets.
     """
     check_choice(sheet, _SIDES, "sheet")

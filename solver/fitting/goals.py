@@ -8,7 +8,6 @@ from dataclasses import KW_ONLY, dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..domain.domain import Domain
 from ..domain.shape import DomainLike, as_domain
 from ..errors import ConditionError, Progress, check_choice
 from ..gauss.boundary_data import Conditions, check_conditions
@@ -24,7 +23,8 @@ from ..surface.solve import CmcSolver
 from .curves import Curve
 from .fit import Fit
 from .side_residuals import SideResidual, side_residuals
-from .sides import HELD, LEAN, LINE, MIRROR, Sides
+from .sides import HELD, LEAN, LINE, MIRROR, Sides, opposite
+from .supports import Supports
 from .target import Shape, Target
 from .targets import Anchors, Closed, Crown, RimOnCurve, SmoothRim, TiltBounds, Volume
 from .wall_targets import ContactAngle, InPlane
@@ -49,8 +49,6 @@ _BLEND, _BLENDS = 0.15, Range(0.0, 1.0)
 _LEAN_WEIGHT = 0.1
 # The way out where the rim stays off its curve.
 _LESS = {"mean_curvature": "smaller mean curvature", "volume": "smaller volume"}
-# Distance of an anchor from the plan at most, by the size.
-_FARTHEST = 100.0
 # Weight of the squared relative error of the height parameter against the squared distance of the rim by the size.
 _HEIGHT_WEIGHT = 0.01
 # Weight of the periods: more than all the rest, since nobody can build a shell that does not close.
@@ -126,7 +124,8 @@ class OutlineOptions:
     def may_be_spanned(self) -> bool:
         """Whether the span is the surface if it keeps the bounds on its tilt: with no normals given, no edge free."""
         given = self.held is not None and len(self.held.vertices)
-        return self.on_curve and self.anchors is None and self.smooth in (None, _SMOOTH) and not (given or np.size(self.free))
+        plain = self.anchors is None and self.smooth in (None, _SMOOTH) and not np.size(self.free)
+        return self.on_curve and plain and not given
 
     @property
     def height_parameter(self) -> tuple[str, float]:
@@ -138,21 +137,12 @@ class OutlineOptions:
 
 
 @dataclass(frozen=True, eq=False)
-class Supports:
-    """Vertices (k,) of the plan, their places (k, 3) in the shell, and weights (k,)."""
-
-    vertices: Int
-    places: Array
-    weights: Array
-
-
-@dataclass(frozen=True, eq=False)
 class Goals:
     """The options of an outline fit over a plan, ready to become targets; heights are over `base`.
 
-    base: the mean height of the outer curve. curves: of each boundary loop; own: whether it is the loop itself, drawn
-    (V, 3). size: of the outer curve's bounding box. height_parameter: in `HEIGHT_PARAMETERS`, a rise as a height; number: the wanted height,
-    volume or H.
+    sides: of the boundary. base: the mean height of the outer curve. curves: of each boundary loop; own: whether it is
+    the loop itself, as drawn (V, 3). size: of the outer curve's bounding box. height_parameter: in `HEIGHT_PARAMETERS`,
+    a rise as a height; number: the wanted height, volume or H.
     """
 
     options: OutlineOptions
@@ -171,21 +161,26 @@ class Goals:
         """Over a plan with these points (V, 3). Raises `ConditionError` on goals that do not fit the plan."""
         leans = [(boundary_edges(domain, edges), checked_lean(angle)) for edges, angle in options.leans]
         free, domain = boundary_edges(domain, options.free), as_domain(domain)
+        given = options.held or Conditions()
+        given = opposite(given) if options.sheet == "f-" else given
         if len(domain.boundary_loops) == 0 or domain.genus:
             raise ConditionError("Fitting to an outline needs a plan: a mesh with a boundary and without handles.")
         lines, outer, own = boundary_lines(domain, points, options.curve)
         line = lines[outer]
         base = float(np.sum(Curve(line, closed=True).shares * line[:, 2]))
         extent = np.ptp(line[:, :2], axis=0)
+        size = float(np.linalg.norm(extent))
+        sides = Sides.of(domain, points, given, leans, free, size, options.blend)
+        if options.on_curve and not sides.has(LINE, LEAN):
+            raise ConditionError("No side is left on its line; solve with these conditions, or take one out of them.")
         height_parameter, number = options.height_parameter
         if height_parameter == "rise":
             height_parameter, number = "height", number * 0.5 * float(extent.min())
-        size = float(np.linalg.norm(extent))
         _check_size(height_parameter, float(number), size)
         curves = [Curve(each - [0.0, 0.0, base], closed=True) for each in lines]
         return cls(
             options=options,
-            sides=Sides.of(domain, points, options.held or Conditions(), leans, free, options.blend * size),
+            sides=sides,
             curves=curves,
             own=own,
             drawn=points - [0.0, 0.0, base],
@@ -193,7 +188,7 @@ class Goals:
             size=size,
             height_parameter=height_parameter,
             number=float(number),
-            supports=_supports(domain, options.anchors, base, line, size),
+            supports=Supports.of(domain, options.anchors, base, line, size),
         )
 
     @property
@@ -233,7 +228,7 @@ class Goals:
         elif self.height_parameter == "volume":
             targets.append(Volume(self.number, weight=strictness * _HEIGHT_WEIGHT))
         if self.supports is not None:
-            targets += _anchored(self.supports)
+            targets += self.supports.targets()
         if self.options.tilt is not None:
             targets.append(TiltBounds(*self.options.tilt, weight=_TILT_WEIGHT))
         return targets
@@ -248,25 +243,21 @@ class Goals:
         ]
 
     def leans(self) -> list[ContactAngle]:
-        """A target for each side that leans over its line, without its ends."""
-        side = -1.0 if self.options.sheet == "f-" else 1.0
-        return [
-            ContactAngle(
-                each.vertices if each.closed else each.vertices[1:-1],
-                each.normals if each.closed else each.normals[1:-1],
-                each.angle,
-                side,
-                weight=_LEAN_WEIGHT,
-            )
-            for each in self.sides.of_kind(LEAN)
-        ]
+        """A target for each side that leans over its line, far from its ends."""
+        sign = -1.0 if self.options.sheet == "f-" else 1.0
+        found = []
+        for side in self.sides.of_kind(LEAN):
+            far = self.sides.far(side)
+            target = ContactAngle(side.vertices[far], side.normals[far], side.angle, sign, weight=_LEAN_WEIGHT)
+            found.append(target)
+        return found
 
     def residuals(self, fit: Fit) -> tuple[SideResidual, ...]:
-        """How far each side of the fitted surface, over the base, is from what was asked of it."""
+        """How far each side of the fitted surface, in its place, is from what was asked of it."""
         surface = fit.surface
         if surface.is_open:  # vertices along the cut are there twice
             return ()
-        N, points = surface.harmonic.normals, fit.points()
+        N, points = surface.harmonic.normals, fit.points() - [0.0, 0.0, self.base]
         shape = Shape(surface.domain, surface.domain.boundary_vertices.astype(np.int64), points, N, self.size)
         return side_residuals(self.sides.all, self.lines(points), self.leans(), shape, self.drawn)
 
@@ -324,30 +315,3 @@ def _check_size(height_parameter: str, number: float, size: float) -> None:
             f"The {label} {number:.3g} does not go with an outline that measures {size:.3g}; choose one between "
             f"{least:.3g} and {most:.3g}."
         )
-
-
-def _supports(
-    domain: Domain, anchors: tuple[ArrayLike, ArrayLike, ArrayLike] | None, base: float, line: Array, size: float
-) -> Supports | None:
-    if anchors is None:
-        return None
-    numbers = [as_numbers(part, "Vertices, places and weights of anchors", ConditionError) for part in anchors]
-    if len(numbers) != 3:
-        raise ConditionError("Anchors are vertices (k,), places (k, 3) and weights (k,).")
-    vertices, places, weights = numbers
-    if vertices.ndim != 1 or places.shape != (len(vertices), 3) or weights.shape != vertices.shape:
-        raise ConditionError("Anchors are vertices (k,), places (k, 3) and weights (k,).")
-    bad = vertices[~np.isin(vertices, np.arange(domain.vertex_count))]
-    if bad.size:
-        raise ConditionError(f"There is no vertex {bad[0]:g} to anchor.", vertices=bad)
-    if not (np.isfinite(places).all() and np.isfinite(weights).all() and (weights > 0.0).all()):
-        raise ConditionError("Places of anchors must be finite, and their weights positive.")
-    if np.linalg.norm(places - line.mean(axis=0), axis=1).max(initial=0.0) > _FARTHEST * size:
-        raise ConditionError(f"An anchor lies {_FARTHEST:g} times the plan's size away from it; move it nearer.")
-    return Supports(vertices.astype(np.int64), places.astype(np.float64) - [0.0, 0.0, base], weights.astype(np.float64))
-
-
-def _anchored(supports: Supports) -> list[Target]:
-    """One target for each weight."""
-    groups = [(weight, supports.weights == weight) for weight in np.unique(supports.weights)]
-    return [Anchors(supports.vertices[of], supports.places[of], weight=float(weight)) for weight, of in groups]

@@ -36,10 +36,9 @@ class Placed:
 class Objective:
     """Values and gradients of the targets; the best placed state so far, and the history of values.
 
-    The unknown normals are those at `response.free`; the others stay as `given` (n, 3), at all fixed vertices, has them.
-    Unknown ones are scaled by the root of their boundary length, so that the mesh does not matter; the last four numbers
-    of the vector are the logarithm of the scale and the shift. Where a mirror begins the unknown normal lies in its
-    plane: planes (n, 3), zero elsewhere.
+    The unknown normals are those at `response.free`; at the other fixed vertices they stay as `given` (n, 3). Unknown
+    ones are scaled by the root of their boundary length, so that the mesh does not matter, and lie in the plane of a
+    mirror where one begins. The last four numbers of the vector are the logarithm of the scale and the shift.
     """
 
     def __init__(

@@ -1,4 +1,5 @@
-"""The CMC surface whose rim lies on a given curve: the plan's outline, another closed curve, or some anchors.
+"""The CMC surface whose rim lies on a given curve: the plan's outline, another closed curve, or some anchors; or whose
+rim lies on lines along some sides, and whose normals are given along others.
 
 Where the curve bounds a surface of constant mean curvature at all, it bounds one for every rise from flat to about a
 half sphere; one number chooses among them. Lines alone are spanned. Where more is asked for, the boundary normals, the
@@ -32,9 +33,10 @@ from .spanned import spanned_fit, start_from
 
 Array = NDArray[np.float64]
 
-# Factor of the height parameter's weight, and the gain of a step that is worth another.
+# Factor of the height parameter's weight, and the gain of a step that is worth another: beside given normals the way
+# to the lines is longer.
 _STRICTNESS = 1e4
-_GAIN = 1e-3
+_GAIN, _GAIN_BESIDE = 1e-3, 2e-4
 # Mean curvature times size of the flattest start.
 _FLATTEST = 1e-2
 
@@ -55,6 +57,13 @@ def fit_outline(domain: DomainLike, positions: ArrayLike, options: OutlineOption
     on_curve=False only they count. tilt: least and greatest tilt of the tangent planes along the rim, radians, 0 a
     vertical wall, ½ π flat. smooth: weight of ½ ∮ |dN₀|², for quieter boundary normals. max_evaluations: of the search.
 
+    Sides may be other than lines. held: `conditions` with normals of the sheet, or mirrors, along some sides. leans:
+    (edges, angle) pairs, sides over their line, see `span_outline`. free: edges with neither. Leans and mirrors are
+    spanned, too. Given normals are no unknowns of the search (the gradient by the others is that of the paper, App. F),
+    so they are kept to rounding, and the rim there is where they lead it: not over its line. Next to a line they end at
+    a blend zone of length `blend` by the outline's size, at most a third of their side, whose normals are free: near a
+    junction of both the surface would go as the fourth root of the distance. `Fit.sides` has what each side misses.
+
     Goals that no surface meets end with the nearest one: `Fit.is_met` is false and the message names the way out.
     Raises `ConditionError` on goals that contradict each other or have no meaning, as a crown below its own rim.
     """
@@ -71,6 +80,7 @@ def fit_outline(domain: DomainLike, positions: ArrayLike, options: OutlineOption
     if ends or options.may_be_spanned:
         targets = goals.targets(_STRICTNESS, span.points - [0.0, 0.0, goals.base])
         found = spanned_fit(span, targets, size=goals.size, sheet=options.sheet, base=goals.base)
+        found = replace(found, sides=goals.residuals(found))
         if ends or (span.ok and not goals.unmet(found)):
             return found
     start = start_from(span, goals.sides, sheet=options.sheet, least=_FLATTEST / goals.size, base=goals.base)
@@ -78,7 +88,10 @@ def fit_outline(domain: DomainLike, positions: ArrayLike, options: OutlineOption
 
 
 def _spanned(goals: Goals, domain: Domain, points: Array, options: OutlineOptions) -> Span:
-    """The span of the curves, level ones where their heights do not count; sides with given normals are on lines, too."""
+    """The span of the curves, level ones where their heights do not count.
+
+    Sides with given normals are on their lines, too, or lean over them, which comes nearer to normals that lean evenly.
+    """
     curve = options.curve
     wish: dict[str, Any] = {goals.height_parameter: goals.number}
     if options.free_heights or not options.on_curve:
@@ -98,7 +111,7 @@ def _spanned(goals: Goals, domain: Domain, points: Array, options: OutlineOption
         progress=options.progress,
     )
     leans = [(goals.sides.edges(side), side.angle) for side in goals.sides.of_kind(LEAN)]
-    also = goals.sides.start_leans(points, -1.0 if options.sheet == "f-" else 1.0)
+    also = goals.sides.start_leans(-1.0 if options.sheet == "f-" else 1.0)
     if also and curve is None:
         with suppress(ConditionError):  # walls that cannot be met
             span = call(leans=[*leans, *also])
@@ -117,12 +130,13 @@ def _searched(goals: Goals, domain: Domain, start: Start, near: Array, options: 
         sheet=options.sheet,
         free_scale=goals.height_parameter != "mean_curvature",
         max_evaluations=options.max_evaluations,
-        gain=_GAIN,
+        gain=_GAIN_BESIDE if goals.has_given_normals else _GAIN,
         solver=_solver(domain, options),
         progress=options.progress,
     )
+    result = replace(result, shift=result.shift + [0.0, 0.0, goals.base])
     result = replace(result, sides=goals.residuals(result))
-    return replace(result, shift=result.shift + [0.0, 0.0, goals.base], unmet=goals.unmet(result))
+    return replace(result, unmet=goals.unmet(result))
 
 
 def _solver(domain: Domain, options: OutlineOptions) -> CmcSolver:

@@ -21,9 +21,8 @@ Int = NDArray[np.integer]
 
 # By the size: how far the rim may stay off its line beside given normals.
 _LINE_MET = 3e-3
-# Radians by which the surface may lean otherwise than asked, and the part of the size near a junction where it does.
+# Radians by which the surface may lean otherwise than asked.
 _ANGLE_MET = np.radians(0.5)
-_NEAR = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,9 +71,7 @@ def side_residuals(
         if side.kind in (LINE, LEAN):
             distance = float(next(on_line).distances(shape).max())
         if side.kind == LEAN:
-            target = next(over_line)
-            far = _far(side, target.vertices, shape)
-            angle = float(target.distances(shape)[far].max(initial=0.0))
+            angle = next(over_line).distance(shape)
         if side.kind == HELD:
             full = side.parts == 1.0
             target = RimOnCurve(Curve(drawn[side.vertices], side.closed), side.vertices)
@@ -83,12 +80,3 @@ def side_residuals(
             angle = 2.0 * float(np.arcsin(np.minimum(0.5 * np.linalg.norm(turned, axis=1), 1.0)).max(initial=0.0))
         found.append(SideResidual(side.kind, side.vertices, side.zone, distance, angle))
     return tuple(found)
-
-
-def _far(side: Side, vertices: Int, shape: Shape) -> NDArray[np.bool_]:
-    """(n,) which vertices are far from the ends of a side."""
-    if side.closed:
-        return np.ones(len(vertices), dtype=bool)
-    points = shape.points * [1.0, 1.0, 0.0]
-    ends = points[side.vertices[[0, -1]]]
-    return np.linalg.norm(points[vertices, None] - ends, axis=2).min(axis=1) > _NEAR * shape.size

@@ -22,9 +22,12 @@ from .response import runs
 Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
+_NORMALS = ("vertex_normals", "edge_normals", "behind_normals", "corner_normals", "up")
 LINE, HELD, MIRROR, FREE, LEAN = "line", "held", "mirror", "free", "lean"
 # The part of a side that one of its blend zones takes at most.
 _ZONE = 1.0 / 3.0
+# The part of the size from a junction up to which leans are not asked for, and starts are smoothed.
+NEAR = 0.05
 # Radians of leans that make a start, and how even they are.
 _LEANS = np.radians(45.0), np.radians(150.0)
 _EVEN = np.radians(10.0)
@@ -35,8 +38,8 @@ class Side:
     """A run of the boundary of one kind: vertices (k,) in order, with both ends, or around a whole loop (closed).
 
     loop: the number of its boundary loop. parts (k,): 1 where the kind holds fully; in the blend zones of a side with
-    given normals they rise from 0 at the junction. normals (k, 3): those given; of a mirror, its plane's; of a side that
-    leans, the level ones of the wall over its line, out of the plan. angle: at which it meets that wall, radians.
+    given normals they rise from 0 at the junction. normals (k, 3): those given; of a mirror that of its plane; of a
+    side that leans the level ones of the wall over its line, out of the plan. angle: at which it meets that wall.
     """
 
     kind: str
@@ -55,10 +58,15 @@ class Side:
 
 @dataclass(frozen=True, eq=False)
 class Sides:
-    """All sides of the boundary of a domain. given: the conditions with normals and mirrors; vertices (n,), normals
-    (n, 3): the given ones."""
+    """All sides of the boundary of a domain.
+
+    drawn: the plan (V, 3). near: the length from a junction up to which a surface that leans may do so otherwise than
+    asked. given: the conditions with normals and mirrors; vertices (n,), normals (n, 3): the given normals.
+    """
 
     all: list[Side]
+    drawn: Array
+    near: float
     given: Conditions
     vertices: Int
     normals: Array
@@ -71,12 +79,20 @@ class Sides:
         given: Conditions,
         leans: Sequence[tuple[Int, float]],
         free: Int,
-        zone: float,
+        size: float,
+        blend: float,
     ) -> Sides:
         """The sides of a plan (V, 3); edges that are not in `given`, `leans` (edges and angles) or `free` are on their
-        line. zone: the length of blend zones. Raises `ConditionError` on an edge that is in two of them."""
+        line. blend: the length of blend zones by the size. Raises `ConditionError` on an edge that is in two of them.
+        """
         labels, kinds = _labels(domain, given, leans, free)
         vertices, normals = given.resolve()
+        inside = np.setdiff1d(vertices, domain.boundary_vertices)
+        if len(inside):
+            raise ConditionError(
+                f"Normals are given inside, at {plural('vertex', inside)}; give them along the boundary only.",
+                vertices=inside,
+            )
         along = ~np.isin(vertices, given.only_vertices)
         normals[along] = MirrorSides.of(domain, given).blended(vertices[along], normals[along])
         at = np.zeros((domain.vertex_count, 3))
@@ -88,10 +104,11 @@ class Sides:
                 ends = np.append(run, (run[-1] + 1) % len(loop)) if len(run) < len(loop) else run
                 kind, angle, plane = kinds[labels[edges[run[0]]]]
                 its = loop[ends]
-                side = Side(kind, number, its, len(run) == len(loop), np.ones(len(its)), np.broadcast_to(plane, (len(its), 3)) if kind == MIRROR else at[its], angle)
+                normals_there = at[its] if kind == HELD else np.tile(plane, (len(its), 1))
+                side = Side(kind, number, its, len(run) == len(loop), np.ones(len(its)), normals_there, angle)
                 found.append(replace(side, normals=_walls(points, side)) if kind == LEAN else side)
-        found = [_zoned(side, found, points, zone) if side.kind == HELD else side for side in found]
-        return cls(found, given, vertices, normals)
+        found = [_zoned(side, found, points, blend * size) if side.kind == HELD else side for side in found]
+        return cls(found, points, NEAR * size, given, vertices, normals)
 
     def edges(self, side: Side) -> Int:
         """The vertex pairs (n, 2) of a side's edges."""
@@ -99,18 +116,19 @@ class Sides:
         pairs = np.column_stack([side.vertices, ahead])
         return pairs if side.closed else pairs[:-1]
 
-    def start_leans(self, points: Array, side: float) -> list[tuple[Int, float]]:
+    def start_leans(self, side: float) -> list[tuple[Int, float]]:
         """Edges and angles of the sides with given normals that nearly lean over their lines, not too steeply.
 
-        A surface that meets the walls there is a better start than one with its rim on those lines. points: the plan
-        (V, 3); side: -1 for f-, whose normals are -N.
+        A surface that meets the walls there is a nearer start than one with its rim on those lines. side: -1 for f-,
+        whose normals are -N.
         """
         found = []
         for each in self.of_kind(HELD):
             N = side * each.normals
-            angles = np.arccos(np.clip(dot(N, _walls(points, each))[:, 0], -1.0, 1.0))
+            angles = np.arccos(np.clip(dot(N, _walls(self.drawn, each))[:, 0], -1.0, 1.0))
             angle = float(np.median(angles))
-            if (N[:, 2] > 0.0).all() and _LEANS[0] < angle < _LEANS[1] and np.abs(angles - angle).max() < _EVEN:
+            is_even = np.abs(angles - angle).max() < _EVEN and _LEANS[0] < angle < _LEANS[1]
+            if is_even and (N[:, 2] > 0.0).all():
                 found.append((self.edges(each), angle))
         return found
 
@@ -138,6 +156,7 @@ class Sides:
         At first those along lines are those of N (V, 3), and in blend zones they run smoothly from these to the given
         ones. continued: N is of an earlier fit, and in blend zones it changes with the given normals beside them.
         """
+        N = N if continued else self._smoothed(N)
         normals, fixed = N.copy(), [self.held]
         up = np.array([0.0, 0.0, np.sign(N[:, 2].sum()) or 1.0])
         normals[self.vertices] = self.normals
@@ -164,6 +183,33 @@ class Sides:
             edge_normals=none.edge_normals,
             behind_normals=none.edge_normals,
         )
+
+
+    def far(self, side: Side) -> NDArray[np.bool_]:
+        """(k,) which vertices of a side are far from its ends."""
+        if side.closed:
+            return np.ones(len(side.vertices), dtype=bool)
+        along = _along(self.drawn, side.vertices)
+        return np.minimum(along, along[-1] - along) > self.near
+
+    def _smoothed(self, N: Array) -> Array:
+        """N (V, 3) with an even turn near each junction with a line, where that of a span is steep and rough."""
+        N = N.copy()
+        for side in self.of_kind(HELD, LEAN):
+            for run in () if side.closed else (side.vertices, side.vertices[::-1]):
+                for other in self.of_kind(LINE):
+                    if run[0] in other.vertices[[0, -1]]:
+                        line = other.vertices if other.vertices[0] == run[0] else other.vertices[::-1]
+                        here, there = (each[_along(self.drawn, each) < self.near] for each in (run, line))
+                        way = np.concatenate([here[:0:-1], there])
+                        turn = np.linspace(0.0, 1.0, len(way))[:, None]
+                        N[way] = normalize((1.0 - turn) * N[way[0]] + turn * N[way[-1]])
+        return N
+
+
+def _along(points: Array, vertices: Int) -> Array:
+    """(k,) the length of the polyline through some vertices, up to each of them."""
+    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points[vertices], axis=0), axis=1))])
 
 
 def _labels(
@@ -214,8 +260,7 @@ def _zoned(side: Side, all_sides: Sequence[Side], points: Array, zone: float) ->
     """A side with given normals with its blend zones, next to lines."""
     if side.closed:
         return side
-    steps = np.linalg.norm(np.diff(points[side.vertices], axis=0), axis=1)
-    along = np.concatenate([[0.0], np.cumsum(steps)])
+    along = _along(points, side.vertices)
     length = min(zone, _ZONE * along[-1])
     parts = np.ones(len(along))
     on_line = np.concatenate([[-1], *(each.vertices for each in all_sides if each.kind in (LINE, LEAN))])
@@ -224,3 +269,9 @@ def _zoned(side: Side, all_sides: Sequence[Side], points: Array, zone: float) ->
             t = np.clip(far / max(length, 1e-300), 0.0, 1.0)
             parts = np.minimum(parts, t * t * (3.0 - 2.0 * t))
     return replace(side, parts=parts)
+
+
+def opposite(conditions: Conditions) -> Conditions:
+    """The same conditions for the opposite map, -N: those of f- as a sheet of its own."""
+    turned = {name: -getattr(conditions, name) for name in _NORMALS}
+    return replace(conditions, **turned)

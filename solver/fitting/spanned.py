@@ -13,12 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import Status
-from ..gauss.boundary_data import Conditions
 from ..spanning.span import Span
 from ..spanning.verdict import SpanStatus
 from ..surface.cmc_surface import CmcSurface
 from .fit import Fit, FitStatus, Start
-from .sides import Sides
+from .sides import Sides, opposite
 from .target import Shape, Target
 
 Array = NDArray[np.float64]
@@ -33,7 +32,7 @@ def spanned_fit(
     surface, shift, sign = _seated(span)
     conditions = span.conditions
     if sheet == "f-":
-        surface, conditions = _turned(surface), _opposite(conditions)
+        surface, conditions = _turned(surface), opposite(conditions)
     points, rim = span.points - [0.0, 0.0, base], span.domain.boundary_vertices.astype(np.int64)
     shape = Shape(span.domain, rim, points, span.normals, size)
     return Fit(
@@ -92,8 +91,3 @@ def _turned(surface: CmcSurface) -> CmcSurface:
     return replace(
         surface, harmonic=harmonic, f_plus=surface.f_minus, f_minus=surface.f_plus, normals=-surface.normals
     )
-
-
-def _opposite(conditions: Conditions) -> Conditions:
-    """The conditions of a span, whose normals are all at vertices, for the opposite map."""
-    return replace(conditions, vertex_normals=-conditions.vertex_normals, up=-conditions.up)

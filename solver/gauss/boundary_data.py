@@ -76,6 +76,11 @@ class Conditions:
         return f"Conditions({', '.join(parts) or 'free'})"
 
     def __post_init__(self) -> None:
+        for item in fields(self):
+            if item.name not in ("is_balanced", "curves") and not isinstance(getattr(self, item.name), np.ndarray):
+                raise ConditionError(
+                    f"Conditions: {item.name} must be an array; the functions of `conditions` make them."
+                )
         if len(self.behind_normals) != len(self.edges):
             object.__setattr__(self, "behind_normals", self.edge_normals)
 

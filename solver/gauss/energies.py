@@ -134,10 +134,12 @@ _C3 = _V - _D + 0.5 * _DD
 _CUBIC = np.polynomial.Polynomial([0.0, _D - _DD + 3.0 * _C3, 0.5 * _DD - 3.0 * _C3, _C3])
 
 
+_CUBICS = (_CUBIC, _CUBIC.deriv(1), _CUBIC.deriv(2))
+
+
 def _smooth(t: Array, order: int) -> Array:
     """The smoothed β(t) for 0 <= t < t₀, or a derivative of it in t."""
-    derivative = _CUBIC.deriv(order) if order else _CUBIC
-    return derivative(np.minimum(t / _T0, 1.0)) / _T0**order
+    return _CUBICS[order](np.minimum(t / _T0, 1.0)) / _T0**order
 
 
 class Shell:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..domain.sites import LinkSubset, SiteGraph
-from ..errors import Progress
+from ..errors import Progress, Status
 from ..linalg import sum_rows
 from .newton import Minimum, Step, descend
 from .problem import EnergyProblem, Point
@@ -24,6 +24,8 @@ Int = NDArray[np.integer]
 
 # An average shorter than this part of its weights has no direction.
 _SHORTEST = 1e-9
+# Sweeps after which the pace is looked at, and the part of the energy that is rounding.
+_LOOK, _ROUNDING = 100, 1e-12
 
 
 def gauss_seidel(
@@ -31,25 +33,54 @@ def gauss_seidel(
     N: Array,
     *,
     tolerance: float,
-    max_iterations: int = 20_000,
+    max_iterations: int = 5_000,
     progress: Progress | None = None,
 ) -> Minimum:
     """Sweeps of N_i ← n / |n|, n = Σ_j star_ij N_j, within the plane of its mirror if it has one; no linear algebra.
 
     Each is a descent where star is positive and does not fall with c (cotan on Delaunay edges, Möbius). Convergence
-    is linear, and the slower the finer the mesh.
+    is linear, and the slower the finer the mesh: sweeps end early where their pace does not reach the tolerance within
+    the limit, or where nothing falls any more.
     """
     graph, unknown = problem.graph, problem.dirichlet.unknown
     planes = problem.mirrors.planes(graph.count)
     palette = _palette(graph, unknown, planes) + _bodies(graph, unknown, planes)
 
-    def take_step(point: Point) -> Step | int:
+    pace = _Pace(tolerance, max_iterations)
+
+    def take_step(point: Point) -> Step | Status:
+        if (ended := pace.ended(point)) is not None:
+            return ended
         N = point.N.copy()
         for colour in palette:
             colour.update(problem, N)
         return Step(problem.at(N), 0, 1.0)
 
     return descend(problem, N, take_step, tolerance=tolerance, max_iterations=max_iterations, progress=progress)
+
+
+class _Pace:
+    """How fast the residual falls over the last sweeps, and whether that will do."""
+
+    def __init__(self, tolerance: float, limit: int) -> None:
+        self.tolerance, self.limit, self.sweep = tolerance, limit, 0
+        self.looks: list[Point] = []
+
+    def ended(self, point: Point) -> Status | None:
+        """STALLED where the energy is level and the residual goes up and down, ITERATION_LIMIT at too slow a pace."""
+        self.sweep += 1
+        if self.sweep % _LOOK:
+            return None
+        self.looks = [*self.looks[-4:], point]
+        if len(self.looks) < 3:
+            return None
+        residuals = np.array([look.residual for look in self.looks])
+        is_level = np.ptp([look.energy for look in self.looks[-3:]]) <= _ROUNDING * abs(point.energy)
+        if is_level and (np.diff(residuals) >= 0.0).sum() >= 2:
+            return Status.STALLED
+        fall = 0.5 * np.log(residuals[-3] / point.residual)
+        left = _LOOK * np.log(point.residual / self.tolerance) / max(fall, 1e-300)
+        return Status.ITERATION_LIMIT if fall > 0.0 and not is_level and self.sweep + left > self.limit else None
 
 
 @dataclass(frozen=True, eq=False)

@@ -71,7 +71,7 @@ class Step:
 def descend(
     problem: EnergyProblem,
     N: Array,
-    take_step: Callable[[Point], Step | int],
+    take_step: Callable[[Point], Step | int | Status],
     *,
     tolerance: float,
     max_iterations: int,
@@ -79,9 +79,9 @@ def descend(
 ) -> Minimum:
     """Take steps from N (S, 3) until the residual is within the tolerance.
 
-    Where `take_step` reaches no better map it returns the number of back-solves it cost; from infinite energy no step
-    is possible. Does not raise where it fails to converge: the status says how it ended. `progress(iteration,
-    residual)` is called at each map reached; returning False cancels.
+    Where `take_step` reaches no better map it returns the number of back-solves it cost, or a status that ends the
+    descent; from infinite energy no step is possible. Does not raise where it fails to converge: the status says how
+    it ended. `progress(iteration, residual)` is called at each map reached; returning False cancels.
     """
     history: list[Iterate] = []
     point = problem.at(N)
@@ -95,8 +95,9 @@ def descend(
             return Minimum(point.N, point.residual, status, history)
         step = take_step(point) if np.isfinite(point.residual) else 0
         if not isinstance(step, Step):
-            history.append(Iterate(point.energy, point.residual, step, 0.0))
-            return Minimum(point.N, point.residual, Status.STALLED, history)
+            solves, status = (0, step) if isinstance(step, Status) else (step, Status.STALLED)
+            history.append(Iterate(point.energy, point.residual, solves, 0.0))
+            return Minimum(point.N, point.residual, status, history)
         history.append(Iterate(point.energy, point.residual, step.solves, step.length))
         point = step.point
 

@@ -46,6 +46,7 @@ class MapOptions:
     progress: Progress | None = None
 
     def __post_init__(self) -> None:
+        check_fields(self)
         check_number(self.tolerance, "tolerance", TOLERANCE)
         if self.max_iterations is not None:
             check_number(self.max_iterations, "largest number of iterations", _ITERATIONS)
@@ -53,7 +54,6 @@ class MapOptions:
             check_number(self.degree, "degree", DEGREE)
         if self.side not in (1, -1):
             raise ConditionError(f"The side must be +1 or -1, not {self.side}.")
-        check_fields(self)
 
 
 def with_options(

@@ -31,6 +31,8 @@ _LARGEST_DRIFT = 0.1
 # Below this residual a step must lower it; above it |λ| counts as at least the floor.
 _NEAR = 0.2
 _FLOOR = 0.1
+# More modes than these below the floor are not looked for.
+_MANY = 100
 # Residual below which it may move along given null fields.
 _NEARLY = 1.0
 _HALVINGS = 8
@@ -68,8 +70,7 @@ def climb(
         if point.residual < _NEARLY and np.linalg.norm(left) > _LEFT * system.dual_norm(system.gradient):
             drift = system.solve(-system.gradient, exact)[0] - direction
         if index is not None:
-            floor = _FLOOR if point.residual > _NEAR else 0.0
-            direction = direction + _turned(system, gauge, index, floor)
+            direction = _turned(system, gauge, index, direction, is_near=point.residual <= _NEAR)
         if drift is None:
             return _advance(problem, point, system.in_space(direction))
         uphill = index is not None and drift @ system.gradient > 0.0
@@ -78,17 +79,26 @@ def climb(
     return descend(problem, N, take_step, tolerance=tolerance, max_iterations=max_iterations, progress=progress)
 
 
-def _turned(system: TangentSystem, gauge: Array, index: int, floor: float) -> Array:
-    """A correction (n,) of Newton's step: downhill along all negative modes but the lowest `index`, and shorter along
-    modes with |λ| below the floor."""
-    count = index + 3
+def _turned(system: TangentSystem, gauge: Array, index: int, newton: Array, *, is_near: bool) -> Array:
+    """Newton's step (n,) turned downhill along all negative modes but the lowest `index`, and shorter along modes with
+    |λ| below the floor.
+
+    The modes are counted before they are looked for: near the saddle there is nothing to turn, and where there are very
+    many the map is far from any saddle of that index, so that the H¹ gradient will do for the way down.
+    """
+    floor = 0.0 if is_near else _FLOOR
+    count = system.count(floor, gauge)
+    if count <= (index if is_near else 0):
+        return newton
+    if count > max(_MANY, index):
+        gradient = system.product_factor.solve(system.gradient)
+        values, modes = system.lowest(index, gauge) if index else (np.zeros(0), gauge[:, :0])
+        upward, none = modes[:, values < 0.0], gauge @ (gauge.T @ system.gradient)
+        return none - gradient + 2.0 * upward @ (upward.T @ system.gradient)
     values, modes = system.lowest(count, gauge)
-    while values[-1] < floor and len(values) == count:
-        count *= 2
-        values, modes = system.lowest(count, gauge)
     signs = np.where((np.arange(len(values)) < index) & (values < 0.0), -1.0, 1.0)
     wanted = signs * np.maximum(np.abs(values), floor)
-    return modes @ ((modes.T @ system.gradient) * (1.0 / values - 1.0 / wanted))
+    return newton + modes @ ((modes.T @ system.gradient) * (1.0 / values - 1.0 / wanted))
 
 
 def _advance(problem: EnergyProblem, point: Point, direction: Array) -> Step | int:

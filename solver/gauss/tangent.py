@@ -28,7 +28,11 @@ _LIFTED = 6.0
 # A pivot off the diagonal is taken where the one on it is smaller by this factor.
 _PIVOT = 1e-3
 # Vectors that Lanczos' method keeps at least: long thin plans have many modes with nearly the same eigenvalue.
-_WIDE = 60
+_WIDE = 20
+# Shifts tried for it: the nearer to the eigenvalues, the farther apart it sees them.
+_SHIFTS = (-1e-3, -1e-2, -0.1, -1.0)
+# Part of the distance from the shift by which eigenvalues may differ and count as one.
+_ALIKE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,34 +100,43 @@ class TangentSystem:
     def lowest(self, count: int, gauge: Array) -> tuple[Array, Array]:
         """The lowest eigenvalues (k,) of H v = λ K v, and their v (n, k), orthonormal for K and orthogonal to `gauge`.
 
-        Lanczos' method with the H¹ product as preconditioner; at most n - 1 of them. On a symmetric map it may report a
-        double eigenvalue once, so it runs again orthogonal to its modes until no lower one appears.
+        Lanczos' method on (H - σ K)⁻¹, σ below them all; at most n - 1 of them. On a symmetric map it may report a
+        double eigenvalue once, so it runs again orthogonal to its modes until there are as many as `below` counts.
         """
         n = len(self.gradient)
-        count = min(count, n - 1)
+        count = missing = min(count, n - 1)
         if n <= max(60, 4 * count):
             return self._dense(count, self.K @ gauge)
-        values, modes = self._lanczos(count, gauge)
-        while True:
-            more, others = self._lanczos(2, np.concatenate([gauge, modes], axis=1))
-            new = more < values[count - 1]
-            values, modes = np.concatenate([values, more[new]]), np.concatenate([modes, others[:, new]], axis=1)
-            order = np.argsort(values)[:count]
-            if not new.any():
-                return values[order], modes[:, order]
-            values, modes = values[np.argsort(values)], modes[:, np.argsort(values)]
+        shift = self._under(gauge)
+        values, modes = np.zeros(0), np.zeros((n, 0))
+        while missing > 0:
+            more, others = self._lanczos(missing, np.concatenate([gauge, modes], axis=1), shift)
+            values, modes = np.concatenate([values, more]), np.concatenate([modes, others], axis=1)
+            order = np.argsort(values)
+            values, modes = values[order], modes[:, order]
+            top = values[count - 1] - _ALIKE * (values[count - 1] - shift)
+            missing = self.count(top, gauge) - int((values < top).sum())
+        return values[:count], modes[:, :count]
 
-    def _lanczos(self, count: int, without: Array) -> tuple[Array, Array]:
-        n, border = len(self.gradient), self.K @ without
+    def _under(self, gauge: Array) -> float:
+        """A shift below every eigenvalue, and not far below."""
+        for shift in _SHIFTS:
+            if not self.count(shift, gauge):
+                return shift
+        while self.count(2.0 * shift, gauge):
+            shift *= 2.0
+        return 2.0 * shift
 
-        def lifted(x: Array) -> Array:
-            return self.H @ x + _LIFTED * (border @ (border.T @ x))
+    def _lanczos(self, count: int, without: Array, shift: float) -> tuple[Array, Array]:
+        n, factor, border = len(self.gradient), _lu(self._bordered(shift, without), 0.0), np.zeros(without.shape[1])
 
-        operator = LinearOperator((n, n), matvec=lifted, dtype=np.float64)  # pyright: ignore[reportCallIssue]
-        inverse = LinearOperator((n, n), matvec=self.product_factor.solve, dtype=np.float64)  # pyright: ignore[reportCallIssue]
+        def solved(x: Array) -> Array:
+            return factor.solve(np.concatenate([x, border]))[:n]
+
+        inverse = LinearOperator((n, n), matvec=solved, dtype=np.float64)  # pyright: ignore[reportCallIssue]
         start = np.random.default_rng(without.shape[1]).standard_normal(n)
         wide = min(n, max(2 * count + 1, _WIDE))
-        values, vectors = eigsh(operator, count, M=self.K, Minv=inverse, which="SA", v0=start, tol=1e-8, ncv=wide)  # pyright: ignore[reportArgumentType]
+        values, vectors = eigsh(self.H, count, M=self.K, sigma=shift, OPinv=inverse, v0=start, tol=1e-8, ncv=wide)  # pyright: ignore[reportArgumentType]
         order = np.argsort(values)
         return values[order], vectors[:, order]
 
@@ -139,15 +152,26 @@ class TangentSystem:
         gauge: (n, k) orthonormal directions, lifted above the shift. They border the matrix, with -1 over the lift on
         the diagonal, which adds one negative pivot each.
         """
-        matrix, count = self.H - shift * self.K, 0
-        if gauge is not None and gauge.shape[1]:
-            count = gauge.shape[1]
-            border = sp.csc_array(self.K @ gauge)
-            matrix = sp.block_array([[matrix, border], [border.T, -sp.eye_array(count) / _LIFTED]])
-        factor = _lu(matrix, 0.0)
+        factor = _lu(self._bordered(shift, gauge), 0.0)
         if not np.array_equal(factor.perm_r, factor.perm_c):
             raise ArithmeticError("a pivot vanished")
-        return int((factor.U.diagonal() < 0.0).sum()) - count
+        return int((factor.U.diagonal() < 0.0).sum()) - (0 if gauge is None else gauge.shape[1])
+
+    def count(self, shift: float, gauge: Array) -> int:
+        """`below`, where it does not matter whether a mode at the shift itself counts."""
+        for aside in (0.0, 1e-9, 1e-8, 1e-7):
+            try:
+                return self.below(shift + aside, gauge)
+            except (ArithmeticError, RuntimeError):  # SuperLU: "Factor is exactly singular"
+                continue
+        raise ArithmeticError("pivots vanished")
+
+    def _bordered(self, shift: float, gauge: Array | None) -> Sparse:
+        matrix = self.H - shift * self.K
+        if gauge is None or not gauge.shape[1]:
+            return matrix
+        border = sp.csc_array(self.K @ gauge)
+        return sp.block_array([[matrix, border], [border.T, -sp.eye_array(gauge.shape[1]) / _LIFTED]])
 
 
 def _frames(problem: EnergyProblem, N: Array) -> sp.csr_array:

@@ -23,7 +23,7 @@ from ..gauss.conditions import KINDS, Parameter
 from ..io.mesh_files import FORMATS, read_mesh
 from ..io.obj import MeshData, decoded
 from ..notes import Note
-from ..shells.close import ClosingOptions, close_plan, closing_report
+from ..shells.close import ClosingOptions, close_plan, closing_input, closing_report
 from ..shells.complete import Completed, complete_plan
 from ..shells.fit import FitOptions, fit_plan
 from ..shells.form import check_plan, form
@@ -140,8 +140,10 @@ def make_job(data: Mapping[str, object], file: Path) -> Job:
     close = read_close(root) if "close" in root else None
     job = Job(file, plan, settings, mesh, outputs, up, fit, close, complete, [*mesh.notes, *root.notes], data)
     check_paths(file, _reads(root, mesh, file.parent), _writes(job))
-    if fit is None:
-        with drawn_numbers(plan):
+    with drawn_numbers(plan):
+        if close is not None:
+            closing_input(plan, settings, close, domain)
+        elif fit is None:
             check_plan(plan, settings, domain)
     return job
 
@@ -197,7 +199,25 @@ _KEYS = (
 _DOTTED = re.compile(r"""(?<![\w"'-])(?:(?:"[^"\n]*"|'[^'\n]*'|[\w-]++)[ \t]*+\.[ \t]*+){30}""")
 
 
+# What often stands in a line that is not TOML, and what to write in its place.
+_HINTS = (
+    (r"[“”„‘’«»]", "write straight quotes"),
+    (r'= *"[^"\n]*\\', 'write paths with "/", or in single quotes'),
+    (r"= *-?\d+,\d", "write numbers with a point, and without separators"),
+)
+
+
+def _hint(error: Exception, text: str) -> str:
+    """"; …" what to write in a line that is not valid, where that can be guessed."""
+    place = re.search(r"at line (\d+)", str(error))
+    line = text.split("\n")[int(place[1]) - 1] if place else ""
+    return next((f"; {hint}" for pattern, hint in _HINTS if re.search(pattern, line)), "")
+
+
 def _parse(file: Path) -> dict[str, object]:
+    text = ""
+    if file.suffix.lower() in FORMATS:
+        raise JobError(f'{file} is a mesh, not a job; write a job that names it, mesh = "{file.name}".')
     try:
         text = decoded(file.read_bytes())
         if deep := _DOTTED.search(text):
@@ -207,7 +227,7 @@ def _parse(file: Path) -> dict[str, object]:
     except OSError as error:
         raise JobError(f"{file} cannot be read: {error.strerror or error}.") from error
     except tomllib.TOMLDecodeError as error:
-        raise JobError(f"{file} is not valid TOML: {error}.") from error
+        raise JobError(f"{file} is not valid TOML: {error}{_hint(error, text)}.") from error
     except (RecursionError, ValueError) as error:
         why = "it is nested too deeply" if isinstance(error, RecursionError) else "a number in it has too many digits"
         raise JobError(f"{file} cannot be read: {why}.") from error
@@ -287,5 +307,7 @@ def _outputs(table: Table, folder: Path) -> dict[str, Path]:
             suffix = outputs[name].suffix.lower()
             if name != "report" and suffix not in FORMATS:
                 raise table.fail(f'"{key}" has no format known here ("{suffix}"); use one of {", ".join(FORMATS)}.')
+            if name == "report" and suffix in FORMATS:
+                raise table.fail(f'"report" is a file of JSON, not of meshes ("{suffix}"); call it report.json.')
     table.finish()
     return outputs

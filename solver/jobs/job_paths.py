@@ -25,7 +25,7 @@ def named_inputs(data: Mapping[str, object]) -> dict[str, str]:
 
 
 def check_paths(job: Path, reads: Iterable[Named], writes: Iterable[Named]) -> None:
-    """Raise `JobError`, naming both, where a result is a file that the job reads, or another result.
+    """Raise `JobError`, naming both, where a result is a file that the job reads, or another result, or is a folder.
 
     Files are what they are called by (`"mesh"`), and their path. Two spellings of one path are one file, also where
     they differ in capitals only: on many systems these do not count.
@@ -34,6 +34,8 @@ def check_paths(job: Path, reads: Iterable[Named], writes: Iterable[Named]) -> N
     read = set(taken)
     for name, path in writes:
         key = _key(path)
+        if path.is_dir():
+            raise JobError(f"{job}: {name} is a folder, {path}; name a file in it.")
         if key in read:
             raise JobError(f"{job}: {name} would overwrite {taken[key]}, {path}; choose another file.")
         if key in taken:

@@ -14,7 +14,7 @@ from .outcomes import INTERRUPTED, UNUSABLE
 from .workers import WORKER, RunOne, in_processes, in_turn, serve
 
 # How the names of files end into which no log belongs.
-_NO_LOGS = (".toml", ".blend", ".obj", ".mtl", ".ply", ".stl", ".glb", ".npz")
+_NO_LOGS = (".toml", ".blend", ".obj", ".mtl", ".ply", ".stl", ".glb", ".npz", ".json")
 
 Read = Callable[[argparse.Namespace], tuple[list[str], RunOne]]
 """From the arguments to the inputs and what runs one of them. Raises `CmcError` where they do not fit."""
@@ -70,9 +70,11 @@ def command_line(
 
 
 def _check_log(log: Path | None, inputs: Sequence[str]) -> None:
-    """Raise `JobError` on a log that is an input, or a file of a kind that inputs and results have."""
+    """Raise `JobError` on a log that is a folder, an input, or a file of a kind that inputs and results have."""
     if log is None:
         return
+    if log.is_dir():
+        raise JobError(f"The log {log} is a folder; name a file in it.")
     if log.resolve() in [Path(each).resolve() for each in inputs] or log.suffix.lower() in _NO_LOGS:
         raise JobError(f"The log {log} would go into a file of another kind; choose another name, like log.txt.")
 

@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..domain.domain import Domain
-from ..errors import CmcError, suggestion
+from ..errors import CmcError, shown, suggestion
 from ..gauss.conditions import KINDS
 from ..io.obj import MeshData, same_name
-from ..limits import shown
 from .tables import INTEGERS, Table
 
 Pairs = NDArray[np.integer]

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import JobError, suggestion
-from ..limits import LARGEST, NUMBERS, Range, shown
+from ..errors import JobError, shown, suggestion
+from ..limits import LARGEST, NUMBERS, Range
 from ..notes import Note
 
 INTEGERS = Range(-(10**9), 10**9, whole=True)

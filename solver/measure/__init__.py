@@ -4,9 +4,9 @@ Curvature comes from the normals at the vertices: `curvature` has the Regge shap
 Gauss and principal curvatures (`PrincipalCurvatures`), `directions` those at the vertices (`VertexCurvatures`).
 `distortion` compares triangles in space with the domain, `outline` a boundary with a drawn line, `planes` a side with
 its plane; `extent` finds overhangs, `intersections` faces that cross, with boxes in a tree (`aabb_tree`), `volume` what
-is under a sheet, `curvature_fault` where and why H is off. Measures take plain arrays and return one value for each
-face or vertex. A `SheetReport` sums up one sheet, a `Report` a solve and its sheets, as numbers, JSON, or a few lines
-of text (`summary`)::
+is under a sheet, `steiner` the mean curvature of the flat panels of the corner complex, `curvature_fault` where and why
+H is off. Measures take plain arrays and return one value for each face or vertex. A `SheetReport` sums up one sheet, a
+`Report` a solve and its sheets, as numbers, JSON, or a few lines of text (`summary`)::
 
     from solver import conditions, mean_curvature_of, report, shapes, solve_cmc
 

@@ -20,6 +20,7 @@ from ..surface.cmc_surface import SHEETS, CmcSurface, SurfaceLike, as_surface
 from .arrays import Array
 from .planes import PlaneReport
 from .sheet import SheetReport, measure_sheet
+from .steiner import steiner_mean_curvature
 from .summary import count, measure_lines, number, off_by, percent, size_line
 
 # Largest deviation of placed points from a similarity image of the sheet, as a fraction of its size; single
@@ -36,7 +37,8 @@ class Report:
     `energy` is the Dirichlet energy of the normals, `residual` as in docs/reference/conventions.md. `closure_error` and
     `gap` (the longest period) are lengths; `periods` has one vector for each hole or handle. `sheet` names the shown
     sheet; `planes` measures how well its sides lie in their planes, if any are prescribed. `index` and `nullity` count
-    the unstable and the null modes of the map; None if they were not counted.
+    the unstable and the null modes of the map; None if they were not counted. `steiner_mean_curvature` is the mean of H
+    over the flat panels of the shown sheet's corner complex (`steiner`); None where there is none.
     """
 
     status: str
@@ -59,6 +61,7 @@ class Report:
     planes: tuple[PlaneReport, ...] = ()
     index: int | None = None
     nullity: int | None = None
+    steiner_mean_curvature: float | None = None
 
     def __repr__(self) -> str:
         measured = ", ".join(self.sheets)
@@ -83,10 +86,12 @@ class Report:
         """Plain dictionaries, lists, numbers and strings; a number that is not finite is None."""
         return to_plain(self)
 
+    @checked
     def to_json(self, indent: int | None = 2) -> str:
         """Strict JSON: null for a number that is not finite."""
         return json.dumps(self.to_dict(), indent=indent, allow_nan=False, ensure_ascii=False)
 
+    @checked
     def summary(self, unit: str = "") -> str:
         """Six to nine lines for a person, and one for each plane; `unit` is the name of the length unit, as "m"."""
         steps, mesh = count(self.iterations, "iteration"), count(self.faces, "face")
@@ -203,6 +208,7 @@ def _similarity(surface: CmcSurface, placed: dict[str, Array], sheet: str) -> tu
 def _with_solve(surface: CmcSurface, sheet: str, sheets: dict[str, SheetReport], scale: float, turn: Array) -> Report:
     harmonic = surface.harmonic
     periods = scale * np.asarray(surface.periods, dtype=np.float64).reshape(-1, 3) @ turn
+    steiner = None if sheets[sheet].degenerate else steiner_mean_curvature(surface, sheet)
     return Report(
         status=surface.status.value,
         converged=harmonic.status is Status.CONVERGED,
@@ -221,6 +227,7 @@ def _with_solve(surface: CmcSurface, sheet: str, sheets: dict[str, SheetReport],
         gap=scale * surface.gap,
         sheet=sheet,
         sheets=sheets,
+        steiner_mean_curvature=None if steiner is None else steiner / scale,
     )
 
 

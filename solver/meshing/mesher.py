@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import KDTree
 
-from ..errors import MeshError, check_choice
-from ..limits import MOST_VERTICES
+from ..errors import MeshError, check_choice, shown
+from ..limits import LARGEST, MOST_VERTICES
 from .outline import Loop, check_loops, inside, signed_area
 from .quality import open_angles
 from .rounding import ROUNDED, round_corners
@@ -101,13 +101,14 @@ def mesh_plan(
 
 
 def _check_lengths(max_edge: float, corner_radius: float | None, size: float) -> None:
-    if not np.isfinite(max_edge) or max_edge <= 0:
-        raise MeshError(f"The edge length is {max_edge}; give a positive length.")
-    if corner_radius is not None and not (np.isfinite(corner_radius) and corner_radius >= 0):
-        raise MeshError(f"The corner radius is {corner_radius}; give 0 (corners stay) or a positive length.")
+    if not 0.0 < max_edge < np.inf:
+        raise MeshError(f"The edge length is {shown(max_edge)}; give a positive length.")
+    if corner_radius is not None and not 0.0 <= corner_radius <= LARGEST:
+        within = f"0 (corners stay) or a positive length up to {LARGEST:g}"
+        raise MeshError(f"The corner radius is {shown(corner_radius)}; give {within}.")
     if max_edge >= size:
         raise MeshError(
-            f"The edge length {max_edge:.6g} is larger than the plan, which measures {size:.6g}; "
+            f"The edge length {shown(max_edge)} is larger than the plan, which measures {size:.6g}; "
             f"choose a shorter one, {size / 20:.2g} for example."
         )
 

@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..closing.close import ClosingResult, close_periods
+from ..closing.close import ClosingResult, check_closing, close_periods
 from ..closing.holes import MOTIONS, MovingHoles
 from ..domain.domain import Domain
 from ..errors import ConditionError, JobError, Progress, check_choice
+from ..gauss.boundary_data import Conditions
 from ..limits import COUNT, POSITIVE, check_number
 from ..measure.report import to_plain
 from ..measure.summary import percent
@@ -37,6 +38,7 @@ WAYS = {
 }
 """The parts of a plan that may change to close its shell."""
 MOVING = ("hole", "both")
+_BY = {"normals": "normals", "tilts": "normals", "hole": "moduli", "both": "both"}
 
 # Degrees below which a turn is rounding; digits of moduli to report.
 _LEAST_TURN = 1e-6
@@ -154,18 +156,14 @@ def close_plan(
     is called at every step of Newton's method; False cancels. The groups of the plan stay as they are.
     Raises `CmcError` on plans without holes and on unusable input; not closing is a status: see `ok` and `message`.
     """
-    _check_sites(settings)
-    solver = solver or CmcSolver(plan_domain(plan))
-    domain = solver.domain
-    conditions = plan_conditions(plan, settings, domain)
-    if conditions.is_spanned:
-        raise ConditionError("A shell on lines closes around its holes by itself; form it without closing.")
+    domain = plan_domain(plan) if solver is None else solver.domain
+    conditions, moving = closing_input(plan, settings, options, domain)
+    solver = solver or CmcSolver(domain)
     start = start or solve_plan(plan, settings, solver)
-    moving = _moving(plan, domain, options)
     closing = close_periods(
         domain,
         conditions,
-        by={"tilts": "normals", "hole": "moduli"}.get(options.by, options.by),
+        by=_BY[options.by],
         moduli=None if moving is None else moving.moduli(),
         weight=options.weight,
         positions=plan.positions if options.by == "tilts" else None,
@@ -178,6 +176,19 @@ def close_plan(
     shell = place_and_measure(plan, settings, closing.surface, solver, intersections=intersections)
     closed = ClosedShell(shell, plan, closing, moving, _longest_gap(start))
     return replace(closed, shell=_with_message(shell, closed))
+
+
+def closing_input(
+    plan: Plan, settings: Settings, options: ClosingOptions, domain: Domain
+) -> tuple[Conditions, MovingHoles | None]:
+    """The conditions of a plan and the holes that move; raises `CmcError` on what no solve could close."""
+    _check_sites(settings)
+    moving = _moving(plan, domain, options)
+    conditions = plan_conditions(plan, settings, domain)
+    if conditions.is_spanned:
+        raise ConditionError("A shell on lines closes around its holes by itself; form it without closing.")
+    check_closing(domain, conditions, _BY[options.by])
+    return conditions, moving
 
 
 def closing_report(closed: ClosedShell) -> dict[str, Any]:

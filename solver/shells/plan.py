@@ -120,6 +120,7 @@ class Plan:
         return cls(shape.positions, shape.domain.faces, groups=groups)
 
     @classmethod
+    @checked
     def from_mesh(cls, mesh: MeshData) -> Plan:
         """The plan of a mesh as files have it, its polygons cut into triangles, without groups.
 
@@ -203,6 +204,7 @@ class Settings:
     count_modes: bool = False
 
     def __post_init__(self) -> None:
+        check_fields(self)
         check_number(self.blend, "blend", NOT_NEGATIVE, JobError)
         for what, name, known in (
             ("reference for the lean", self.against, AGAINST),
@@ -221,7 +223,6 @@ class Settings:
         energy_on(self.energy, self.sites)
         SolveOptions(**self.solve_options())
         self.rule()
-        check_fields(self)
 
     def __repr__(self) -> str:
         """The settings that differ from the default."""

@@ -75,6 +75,7 @@ class Shell:
         lengths, drawn = self.span.domain.edge_lengths, self.solver.domain.edge_lengths
         return None if np.allclose(lengths, drawn, rtol=_SAME_PLAN) else self.span.positions[:, :2]
 
+    @checked
     def points(self, sheet: str | None = None) -> Array:
         """A placed sheet (n, 3), by default the shown one; raises `CmcError` on a sheet the shell does not have."""
         name = sheet or self.report.sheet
@@ -92,6 +93,7 @@ class Shell:
         """A sheet as a `trimesh.Trimesh` with its normals."""
         return convert.to_trimesh(self.points(sheet), self.faces, self.normals[sheet or self.report.sheet])
 
+    @checked
     def summary(self, unit: str = "") -> str:
         """The report's summary, and how near a fitted shell came, how a shell was closed, or the checks of a span."""
         lines = [self.report.summary(unit)]

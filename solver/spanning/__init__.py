@@ -8,8 +8,9 @@ wishes that cannot be met. `moduli` and `plan_fields` are motions of the plan th
 and sharp corners need; `refine` adds vertices where holes shrink far, `relay` lays a plan anew that is too unlike the
 lines. `problem` puts the energy together in the unknowns of `coordinates`, `linearised` has its
 derivatives; `preconditioner` inverts its Hessian at H = 0 with Douglas' kernel (`douglas`) up to Möbius transformations
-(`gauge`); `descent` is Newton's method, `knobs` and `search` find the surface with the wanted number, `normals` its
-normals and `verdict` the sentence at the end::
+(`gauge`); `descent` is Newton's method, `knobs` and `search` find the surface with the wanted number, `side_ends` keeps
+leaning sides over their lines. `normals` has its normals and `verdict` the sentence at the end; `checks`, `branch` and
+`contact` measure what was found::
 
     from solver import shapes, span_outline
 

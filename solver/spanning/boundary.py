@@ -110,19 +110,24 @@ class Lean:
     angle: float
 
 
-def mixed_loop(places: Int, points: Array, labels: Int, kinds: Sequence[Plane | Lean], sharp: bool) -> Side:
-    """A loop of lines, mirrors and leans. labels (n,) of the edge behind each vertex: `LINE` or an index of `kinds`."""
+def mixed_loop(
+    places: Int, points: Array, labels: Int, kinds: Sequence[Plane | Lean], sharp: bool, upright: Sequence[int]
+) -> Side:
+    """A loop of lines, mirrors and leans. labels (n,) of the edge behind each vertex: `LINE` or an index of `kinds`.
+
+    upright: rim vertices that stand at the end of their leaning side, see `side_ends`.
+    """
     before = np.roll(labels, 1)
     joints = np.flatnonzero(labels != before)
     if not len(joints):
-        return _round(places, points, kinds[int(labels[0])], sharp)
+        return _round(places, points, kinds[int(labels[0])], sharp, upright)
     tracks: list[Track] = []
     marks = list(joints)
     for k, here in enumerate(joints):
         tracks.append(_joint(places[[here]], points[[here]], [int(before[here]), int(labels[here])], kinds))
         run = _run(here, joints[(k + 1) % len(joints)], len(places))
         kind = None if labels[here] == LINE else kinds[int(labels[here])]
-        pieces, pins = _between(places[run], points[run], kind, sharp)
+        pieces, pins = _between(places[run], points[run], kind, sharp, upright)
         tracks += pieces
         marks += list(run[pins])
     return Side(tracks, np.sort(np.array(marks)))
@@ -146,7 +151,7 @@ def _upright(places: Int, points: Array) -> Straight:
     return Straight(places, points, np.repeat(np.array([[[0.0, 0.0, 1.0]]]), len(places), axis=0))
 
 
-def _round(places: Int, points: Array, kind: Plane | Lean, sharp: bool) -> Side:
+def _round(places: Int, points: Array, kind: Plane | Lean, sharp: bool, upright: Sequence[int]) -> Side:
     """A whole loop of one kind."""
     if isinstance(kind, Plane):
         return Side([_in_planes(places, points, [kind])], np.zeros(0, dtype=np.int64))
@@ -158,11 +163,14 @@ def _round(places: Int, points: Array, kind: Plane | Lean, sharp: bool) -> Side:
     tracks: list[Track] = []
     for k, here in enumerate(pins):
         run = _run(here, pins[(k + 1) % len(pins)], len(places))
-        tracks += [_upright(places[[here]], points[[here]]), *_between(places[run], points[run], kind, False)[0]]
+        tracks.append(_upright(places[[here]], points[[here]]))
+        tracks += _between(places[run], points[run], kind, False, upright)[0]
     return Side(tracks, pins)
 
 
-def _between(places: Int, points: Array, kind: Plane | Lean | None, sharp: bool) -> tuple[list[Track], Int]:
+def _between(
+    places: Int, points: Array, kind: Plane | Lean | None, sharp: bool, upright: Sequence[int]
+) -> tuple[list[Track], Int]:
     """Tracks of the vertices between the ends of a run of one kind (None: a line), and its corners among them."""
     none = np.zeros(0, dtype=np.int64)
     if len(places) < 3 and not isinstance(kind, Lean):
@@ -176,7 +184,7 @@ def _between(places: Int, points: Array, kind: Plane | Lean | None, sharp: bool)
         tracks.append(hold(places[inner], points[inner]))
     for here, there in pairwise([0, *inner.tolist(), len(points) - 1]):
         piece, spots = points[here : there + 1], places[here : there + 1]
-        tracks += _line_piece(spots, piece) if kind is None else [_wall(spots, piece, kind.angle)]
+        tracks += _line_piece(spots, piece) if kind is None else _wall(spots, piece, kind.angle, upright)
     return tracks, inner
 
 
@@ -192,11 +200,19 @@ def _line_piece(places: Int, points: Array) -> Iterator[Track]:
     return _open_track(places[1:-1], points, SmoothCurve(points, closed=False).knots)
 
 
-def _wall(places: Int, points: Array, angle: float) -> OverCurve:
-    """The vertices between the ends of an open line that they stay over."""
+def _wall(places: Int, points: Array, angle: float, upright: Sequence[int]) -> list[Track]:
+    """The vertices between the ends of an open line that they stay over; those `upright` next to an end stand there."""
     curve = SmoothCurve(points * [1.0, 1.0, 0.0], closed=False)
-    start = np.column_stack([curve.knots, points[:, 2]])[1:-1]
-    return OverCurve(places[1:-1], curve, start, angle, places[[0, -1]])
+    stands = np.isin(places[1:-1], upright)
+    most = len(stands) // 3
+    first = 1 + min(int(np.argmin(np.append(stands, False))), most)
+    last = len(places) - 1 - min(int(np.argmin(np.append(stands[::-1], False))), most)
+    start = np.column_stack([curve.knots, points[:, 2]])[first:last]
+    tracks: list[Track] = []
+    for run, end in ((slice(1, first), points[0]), (slice(last, len(places) - 1), points[-1])):
+        if run.start < run.stop:
+            tracks.append(_upright(places[run], np.column_stack([0.0 * points[run, :2] + end[:2], points[run, 2]])))
+    return [*tracks, OverCurve(places[first:last], curve, start, angle, (places[:first], places[last:]))]
 
 
 def _in_planes(places: Int, points: Array, planes: Sequence[Plane]) -> Straight:

@@ -22,7 +22,7 @@ from ..gauss.frames import area_vectors
 from ..linalg import sum_rows
 from ..measure.arrays import face_areas_in_space
 from ..measure.intersections import self_intersections
-from ..notes import Note
+from ..notes import Note, Sentence
 from .branch import Branch, branch
 from .contact import LeanCheck, lean_check
 from .descent import Descent
@@ -34,10 +34,14 @@ Int = NDArray[np.integer]
 
 # H may be off by this part of itself, or of the mean curvature of the normals where that is more.
 _OFF = 0.02
+# A surface with less curvature than this, in units of one over its size, is flat.
+_FLAT = 1e-3
 # Less than this part is shown as 0.
 _NOUGHT = 1e-4
 # A lean may be off by this angle, radians.
 _LEAN = np.radians(1.0)
+# The rim of a leaning side may run back by this part of the size.
+_BACK = 1e-3
 
 
 @dataclass(frozen=True)
@@ -46,9 +50,10 @@ class Checks:
 
     distortion, drawn_distortion: the mean over the surface of ½ (Q + 1/Q) - 1, D / area - 1, against the plan as it was
     adapted and as it was drawn. multiplier: H of the search. mean_curvature: H that balances the area. curvature_unit:
-    the root mean square of the normals' curvature, which H is compared with where it is less. crossings: pairs of faces
-    that intersect. leans: of each leaning side. branch: which surface of this H it is. notes: what is not as it should
-    be, each with a code.
+    the root mean square of the normals' curvature, which errors of H are compared with where |H| is less. crossings:
+    pairs of faces that intersect. leans: of each leaning side. runs_back: the furthest that the rim of one runs back
+    along its line, or beyond its end, a length. branch: which surface of this H it is. notes: what is
+    not as it should be, each with a code.
     """
 
     distortion: float
@@ -58,6 +63,7 @@ class Checks:
     curvature_unit: float
     crossings: int
     leans: tuple[LeanCheck, ...]
+    runs_back: float
     branch: Branch
     notes: tuple[Note, ...]
 
@@ -90,7 +96,7 @@ _BRANCHES = {
 }
 
 
-def checked(
+def checks_of(
     descent: Descent,
     points: Array,
     normals: Array,
@@ -113,14 +119,18 @@ def checked(
         drawn_distortion=distortion(dirichlet_energy(drawn, points), points, domain.faces),
         multiplier=here.H,
         mean_curvature=balanced_curvature(here),
-        curvature_unit=float(np.sqrt(dirichlet_energy(domain, normals) / area)),
+        curvature_unit=max(
+            float(np.sqrt(dirichlet_energy(domain, normals) / area)), _FLAT / float(np.ptp(points, axis=0).max())
+        ),
         crossings=len(self_intersections(points, domain.faces)),
         leans=tuple(lean_check(domain, points, normals, edges, angle, base) for edges, angle in leans),
+        runs_back=descent.problem.rim.runs_back(descent.state.x),
         branch=branch(here),
         notes=(),
     )
     kept = len(domain.boundary_loops) > 1 and not descent.problem.moving_holes
-    found = [*notes, *_curvature(measured, kept), *_shape(measured, by_curvature)]
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    found = [*notes, *_curvature(measured, kept), *_shape(measured, by_curvature), *_sides(measured, size)]
     return Checks(**{**vars(measured), "notes": tuple(found)})
 
 
@@ -145,9 +155,22 @@ def _shape(measured: Checks, by_curvature: bool) -> list[Note]:
         notes.append(Note("several", f"{_BRANCHES[Branch.SADDLE]} Lines that are less bent have one surface."))
     elif measured.branch is Branch.FULLER and by_curvature:
         notes.append(Note("several", f"{_BRANCHES[Branch.FULLER]} Leave out the surface to start from for the other."))
-    for lean in measured.leans:
-        if not lean.off <= _LEAN:
-            notes.append(Note("lean-missed", f"{lean.sentence} Refine the mesh, or make the side flatter."))
+    return notes
+
+
+def _sides(measured: Checks, size: float) -> list[Note]:
+    notes = [
+        Note("lean-missed", f"{lean.sentence} Refine the mesh, or bring the angle nearer to 90°.")
+        for lean in measured.leans
+        if not lean.off <= _LEAN
+    ]
+    if measured.runs_back > _BACK * size:
+        text = Sentence(
+            "At an end of a side that leans the rim runs {} back or past the end: next to a line its angle is too far "
+            "from 90° for a surface that stays over the side. Bring it nearer to 90°, or let the neighbour lean, too.",
+            measured.runs_back,
+        )
+        notes.append(Note("runs-back", text))
     return notes
 
 

@@ -3,7 +3,7 @@
 The force of the rim, F = (L f - 2H · ⅓ Σ area vectors) at a rim vertex, points along the outward conormal, so
 N = F × γ' / |F × γ'|; one pass ¼ ½ ¼ along the rim takes out the alternating part of its error. At a corner N is normal
 to both sides; at a re-entrant one, where the surface is as steep as r^(2/3) and has no normal, it is the mean of those
-beside it (H measured around holes with sharp corners is then off half as much). Means of face normals would be of no
+beside it: H measured around holes with sharp corners is then off half as much. Means of face normals would be of no
 use: H measured with them does not converge on irregular meshes.
 """
 
@@ -81,7 +81,7 @@ def _angles(domain: Domain, vertices: Int) -> Array:
 
 
 def _at_corners(N: Array, behind: Array, ahead: Array, marks: Int, angles: Array) -> Array:
-    """N with that of both sides at the marked points, on the side of their neighbours; angles (k,): the plan's there."""
+    """N with that of both sides at the marked points, on the side of their neighbours; angles (k,): the plan's."""
     N = N.copy()
     across = np.cross(behind, ahead)[marks]
     sine = np.linalg.norm(across, axis=1)

@@ -21,6 +21,7 @@ from .problem import SpanProblem
 from .relay import rolled_out, under_lines
 from .search import Found, Search, Wish
 from .setting import Lines, setting
+from .side_ends import upright_vertices
 from .span import Asked, Span, finished
 from .verdict import SpanStatus, distortion, judged
 
@@ -29,6 +30,8 @@ Array = NDArray[np.float64]
 # Ends of a search that another plan may do away with.
 _UNLIKE = (SpanStatus.UNLIKE, SpanStatus.STALLED, SpanStatus.NOT_CONFORMAL, SpanStatus.ITERATION_LIMIT)
 
+# Times that vertices at the ends of leaning sides are chosen anew, at most.
+_ROUNDS = 12
 # Times that a surface is rolled out to be the plan of a better one, at most.
 _ROLLED = 5
 
@@ -203,7 +206,20 @@ def _distortion(tried: _Tried) -> float:
     return distortion(descent.state.D, descent.state.f, descent.problem.domain.faces)
 
 
-def _setting(domain: Domain, points: Array, options: SpanOptions) -> tuple[SpanProblem, Lines]:
+def _setting(
+    domain: Domain,
+    points: Array,
+    options: SpanOptions,
+    earlier: Found | None = None,
+    upright: Sequence[int] | None = None,
+) -> tuple[SpanProblem, Lines]:
+    """earlier: a search on the same plan; upright: rim vertices that stand at ends of sides, by default as there."""
+    solver = options.solver.harmonic if options.solver is not None and options.solver.domain is domain else None
+    problem = earlier.descent.problem if earlier is not None else None
+    if problem is not None and problem.solver.domain is domain:
+        solver = problem.solver
+    if upright is None:
+        upright = earlier.upright if earlier is not None else ()
     return setting(
         domain,
         points,
@@ -213,18 +229,20 @@ def _setting(domain: Domain, points: Array, options: SpanOptions) -> tuple[SpanP
         options.anchors,
         sharp=options.corners == "sharp",
         moving_holes=options.holes == "adapt",
-        solver=options.solver.harmonic if options.solver is not None and options.solver.domain is domain else None,
+        solver=solver,
         mean_curvature=options.wish[1] if options.wish[0] == "mean_curvature" else None,
-        earlier=options.initial.kept.descent.problem if options.initial is not None else None,
+        earlier=problem,
+        upright=upright,
     )
 
 
 def _searched(domain: Domain, points: Array, options: SpanOptions, near: _Tried | None = None) -> _Tried:
     """near: a search over another plan with the same vertices, to start from its surface."""
-    problem, lines = _setting(domain, points, options)
+    initial = options.initial.kept if options.initial is not None else None
+    problem, lines = _setting(domain, points, options, initial)
     start, tangent = None, None
-    if options.initial is not None:
-        earlier = options.initial.kept.descent
+    if initial is not None:
+        earlier = initial.descent
         if problem.coordinates is earlier.problem.coordinates:
             start, tangent = problem.continued(earlier.problem, earlier.state), earlier.tangent
     if near is not None:
@@ -241,4 +259,26 @@ def _searched(domain: Domain, points: Array, options: SpanOptions, near: _Tried 
     name, number = options.wish
     if name == "rise":
         name, number = "height", number * 0.5 * lines.extent
-    return _Tried(domain, search(Wish(name, number), start), lines)
+    wish = Wish(name, number)
+    found = search(wish, start)
+    if initial is not None:
+        found = replace(found, upright=initial.upright)
+    return _Tried(domain, _over_sides(domain, points, options, search, wish, found), lines)
+
+
+def _over_sides(
+    domain: Domain, points: Array, options: SpanOptions, search: Search, wish: Wish, found: Found
+) -> Found:
+    """The search again, with vertices that passed the end of a leaning side upright there; the first if that fails."""
+    for _ in range(_ROUNDS):
+        descent = found.descent
+        upright = upright_vertices(descent) if descent.end == "converged" and found.largest is None else found.upright
+        if upright == found.upright:
+            break
+        problem, _ = _setting(domain, points, options, found, upright)
+        start = problem.upright(descent.problem, descent.state)
+        again = replace(search, problem=problem, tangent=None)(wish, start)
+        if again.descent.end != "converged" or again.largest is not None:
+            break
+        found = replace(again, upright=upright)
+    return found

@@ -150,8 +150,16 @@ class SpanProblem:
 
     def laid_over(self, earlier: SpanProblem, state: State) -> State | None:
         """The surface of a state over another plan with the same vertices and rim; None if they are not the same."""
-        x = self.rim.adopted(earlier.rim, state.x)
-        if x is None or earlier.domain.vertex_count != self.domain.vertex_count:
+        return self._with_surface(state, self.rim.adopted(earlier.rim, state.x))
+
+    def upright(self, earlier: SpanProblem, state: State) -> State | None:
+        """The surface of a state whose rim had other vertices upright at the ends of its sides, over the first plan."""
+        if self.coordinates is not earlier.coordinates:
+            self.coordinates.solves += earlier.coordinates.solves
+        return self._with_surface(state, self.rim.renumbered(earlier.rim, state.x))
+
+    def _with_surface(self, state: State, x: Array | None) -> State | None:
+        if x is None or len(state.f) != self.domain.vertex_count:
             return None
         u = state.f - self.coordinates.extend(self.rim.at(x).points)
         return self.state(u[self.coordinates.inside], x, np.zeros(self.motions.count))

@@ -88,26 +88,34 @@ class AlongCurve:
 class OverCurve:
     """Vertices that stay over a curve seen from above, from (s, z) = start (k, 2); their heights are free.
 
-    angle: at which the surface meets the wall there, radians. ends (2,): the rim vertices over both ends of an open
-    curve.
+    angle: at which the surface meets the wall there, radians. ends: the rim vertices over both ends of an open curve,
+    in order along the rim, one or more at each.
     """
 
     width = 2
     on_line = False
 
     def __init__(
-        self, vertices: Int, curve: SmoothCurve, start: Array, angle: float, ends: Int | None = None
+        self, vertices: Int, curve: SmoothCurve, start: Array, angle: float, ends: tuple[Int, Int] | None = None
     ) -> None:
         self.vertices, self.curve, self.start = vertices, curve, start
         self.angle, self.ends = angle, ends
-        over = () if ends is None else ends
-        self.given: tuple[ArrayLike, ...] = (vertices, curve.points, curve.closed, start, angle, over)
+        self.given: tuple[ArrayLike, ...] = (vertices, curve.points, curve.closed, start, angle, *(ends or ()))
 
     def at(self, x: Array) -> tuple[Array, Array, Array]:
         points, tangents, bends = self.curve.at(x[:, 0])
         points[:, 2] = x[:, 1]
         up = np.broadcast_to([0.0, 0.0, 1.0], points.shape)
         return points, np.stack([tangents, up], axis=1), np.stack([bends, np.zeros_like(bends)], axis=1)
+
+    def runs_back(self, x: Array) -> float:
+        """The furthest that a vertex lies behind one that comes before it, or beyond an end, along the curve."""
+        s = x[:, 0]
+        if self.ends is None:
+            s = np.concatenate([s, s[:1] + self.curve.length])
+        else:
+            s = np.concatenate([[0.0], s, [self.curve.length]])
+        return float((np.maximum.accumulate(s) - s).max())
 
     def limit(self, x: Array, change: Array) -> float:
         return np.inf
@@ -205,6 +213,26 @@ class Rim:
             mine.append(part.ravel())
         return np.concatenate(mine)
 
+    def renumbered(self, other: Rim, x: Array) -> Array:
+        """The numbers (n,) that leave the vertices where x puts them on another rim of the same lines and sides, from
+        which some vertices now stand upright at an end of their side, or no longer do."""
+        track_of, row_of = np.zeros((2, self.count), dtype=np.int64)
+        for k, track in enumerate(other.tracks):
+            track_of[track.vertices], row_of[track.vertices] = k, np.arange(len(track.vertices))
+        points, parts, made = other.at(x).points, other.parts(x), []
+        for track in self.tracks:
+            part = track.start.copy()
+            for row, vertex in enumerate(track.vertices.tolist()):
+                before = parts[track_of[vertex]][row_of[vertex]]
+                if isinstance(other.tracks[track_of[vertex]], type(track)) and len(before) == track.width:
+                    part[row] = before
+                elif isinstance(track, OverCurve):
+                    part[row, 1] = points[vertex, 2]
+                elif isinstance(track, Straight) and track.width == 1:
+                    part[row] = points[vertex, 2] - track.places[row, 2]
+            made.append(part.ravel())
+        return np.concatenate(made)
+
     def limit(self, x: Array, change: Array) -> float:
         """The largest multiple of `change` (n,) that keeps the order of the vertices."""
         parts = zip(self.tracks, self.parts(x), self.parts(change), strict=True)
@@ -219,6 +247,11 @@ class Rim:
                 least, most = min(least, float(ratio.min())), max(most, float(ratio.max()))
         return least, most
 
+    def runs_back(self, x: Array) -> float:
+        """The furthest that a vertex of a leaning side lies behind the one before it, or beyond an end of the side."""
+        over = [(t, part) for t, part in zip(self.tracks, self.parts(x), strict=True) if isinstance(t, OverCurve)]
+        return max((track.runs_back(part) for track, part in over), default=0.0)
+
     @property
     def on_line(self) -> NDArray[np.bool_]:
         """(B,) which vertices lie on a given line: those that slide along it or stay."""
@@ -228,7 +261,7 @@ class Rim:
     def leaning(self) -> NDArray[np.bool_]:
         """(B,) which vertices lie over a line, at a free height, or between two such sides."""
         over = [t for t in self.tracks if isinstance(t, OverCurve)]
-        ends = [v for t in over if t.ends is not None for v in t.ends]
+        ends = [v for t in over if t.ends is not None for end in t.ends for v in end]
         return np.isin(np.arange(self.count), [v for t in over for v in t.vertices] + ends)
 
     def tangents(self, x: Array) -> Array:

@@ -40,10 +40,12 @@ class Wish:
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """The end of a search. largest: of H, where a larger one was asked for."""
+    """The end of a search. largest: of H, where a larger one was asked for. upright: rim vertices that stand at the end
+    of their leaning side."""
 
     descent: Descent
     largest: float | None = None
+    upright: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +106,7 @@ class Search:
         found = [self._volume_from_film(inner[0])]
         found.append(self._held(found[0], inner[1]))
         for _ in range(_TRIES):
-            left, right = (up * each.mean_curvature for each in found)
+            left, right = (_value(each, up) for each in found)
             if "cancelled" in (found[0].end, found[1].end):
                 return found[-1]
             if left >= right:
@@ -115,10 +117,12 @@ class Search:
                 low, inner[0], found[0] = inner[0], inner[1], found[1]
                 inner[1] = low + _GOLDEN * (high - low)
                 found[1] = self._held(found[0], inner[1])
-        return max(found, key=lambda each: up * each.mean_curvature)
+        return max(found, key=lambda each: (_value(each, up), up * each.mean_curvature))
 
     def _held(self, near: Descent, volume: float) -> Descent:
-        """The surface of another volume, from one nearby."""
+        """The surface of another volume, from one nearby, if that was found."""
+        if near.end != "converged":
+            return self._volume_from_film(volume)
         search = replace(self, problem=near.problem)
         state = search._with_volume(near.state, volume)
         return search._descend(state, HeldVolume(), _ROUGH)
@@ -192,3 +196,8 @@ class Search:
         reach = up * film[:, 2]
         stretch = float(np.min(np.maximum(room, 0.0)[reach > 0.0] / reach[reach > 0.0]))
         return self.problem.lifted(state, stretch * film)
+
+
+def _value(tried: Descent, up: float) -> float:
+    """up · H; minus infinity where there is no surface."""
+    return up * tried.mean_curvature if tried.end == "converged" else -np.inf

@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..domain.domain import Domain
-from ..errors import ConditionError, plural
+from ..errors import ConditionError, plural, shown
 from ..gauss.frames import boundary_edges, unit
 from ..gauss.harmonic import HarmonicSolver
 from ..gauss.lines import checked_lean
-from ..limits import shown
 from ..linalg import as_array, sum_rows
 from ..notes import Note
 from .boundary import LINE, Lean, Plane, Side, mixed_loop, other_line, own_line
@@ -96,10 +95,12 @@ def setting(
     solver: HarmonicSolver | None = None,
     mean_curvature: float | None = None,
     earlier: SpanProblem | None = None,
+    upright: Sequence[int] = (),
 ) -> tuple[SpanProblem, Lines]:
     """The problem of a plan with these points (V, 3), and its lines. mean_curvature: the wanted one, if any.
 
-    earlier: a problem of the same plan, whose factors are used again if its rim has like tracks.
+    earlier: a problem of the same plan, whose factors are used again if its rim has like tracks. upright: rim vertices
+    that stand at the end of their leaning side.
 
     Raises `ConditionError` where they do not fit.
     """
@@ -126,7 +127,7 @@ def setting(
             sides.append(own_line(place, mine, sharp, stays) if own[k] else other_line(place, points[loop], its, sharp))
         elif own[k]:
             notes += check_corners(loop, mine, labels, conditions.kinds, lines.extent)
-            sides.append(mixed_loop(place, mine, labels, conditions.kinds, sharp))
+            sides.append(mixed_loop(place, mine, labels, conditions.kinds, sharp, upright))
         else:
             raise ConditionError("A loop with mirrors or leans spans its own points; leave out its curve.")
     rim = Rim([track for side in sides for track in side.tracks], len(domain.boundary_vertices))

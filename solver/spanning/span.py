@@ -17,11 +17,12 @@ from ..gauss.boundary_data import Conditions
 from ..gauss.conditions import fixed_at, mirror
 from ..gauss.sphere import normalize
 from ..notes import Note
+from ..signatures import checked
 from ..surface import convert, notebook
 from ..surface.cmc_surface import CmcSurface
 from ..surface.polygon_mesh import PolygonMesh
 from ..surface.solve import CmcSolver
-from .checks import Checks, checked
+from .checks import Checks, checks_of
 from .descent import Iterate
 from .normals import changed_normals, rim_normals, start_normals
 from .problem import SpanProblem, State
@@ -97,7 +98,7 @@ class Span:
     @cached_property
     def checks(self) -> Checks:
         """What was measured on it: distortion, H by its area, crossings, angles of leaning sides."""
-        return checked(
+        return checks_of(
             self.kept.descent,
             self.points,
             self.normals,
@@ -117,6 +118,7 @@ class Span:
             return [Note("not-converged", self.message), *self.asked.lines.notes]
         return list(self.checks.notes)
 
+    @checked
     def harmonic(self, solver: CmcSolver | None = None) -> CmcSurface:
         """The paper's surface with the boundary normals of this one, moved to where it is nearest.
 
@@ -135,6 +137,7 @@ class Span:
             f_minus=found.f_minus + shift,
         )
 
+    @checked
     def distance(self, solver: CmcSolver | None = None) -> float:
         """The largest distance of a point from that of the paper's surface, see `harmonic`."""
         return float(np.linalg.norm(self.points - self.harmonic(solver).f_plus, axis=1).max())
@@ -150,6 +153,7 @@ class Span:
             return found
         return replace(found, g=-found.g, f_plus=-found.f_plus, f_minus=-found.f_minus, scale=-found.scale)
 
+    @checked
     def sheet(self, name: str = "f+") -> Array:
         """Points (V, 3) of this surface, "f+", or of "f-", "g" and "gauss", see `CmcSurface.sheet`."""
         return self.as_surface.sheet(name)
@@ -171,10 +175,12 @@ class Span:
         centre = solved.centre - (points - solved.f_plus).mean(axis=0) / scale
         return replace(solved, centre=centre, g=g, f_plus=points, f_minus=g - scale * self.normals, periods=none)
 
+    @checked
     def as_mesh(self, sheet: str = "f+", combinatorics: str = "primal") -> PolygonMesh:
         """A sheet as a mesh of polygons, see `CmcSurface.as_mesh`."""
         return self.as_surface.as_mesh(sheet, combinatorics)
 
+    @checked
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the triangles as OBJ, PLY, STL or GLB, by the suffix; raises `JobError` where that fails."""
         convert.save_mesh(path, self.points, self.faces, self.normals)

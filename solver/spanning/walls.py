@@ -165,5 +165,5 @@ def _steps(track: OverCurve, offset: int, count: int) -> tuple[sp.csr_array, Arr
     s = sp.vstack([empty, known, empty]).tocsr()
     rest = np.zeros(inner + 1)
     rest[-1] = track.curve.length
-    way = np.concatenate([track.ends[:1], track.vertices, track.ends[1:]])
+    way = np.concatenate([track.ends[0][-1:], track.vertices, track.ends[1][:1]])
     return s[1:] - s[:-1], rest, np.column_stack([way[:-1], way[1:]])

@@ -104,7 +104,7 @@ def _circumcentres_beyond(domain: Domain, corners: Int) -> tuple[Array, Array]:
 
 def _chart(domain: Domain, corners: Int) -> Callable[[Array, Array], Array]:
     """Maps points from the plane of the face of each corner to the chart of its vertex, (n, 2)."""
-    start, stretch = _fan_angles(domain, corners)
+    start, stretch = fan_angles(domain, corners)
 
     def unfold(x: Array, y: Array) -> Array:
         direction = start + stretch * np.arctan2(y, x)
@@ -131,7 +131,7 @@ def _vertex_angles(domain: Domain) -> Array:
     return sum_rows(domain.faces.ravel(), domain.corner_angles.ravel(), domain.vertex_count)
 
 
-def _fan_angles(domain: Domain, corners: Int) -> tuple[Array, Array]:
+def fan_angles(domain: Domain, corners: Int) -> tuple[Array, Array]:
     """Direction (n,) in which the face of each corner begins, and the stretch (n,) of its angles.
 
     corners: all those of some vertices, traversed counter-clockwise around each vertex, from the boundary edge that

@@ -11,7 +11,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..limits import Range, check_number
+from ..errors import shown
+from ..limits import POSITIVE, Range, check_number
 from ..linalg import as_numbers
 from ..signatures import checked
 from ..surface.cmc_surface import CmcSurface, SurfaceLike, as_surface
@@ -78,8 +79,8 @@ def complete(
         raise SymmetryError(f'Sheet "{sheet}" has no copies; choose f+ or f-.')
     if box is not None and len(around):
         raise SymmetryError("Copies in a box and around corners exclude each other; choose one of them.")
-    if not (np.isfinite(tolerance) and tolerance > 0.0):
-        raise SymmetryError(f"The tolerance must be a positive part of the surface's size, not {tolerance}.")
+    if tolerance not in POSITIVE:
+        raise SymmetryError(f"The tolerance must be a positive part of the surface's size, not {shown(tolerance)}.")
     if isinstance(sides, Side):
         raise SymmetryError("The sides are a list; put the one side into a list.")
     arrangement = arrange(surface, sides, coplanar)

@@ -107,6 +107,13 @@ def test_settings_of_another_task_are_refused(tmp_path, capsys):
     assert "--fit-rise goes with --task fit, not with solve" in capsys.readouterr().err
 
 
+def test_what_cannot_be_closed_is_unusable_before_it_is_solved(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("cmc_formfinding.cmc_addon.headless.batch.run_step", None)
+    path = job(tmp_path, "disc.toml", DISC)
+    assert cli.run([str(path), "-o", str(tmp_path / "out"), "-f", "obj", "--task", "close"]) == 2
+    assert "neither holes nor handles" in capsys.readouterr().err
+
+
 def test_all_formats_and_metres(tmp_path):
     """GLB leaves in metres, as Export writes it; the other formats have no unit."""
     path = plans(tmp_path / "in.blend", "A", scale=0.001)

@@ -65,9 +65,9 @@ def test_a_shell_that_cannot_be_placed(job, capsys):
 
 
 def test_a_file_that_cannot_be_written(job, tmp_path, capsys):
-    (tmp_path / "taken.obj").mkdir()
-    assert main([job(DISC + "[output]\nf_plus = 'taken.obj'")]) == 1
-    assert "taken.obj cannot be written" in capsys.readouterr().err
+    (tmp_path / "taken").write_text("a file where a folder is wanted")
+    assert main([job(DISC + "[output]\nf_plus = 'taken/shell.obj'")]) == 1
+    assert "shell.obj cannot be written" in capsys.readouterr().err
 
 
 def test_one_failure_does_not_stop_the_rest(job, tmp_path, capsys):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 from collections.abc import Callable
 
 import numpy as np
@@ -21,17 +22,32 @@ NORMALS, PLACES = SURFACE.normals, SURFACE.f_plus
 HARMONIC, CMC = solver.HarmonicSolver(DISC), solver.CmcSolver(DISC)
 SIDE = solver.Side("a", DISC.sides["outer"][:5], "mirror", [0, 0, 1])
 PLAN = solver.Plan.from_shape(DISC)
+SHELL = solver.form(PLAN)
+SPAN = solver.span_outline(DISC, DISC.positions, rise=0.4)
 START = Start(RIM, 1.0, np.zeros(3))
 NONE = np.zeros((0, 2), dtype=int)
+SQUARE = shapes.polygon([[0, 0], [1, 0], [1, 1], [0, 1]], max_edge=0.2, corner_radius=0.2)
+SQUARE_SPAN = solver.span_outline(SQUARE, SQUARE.positions, mean_curvature=0.3)
+NET = solver.panel_net(SQUARE_SPAN, 0.3)
+
+
+class Thing:
+    """Something of no use anywhere; it prints alike in every process."""
+
+    def __repr__(self) -> str:
+        return "a thing"
+
+
 # Calls of each public name, with one argument left open.
 CALLS: dict[str, list[Callable]] = {
-    "CmcSolver": [solver.CmcSolver, lambda x: CMC.index(RIM, x), lambda x: CMC.index(x, NORMALS)],
+    "CmcSolver": [solver.CmcSolver, CMC.moved, lambda x: CMC.index(RIM, x), lambda x: CMC.index(x, NORMALS)],
     "CmcSurface": [SURFACE.save, SURFACE.as_mesh],
-    "Conditions": [lambda x: solver.solve_cmc(DISC, x)],
+    "Conditions": [lambda x: solver.solve_cmc(DISC, x), lambda x: solver.Conditions(edges=x)],
     "Domain": [
         lambda x: solver.Domain.from_positions(x, FACES),
         lambda x: solver.Domain.from_positions(PLACES, x),
         lambda x: solver.Domain.from_edge_lengths(FACES, x),
+        DOMAIN.with_lengths,
     ],
     "Group": [lambda x: solver.Group(x, NONE), lambda x: solver.Group("a", x)],
     "HarmonicSolver": [solver.HarmonicSolver, lambda x: HARMONIC.solve(x)],
@@ -40,9 +56,11 @@ CALLS: dict[str, list[Callable]] = {
         lambda x: solver.form(solver.Plan(DISC.positions, x)),
         lambda x: solver.form(solver.Plan(DISC.positions, FACES, groups=x)),
         solver.Plan.from_shape,
+        solver.Plan.from_mesh,
         lambda x: solver.Plan.from_shape(DISC, {"outer": x}),
         lambda x: solver.form(solver.Plan.from_shape(DISC, {"outer": ("binormal", {"tilt": x})})),
     ],
+    "Report": [solver.report(SURFACE).summary],
     "Settings": [
         lambda x: solver.Settings(size=x),
         lambda x: solver.Settings(size="span", value=x),
@@ -50,7 +68,9 @@ CALLS: dict[str, list[Callable]] = {
         lambda x: solver.Settings(tolerance=x),
         lambda x: solver.Settings(default_tilt=x),
     ],
+    "Shell": [SHELL.points, SHELL.save, SHELL.summary],
     "Side": [lambda x: solver.complete(SURFACE, [solver.Side("a", x)])],
+    "Span": [SPAN.harmonic, SPAN.distance, SPAN.sheet, SPAN.save],
     "close_periods": [
         lambda x: solver.close_periods(DISC, x),
         lambda x: solver.close_periods(DISC, RIM, coplanar=x),
@@ -61,6 +81,11 @@ CALLS: dict[str, list[Callable]] = {
     "conformal_distortion": [
         lambda x: solver.conformal_distortion(x, PLACES),
         lambda x: solver.conformal_distortion(DISC, x),
+    ],
+    "curvature_lines": [
+        lambda x: solver.curvature_lines(x, 0.3),
+        lambda x: solver.curvature_lines(SQUARE_SPAN, x),
+        lambda x: solver.curvature_lines(SQUARE_SPAN, 0.3, quantised=x),
     ],
     "fit": [lambda x: solver.fit(DISC, x, START, size=1.0), lambda x: solver.fit(DISC, [], x, size=1.0)],
     "fit_gauss_map": [
@@ -83,13 +108,28 @@ CALLS: dict[str, list[Callable]] = {
         lambda x: solver.hole(DISC, x, 0),
         lambda x: solver.hole(DISC, DISC.positions, 0, x),
     ],
+    "isothermic_coordinates": [
+        lambda x: solver.isothermic_coordinates(x, 0.3),
+        lambda x: solver.isothermic_coordinates(SQUARE_SPAN, x),
+    ],
     "mean_curvature_of": [lambda x: solver.mean_curvature_of(PLACES, x, NORMALS)],
     "modes_of": [
         lambda x: solver.modes_of(x, RIM, NORMALS),
         lambda x: solver.modes_of(HARMONIC, x, NORMALS),
         lambda x: solver.modes_of(HARMONIC, RIM, x),
     ],
+    "moulds": [lambda x: solver.moulds(x, 0.01), lambda x: solver.moulds(NET, x)],
+    "Net": [NET.save],
+    "panel_net": [
+        lambda x: solver.panel_net(x, 0.3),
+        lambda x: solver.panel_net(SQUARE_SPAN, x),
+        lambda x: solver.panel_net(SQUARE_SPAN, count=x),
+        lambda x: solver.panel_net(SQUARE_SPAN, 0.3, kind=x),
+        lambda x: solver.panel_net(SQUARE_SPAN, 0.3, sheet=x),
+        lambda x: solver.panel_net(SQUARE_SPAN, 0.3, planar=x),
+    ],
     "periods": [solver.periods],
+    "planarise": [solver.planarise, lambda x: solver.planarise(NET, keep_rim=x)],
     "principal_curvatures": [lambda x: solver.principal_curvatures(PLACES, FACES, x)],
     "read_plan": [solver.read_plan],
     "report": [
@@ -151,7 +191,7 @@ CALLS: dict[str, list[Callable]] = {
     ],
 }
 # Results, which nobody makes, and names that are no calls.
-NO_CALLS = {"ClosingResult", "Completion", "Fit", "HarmonicMap", "Report", "Shape", "Shell", "Span", "Status"}
+NO_CALLS = {"ClosingResult", "Completion", "Fit", "HarmonicMap", "Line", "Shape", "Status"}
 
 
 def test_every_public_name_has_a_call():
@@ -160,13 +200,14 @@ def test_every_public_name_has_a_call():
 
 
 @pytest.mark.parametrize("name", CALLS)
-@pytest.mark.parametrize("value", [3, None, "outside", {}, [1, [2, 3]]], ids=str)
+@pytest.mark.parametrize("value", [3, None, "outside", {}, [1, [2, 3]], np.zeros(3), 10**40, Thing()], ids=repr)
 def test_an_argument_of_another_type_ends_in_nothing_but_a_sentence(name: str, value: object):
     for call in CALLS[name]:
         try:  # some of the values are right for some arguments
             call(value)
         except CmcError as error:
             assert len(str(error)) > 15
+            assert not re.search(r"object at 0x|<class|<built-in", str(error))
 
 
 @pytest.mark.parametrize(
@@ -183,6 +224,9 @@ def test_an_argument_of_another_type_ends_in_nothing_but_a_sentence(name: str, v
         (lambda: solver.ring("x"), 'ring: length must be a number, not "x"'),
         (lambda: solver.whole(SURFACE), "whole: completion must be a Completion"),
         (lambda: solver.modes_of(None, RIM, NORMALS), "modes_of: solver must be a HarmonicSolver, not None"),
+        (lambda: solver.complete(SURFACE, np.zeros(3)), "complete: sides must be a list, not"),
+        (lambda: SPAN.save(None), "Span.save: path must be a text or a PathLike, not None"),
+        (lambda: solver.Settings(sheet=len), "sheet must be a text, not a function"),
         (lambda: SURFACE.save(3), "CmcSurface.save: path must be a text or a PathLike, not 3"),
     ],
 )
@@ -190,6 +234,19 @@ def test_the_call_the_argument_and_the_value_are_named(call: Callable, message: 
     with pytest.raises(ArgumentError, match=message) as caught:
         call()
     assert isinstance(caught.value, TypeError)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: solver.Conditions(edges=None), "Conditions: edges must be an array"),
+        (lambda: DOMAIN.with_lengths([1.0]), r"must have the shape \(\d+,\), not \(1,\)"),
+        (lambda: solver.wente(10**40, 4), "radians, not by a number of about 41 digits"),
+    ],
+)
+def test_a_value_that_cannot_be_is_named(call: Callable, message: str):
+    with pytest.raises(CmcError, match=message):
+        call()
 
 
 def test_a_size_without_a_value_is_refused():

@@ -227,7 +227,7 @@ def test_an_output_on_a_full_disk(jobs, arguments):
     assert error.count("The output cannot be written: No space left on device.") == 1
 
 
-@pytest.mark.parametrize("log", ["b.toml", "./a.toml", "plan.obj", "new.blend"])
+@pytest.mark.parametrize("log", ["b.toml", "./a.toml", "plan.obj", "new.blend", "a.json"])
 def test_a_log_is_no_file_of_another_kind(jobs, capsys, log):
     before = Path("b.toml").read_text()
     assert main(["a.toml", "b.toml", "--log", log]) == 2
@@ -235,8 +235,13 @@ def test_a_log_is_no_file_of_another_kind(jobs, capsys, log):
     assert Path("b.toml").read_text() == before and not Path("a.obj").exists()
 
 
+def test_a_log_is_no_folder(jobs, capsys):
+    assert main(["a.toml", "--log", "."]) == 2
+    assert "The log . is a folder; name a file in it." in capsys.readouterr().err and not Path("a.obj").exists()
+
+
 def test_a_log_that_cannot_be_written_is_a_fault(jobs, capsys):
-    assert main(["a.toml", "--log", "."]) == 1
+    assert main(["a.toml", "--log", "a.toml/log.txt"]) == 1
     assert "the log cannot be written" in capsys.readouterr().err and Path("a.obj").exists()
 
 

@@ -102,6 +102,20 @@ def test_gauss_seidel_turns_the_halves_of_squares_as_one(sites, energy):
     assert_allclose(result.normals, reference.normals, rtol=0, atol=1e-6)
 
 
+@pytest.mark.parametrize(("tolerance", "limit", "status", "most"), [
+    (1e-6, 5000, Status.CONVERGED, 1000),
+    (1e-6, 350, Status.ITERATION_LIMIT, 300),  # it would take about 600 sweeps
+    (1e-15, 5000, Status.STALLED, 2500),  # rounding comes first
+])  # fmt: skip
+def test_sweeps_end_where_their_pace_does_not_reach_the_tolerance(tolerance, limit, status, most):
+    disc = shapes.disc(600)
+    condition = conditions.binormal(disc.domain, disc.positions, disc.domain.boundary_edges, 0.3)
+    solver = HarmonicSolver(disc.domain)
+    swept = solver.solve(condition, method="gauss_seidel", tolerance=tolerance, max_iterations=limit)
+    assert swept.status is status
+    assert (limit if status is Status.ITERATION_LIMIT else 0) - 100 < swept.iterations <= most
+
+
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("sites", SITES)
 def test_units_do_not_matter_to_any_method(sites, method):

@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose
 from solver import ConditionError, Conditions, HarmonicSolver, MeshError, Status, conditions, shapes
 from solver.gauss.modes import flat_axis, index_of, modes_of, problem_of, saddle
 from solver.gauss.null_directions import drifts, free_rotations, translations
+from solver.gauss.saddles import _turned
 from solver.gauss.tangent import TangentSystem
 
 E_X, E_Y, E_Z = np.eye(3)
@@ -48,6 +49,52 @@ def test_the_matrix_is_the_hessian(sites, energy):
     values = np.linalg.eigvals(np.linalg.solve(system.K.toarray(), system.H.toarray())).real
     assert_allclose(system.lowest(3, np.zeros((len(d), 0)))[0], np.sort(values)[:3], rtol=0, atol=1e-7)
     assert system.below(0.4) == (values < 0.4).sum()
+
+
+def test_eigenvalues_in_clusters_are_found_as_often_as_they_are():
+    """Of a symmetric map, whose modes come in pairs of one eigenvalue; the dense solver as the second method."""
+    system = rim_that_turns(24)
+    gauge, n = np.zeros((len(system.gradient), 0)), len(system.gradient)
+    expected = np.sort(np.linalg.eigvals(np.linalg.solve(system.K.toarray(), system.H.toarray())).real)
+    pairs = np.diff(expected[:12]) < 1e-9
+    assert n > 120 and pairs.sum() >= 3
+    for count in (1, 2, 5, 12):
+        values, modes = system.lowest(count, gauge)
+        assert_allclose(values, expected[:count], rtol=0, atol=1e-9)
+        assert_allclose(modes.T @ (system.K @ modes), np.eye(count), rtol=0, atol=1e-7)
+    values, modes = system.lowest(3, system.lowest(2, gauge)[1])
+    assert_allclose(values, expected[2:5], rtol=0, atol=1e-8)
+
+
+@pytest.mark.parametrize("most", [100, 0])
+def test_a_step_leads_down_but_along_the_lowest_modes(most, monkeypatch):
+    """Also where the modes are too many to be looked for, and the H¹ gradient leads the way down."""
+    monkeypatch.setattr("solver.gauss.saddles._MANY", most)
+    system = rim_that_turns(24, noise=0.3)
+    gauge, G = np.zeros((len(system.gradient), 0)), system.gradient
+    newton = system.solve(-G, gauge)[0]
+    values, modes = system.lowest(4, gauge)
+    assert (values[:3] < 0.0).all()
+    for index in (0, 1, 2):
+        step = _turned(system, gauge, index, newton, is_near=False)
+        along = (modes.T @ (system.K @ step)) * (modes.T @ G)
+        assert (along[:index] > 0.0).all() and (along[index:3] < 0.0).all()
+        assert step @ G - along[:index].sum() < 0.0
+        assert not np.array_equal(step, newton)
+    assert np.array_equal(_turned(system, gauge, system.count(0.0, gauge), newton, is_near=True), newton)
+
+
+def rim_that_turns(columns, noise=0.0):
+    """A regular polygon of triangles around one vertex, in rings, whose map has the symmetry of the polygon."""
+    disc = shapes.disc(columns * columns // 2)
+    solver = HarmonicSolver(disc.domain)
+    held = conditions.binormal(disc.domain, disc.positions, disc.domain.boundary_edges)
+    problem, rng = problem_of(solver, held), np.random.default_rng(3)
+    N = solver.solve(held, tolerance=1e-10).normals
+    moved = N + noise * rng.standard_normal(N.shape)
+    moved /= np.linalg.norm(moved, axis=1)[:, None]
+    moved[problem.dirichlet.fixed] = N[problem.dirichlet.fixed]
+    return TangentSystem.of(problem, problem.at(moved))
 
 
 def test_rotations_that_respect_the_conditions():

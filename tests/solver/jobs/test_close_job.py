@@ -10,10 +10,11 @@ from numpy.testing import assert_allclose
 
 from solver.__main__ import main
 from solver.domain.topology import Homology
-from solver.errors import JobError
+from solver.errors import CmcError, JobError
 from solver.io.mesh_files import read_mesh
 from solver.jobs.job import load_job, run_job
-from solver.jobs.outcomes import FAILED, OK
+from solver.jobs.outcomes import FAILED, OK, UNUSABLE
+from solver.shells.close import ClosingOptions, close_plan
 from solver.shells.form import form
 from solver.shells.gaps import hole_gaps, hole_loops, turns_of_loops
 from solver.shells.plan import plan_domain
@@ -139,8 +140,6 @@ def test_one_hole_of_two_moves(tmp_path):
 
 def test_the_plan_with_the_moved_hole_gives_the_closed_shell(tmp_path):
     """Shifted, not turned, a hole's rim has the normals that it had."""
-    from solver.shells.close import close_plan
-
     symmetric = COURT.replace("[3, 3], [6, 3], [6, 6], [3, 6]", "[3, 3.5], [6, 3.5], [6, 6.5], [3, 6.5]")
     job = load_job(job_file(tmp_path, '[close]\nby = "hole"\nmove = ["x", "y", "twist"]\n', symmetric))
     assert job.close is not None
@@ -173,7 +172,8 @@ def test_what_is_wrong_with_the_table_is_named(tmp_path, table, message):
         load_job(job_file(tmp_path, f"[close]\n{table}\n"))
 
 
-def test_what_cannot_be_closed(tmp_path):
+def test_what_cannot_be_closed_is_an_unusable_job(tmp_path):
+    """Exit code 2, and nothing is solved for it."""
     disc = '[shape]\nkind = "disc"\nn = 60\n'
     for plan, close, message in (
         (disc, "[close]\n", "neither holes nor handles"),
@@ -182,5 +182,11 @@ def test_what_cannot_be_closed(tmp_path):
         (COURT, '[close]\n[solver]\nsites = "faces"\n', "Closing needs normals on vertices"),
         (disc, "[fit]\nrise = 0.2\n[close]\n", "a fit closes its shell by itself"),
     ):
-        with pytest.raises(Exception, match=message):
-            run_job(load_job(job_file(tmp_path, close, plan)))
+        path = job_file(tmp_path, close, plan)
+        with pytest.raises(CmcError, match=message):
+            load_job(path)
+        assert main([str(path)]) == UNUSABLE
+
+    job = load_job(job_file(tmp_path, "", disc))
+    with pytest.raises(CmcError, match="neither holes nor handles"):
+        close_plan(job.plan, job.settings, ClosingOptions(), solver=None)

@@ -113,6 +113,8 @@ def test_the_table_and_the_key_are_named(tmp_path: Path, text: str, message: str
 
 
 OVERWRITTEN = [
+    ('mesh = "plan.obj"\n[output]\nreport = "."', '"report" of .output. is a folder, .*; name a file in it'),
+    ('mesh = "plan.obj"\n[output]\nreport = "r.obj"', '"report" is a file of JSON, .* call it report.json'),
     ('mesh = "plan.obj"\n[output]\nf_plus = "plan.obj"', '"f_plus" of .output. would overwrite "mesh"'),
     ('mesh = "plan.obj"\n[output]\nf_plus = "./sub/../plan.obj"', '"f_plus" of .output. would overwrite "mesh"'),
     ('mesh = "plan.obj"\n[output]\nf_plus = "PLAN.obj"', '"f_plus" of .output. would overwrite "mesh"'),

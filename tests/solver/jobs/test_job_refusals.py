@@ -18,7 +18,10 @@ from tests.solver.job_files import PLAN, job
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("mesh = \nup = 1", r"job\.toml is not valid TOML: .*line 1"),
+        ("mesh = \nup = 1", r"job\.toml is not valid TOML: .*line 1, column \d+\)\.$"),
+        ('up = "z"\nmesh = "C:\\Users\\me.obj"', r'line 2, .*; write paths with "/", or in single quotes\.$'),
+        ("mesh = “plan.obj”", r"line 1, .*; write straight quotes\.$"),
+        ("[default]\ntilt = 20,5", r"line 2, .*; write numbers with a point, and without separators\.$"),
         ("", r'needs either mesh = "file" or a \[shape\]'),
         (PLAN + "[shape]\nkind = 'disc'", r'needs either mesh = "file" or a \[shape\]'),
         ("mesh = 3", r'"mesh" must be a text, not 3'),
@@ -137,3 +140,10 @@ def test_degrees_that_look_like_radians_are_noticed(folder, text, where):
 @pytest.mark.parametrize("tilt", ["0", "1", "1.0", "2.5", "-20"])
 def test_plain_degrees_are_not(folder, tilt):
     assert not load_job(job(folder, DISC + f"[default]\ntilt = {tilt}\n")).warnings
+
+
+def test_a_mesh_is_no_job(tmp_path):
+    file = tmp_path / "plan.obj"
+    file.write_text("v 0 0 0\n")
+    with pytest.raises(JobError, match=r'is a mesh, not a job; write a job that names it, mesh = "plan\.obj"'):
+        load_job(file)

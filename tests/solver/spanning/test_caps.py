@@ -116,6 +116,17 @@ def test_too_large_a_curvature_is_refused_with_the_largest():
     assert near.points[:, 2].max() < 1.0
 
 
+def test_the_largest_curvature_is_that_of_a_surface():
+    """Around this courtyard larger volumes crowd the rim: their multipliers, up to 0.75, are of no surface."""
+    star = np.array([[0, 0], [3, -0.4], [4.2, 1], [3.4, 1.6], [4, 3], [2.4, 2.6], [1, 3.4], [0.6, 2], [-0.6, 1.2]])
+    court = np.array([[1.6, 0.9], [1.5, 1.9], [2.4, 1.8], [2.5, 1.0]])
+    plan = shapes.polygon(star, holes=[court], max_edge=0.16, corner_radius=0.25)
+    span = span_outline(plan, plan.positions, mean_curvature=0.8)
+    assert "the largest is about 0.6" in span.message, span.message
+    near = span_outline(plan, plan.positions, mean_curvature=0.95 * span.mean_curvature)
+    assert near.ok, near.message
+
+
 def test_a_square_plan_spans_an_ellipse():
     plan = shapes.polygon([[-1, -1], [1, -1], [1, 1], [-1, 1]], max_edge=0.12)
     line = circle(200) * [2.0, 1.0, 1.0]

@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose
 
 from solver import Domain, mean_curvature_of, shapes, span_outline
 from solver.notes import CODES
+from solver.spanning import outline
 from solver.spanning.branch import Branch, branch
 from solver.spanning.checks import area_gradient, balanced_curvature
 from solver.spanning.linearised import Linearised
@@ -146,6 +147,18 @@ def test_leans_are_measured():
     assert mirrored.checks.leans[0].off < np.radians(0.2)
 
 
+def test_a_rim_that_runs_past_the_end_of_its_side_is_told(monkeypatch):
+    """As it would if vertices there did not stand upright."""
+    monkeypatch.setattr(outline, "_ROUNDS", 0)
+    plan = hall(0.3)
+    for angle, back in ((35, True), (60, False)):
+        span = span_outline(plan, plan.positions, rise=0.2, leans=[("street", np.radians(angle))])
+        side = np.unique(plan.domain.edges[plan.sides["street"]])
+        beyond = plan.positions[side, 0].min() - span.points[side, 0].min()
+        assert ("runs-back" in codes(span)) == back == (beyond > 0.1)
+        assert span.ok and (span.checks.runs_back >= beyond - 1e-9 if back else span.checks.runs_back == 0.0)
+
+
 def test_square_holes_keep_their_corners():
     plan = shapes.polygon(SQUARE, holes=[0.4 * SQUARE[::-1] + 0.1], max_edge=0.11)
     up = np.column_stack([plan.positions, np.zeros(len(plan.positions))])
@@ -166,4 +179,12 @@ def test_a_span_that_failed_says_so():
     domain, points = disc(300)
     span = span_outline(domain, points, mean_curvature=1.2)
     assert codes(span)[0] == "not-converged" and span.warnings[0] == span.message
-    assert {"unbalanced", "distorted", "several", "lean-missed", "steep-corner"} <= set(CODES)
+    assert {"unbalanced", "distorted", "several", "lean-missed", "runs-back", "steep-corner"} <= set(CODES)
+
+
+def test_a_plane_has_no_curvature_to_be_off():
+    corners = np.array([[0.0, 0.0], [1.0, 0.2], [0.3, 1.0]])
+    plan = shapes.polygon(corners, max_edge=0.15)
+    span = span_outline(plan, np.column_stack([plan.positions, plan.positions @ [0.5, -0.3]]))
+    assert not span.warnings and span.checks.curvature_unit > 5e-4
+    assert span.checks.lines[0].startswith("Mean curvature 0 by the balance of the area, 0 in")

@@ -151,3 +151,29 @@ def test_steep_sides_about_a_corner_that_is_rounded_a_little(radius, angle, note
     if noted:
         assert "goes far down" in span.asked.lines.notes[0]
         assert span.points[:, 2].min() < -6.0
+
+
+def test_steep_rims_stand_upright_at_the_ends_of_their_side():
+    """Next to a line the angle cannot change at once: the rim falls upright there, and then keeps its angle."""
+    plan = hall(0.22)
+    street = np.unique(plan.domain.edges[plan.sides["street"]])
+    span = span_outline(plan, plan.positions, rise=0.2, leans=[("street", np.radians(35))])
+    assert span.ok and not span.warnings and span.checks.runs_back == 0.0
+    ends = [plan.positions[street, 0].min(), plan.positions[street, 0].max()]
+    for end in ends:
+        stands = np.sort(span.points[street][np.abs(span.points[street, 0] - end) < 1e-9, 2])
+        assert 3 <= len(stands) <= 8 and stands[-1] == pytest.approx(0.0, abs=1e-9) and (np.diff(stands) > 0.1).all()
+    assert np.abs(angles(span, plan, "street") - 35).max() < 0.4 and distortion(span) < 6e-4
+    assert (span.points[street, 0] >= ends[0] - 1e-9).all() and (span.points[street, 0] <= ends[1] + 1e-9).all()
+
+
+def test_vertices_at_the_ends_are_let_go_when_a_side_becomes_flatter():
+    plan = hall(0.5)
+    span = span_outline(plan, plan.positions, rise=0.2, leans=[("street", np.radians(35))])
+    assert len(span.kept.upright) > 1
+    for angle in (45, 60):
+        span = span_outline(plan, plan.positions, rise=0.2, leans=[("street", np.radians(angle))], initial=span)
+    cold = span_outline(plan, plan.positions, rise=0.2, leans=[("street", np.radians(60))])
+    assert span.ok and span.kept.upright == cold.kept.upright == ()
+    assert_allclose(span.mean_curvature, cold.mean_curvature, rtol=2e-3)
+    assert_allclose(np.median(angles(span, plan, "street")), 60, rtol=0, atol=0.4)

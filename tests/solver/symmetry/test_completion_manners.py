@@ -54,7 +54,7 @@ def test_a_completion_says_whether_its_copies_meet(completion):
     assert not torn.ok and "Refine the mesh" in torn.message
     stopped = replace(surface.harmonic, status=type(surface.status).ITERATION_LIMIT)
     unfinished = replace(completion, surface=replace(surface, harmonic=stopped))
-    assert not unfinished.ok and unfinished.message.startswith("The iteration limit was reached")
+    assert not unfinished.ok and unfinished.message.startswith("The iteration limit comes")
 
 
 def test_the_welded_mesh_goes_to_files_and_trimesh(completion, tmp_path):
