@@ -33,11 +33,9 @@ from ...solver.meshing.wires import (
     is_flat,
     make_outline,
 )
-from ...solver.surface.placement import usual_rise
 from ..background import worker
 from ..bridges import outline_bridge
 from ..bridges.drawn_bridge import drawn_warnings
-from ..bridges.mesh_cache import is_on_lines
 from ..properties import group_list
 from ..properties.group_settings import kind_parameters
 from ..properties.libraries import keeps_changes, why_not_kept
@@ -118,12 +116,8 @@ class CMC_OT_mesh_plan(ModalOperator, bpy.types.Operator):
             raise CmcError("The outline was deleted while it was being meshed.")
         if context.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
-        known = plan_of(ob)
-        plan = known or _new_plan(ob)
+        plan = plan_of(ob) or _new_plan(ob)
         _write(plan, outline_of(ob), outline, meshed)
-        if known is None and is_on_lines(plan):
-            rim = meshed.positions[np.unique(meshed.edges)]
-            plan.cmc.size, plan.cmc.rise = "RISE", usual_rise(meshed.positions, rim)
         _show(context, plan, outline_of(ob))
         for name in PLAN_SETTINGS:
             setattr(context.scene.cmc, name, getattr(self, name))

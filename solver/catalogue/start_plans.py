@@ -10,7 +10,6 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..surface.placement import usual_rise
 from . import shapes
 from .holed_plans import StartPlan
 
@@ -66,5 +65,5 @@ def _plan(
     shape = shapes.polygon(outline, holes, max_edge=size / columns, corner_radius=radius, corners=corners)
     flat = shape.positions
     points = np.column_stack([flat, np.zeros(len(flat))])
-    settings = {"default_kind": "LINE", "size": "RISE", "rise": usual_rise(flat, flat[shape.domain.boundary_vertices])}
-    return StartPlan(name, shape.domain, points, flat[shape.domain.faces], {}, {}, settings=settings, remesh=True)
+    settings, uvs = {"default_kind": "LINE"}, flat[shape.domain.faces]
+    return StartPlan(name, shape.domain, points, uvs, {}, {}, settings=settings, remesh=True)

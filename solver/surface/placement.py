@@ -91,12 +91,6 @@ def usual_height(positions: ArrayLike, rim: ArrayLike) -> float:
     return _USUAL * float(KDTree(line).query(points)[0].max())
 
 
-def usual_rise(positions: ArrayLike, rim: ArrayLike) -> float:
-    """The same as a rise, in hundredths."""
-    extent = np.ptp(np.asarray(rim, dtype=np.float64)[:, :2], axis=0).min()
-    return round(2.0 * usual_height(positions, rim) / float(extent), 2)
-
-
 def size_range(size: str) -> Range:
     """The numbers that a size of `SIZES` may have; those of shells on lines are negative where they hang."""
     if size == "rise":

@@ -27,6 +27,7 @@ def check_bounds() -> None:
 def rectangle(**settings):
     assert bpy.ops.cmc.add_plan(columns=16) == FINISHED
     plan = bpy.context.object
+    plan.cmc.default_kind = "BINORMAL"
     for name, value in settings.items():
         setattr(plan.cmc, name, value)
     return plan

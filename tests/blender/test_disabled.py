@@ -9,7 +9,7 @@ import pytest
 # isort: split
 import bmesh  # is on the path once bpy is imported
 
-from .scenes import activate, mesh_object
+from .scenes import activate, add_group, boundary_edges, mesh_object
 from .sidebar import draw, text_of
 from .test_panels import STATES
 
@@ -45,6 +45,8 @@ def check(expected: dict[str, str]) -> None:
 @pytest.fixture
 def solved():
     bpy.ops.cmc.add_plan(columns=10)
+    plan = bpy.context.object
+    add_group(plan, "Rim", boundary_edges(plan.data), "BINORMAL", tilt=0.8)
     bpy.ops.cmc.solve()
     return bpy.context.object
 

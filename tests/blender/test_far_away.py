@@ -57,8 +57,9 @@ def test_plan_and_shell_are_the_same_everywhere(draw) -> None:
 
 def test_the_usual_plan_in_utm() -> None:
     outline(PLACES["UTM"])
-    assert bpy.ops.cmc.mesh_plan() == FINISHED
+    assert bpy.ops.cmc.mesh_plan(corners="ALL") == FINISHED
     plan = bpy.context.object
+    plan.cmc.default_kind = "BINORMAL"
     assert area(plan) == pytest.approx(213.12, abs=0.01)
     assert bpy.ops.cmc.solve(intersections=False) == FINISHED
     width, _, rise = np.ptp(points(plan.cmc.f_plus), axis=0)

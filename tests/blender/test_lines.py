@@ -156,13 +156,11 @@ def test_a_ring_between_the_drawn_line_and_a_chosen_curve():
 
 
 def test_plans_that_cannot_be_spanned_stay_as_they_are(disc):
-    edges = boundary_edges(disc.data)[:10]
-    group = add_group(disc, "Free", edges, "BINORMAL")
+    group = add_group(disc, "Part", boundary_edges(disc.data)[:10], "LINE")
     before = snapshot()
-    with pytest.raises(RuntimeError, match=r'but not "Free" \(leans, rim free\)'):
-        bpy.ops.cmc.solve()
+    with pytest.raises(RuntimeError, match='leave out "method"'):
+        bpy.ops.cmc.solve(method="SADDLE")
     assert snapshot() == before
-    group.kind = "LINE"
     group.curve = circle("Line", 4.0, 0.5)
     activate(disc)
     with pytest.raises(RuntimeError, match="takes the place of a whole boundary loop"):

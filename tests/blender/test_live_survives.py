@@ -185,7 +185,7 @@ def test_a_mesh_that_two_plans_share(addon, live, plan):
     """A tilt is the mesh's: both follow. The size is the object's."""
     other = link(bpy.data.objects.new("Other", plan.data))
     other.location.x = 10.0
-    other.cmc.size, other.cmc.span = "SPAN", 5.0
+    other.cmc.size, other.cmc.span, other.cmc.default_kind = "SPAN", 5.0, plan.cmc.default_kind
     other.cmc.live = True
     settle(live)
     group(plan).tilt = 0.6

@@ -15,6 +15,7 @@ from .sidebar import ICONS, Drawn, Layout, draw, panel_class, text_of
 def plan() -> bpy.types.Object:
     bpy.ops.mesh.primitive_circle_add(vertices=24, radius=3, fill_type="NGON")
     bpy.ops.cmc.mesh_plan(edge_length=0.6)
+    bpy.context.object.cmc.default_kind = "BINORMAL"
     return bpy.context.object
 
 

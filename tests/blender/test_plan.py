@@ -156,9 +156,11 @@ def test_uv_layer_holds_plan_coordinates() -> None:
 
 # --- settings ------------------------------------------------------------------------------
 
-def test_corners_are_rounded_by_default() -> None:
+def test_convex_corners_stay_sharp_and_are_rounded_on_request() -> None:
     ngon(SQUARE)
     plan = mesh_plan(edge_length=0.25)
+    assert area(plan) == pytest.approx(48, rel=1e-6)
+    plan = mesh_plan(edge_length=0.25, corners="ALL")
     assert area(plan) == pytest.approx(48 - (4 - math.pi) * 0.8**2, rel=1e-3), "radius: a tenth of 8"
     bpy.context.view_layer.objects.active = plan
     mesh_plan(corner_radius=2.0)
@@ -168,7 +170,7 @@ def test_corners_are_rounded_by_default() -> None:
 def test_a_court_stays_a_court_and_what_was_rounded_is_said(capfd) -> None:
     corners = [(0, 0, 0), (60, 0, 0), (60, 40, 0), (0, 40, 0), (27, 17, 0), (32, 17, 0), (32, 22, 0), (27, 22, 0)]
     added("Hall", corners, [(k, k - k % 4 + (k + 1) % 4) for k in range(8)], [])
-    plan = mesh_plan(edge_length=1.5)
+    plan = mesh_plan(edge_length=1.5, corners="ALL")
     assert area(plan) == pytest.approx(60 * 40 - (4 - math.pi) * 36 - 25 + (4 - math.pi) * 0.25, rel=1e-3)
     assert "Rounded 8 corners by 50 cm to 6 m." in capfd.readouterr().out
     bpy.context.scene.unit_settings.scale_length = 0.001

@@ -21,6 +21,7 @@ FINISHED = {"FINISHED"}
 @pytest.fixture
 def plan():
     bpy.ops.cmc.add_plan(columns=12)
+    bpy.context.object.cmc.default_kind = "BINORMAL"
     assert bpy.ops.cmc.solve() == FINISHED
     return bpy.context.object
 

@@ -20,24 +20,24 @@ def report(plan) -> dict:
 def test_solve_needs_nothing_else(shape):
     assert bpy.ops.cmc.add_plan(shape=shape, columns=24) == FINISHED
     plan = bpy.context.object
-    assert plan.select_get() and [group.name for group in plan.data.cmc.groups] == ["Rim"]
+    assert plan.select_get() and not plan.data.cmc.groups and plan.cmc.default_kind == "LINE"
     assert bpy.ops.cmc.solve() == FINISHED
     reported = report(plan)
     shown = reported["sheets"][reported["sheet"]]
-    assert reported["converged"] and not reported["is_open"] and shown["overhang"]["area_share"] == 0.0
-    assert not shown["intersections"]["count"]
-    assert 0.1 * shown["span"] < shown["rise"] < 0.35 * shown["span"]
+    assert reported["converged"] and not reported["is_open"] and shown["overhang"]["area_share"] < 0.01
+    assert not shown["intersections"]["count"] and not reported["warnings"]
+    assert shown["outline"]["max"] < 1e-3 * shown["span"]
+    assert 0.05 * shown["span"] < shown["rise"] < 0.35 * shown["span"]
 
 
 def test_the_round_plan_has_a_cap_of_a_sphere_on_its_outline():
-    """A cap that leaves its rim at 45° is (√2 - 1)/2 of its span high, and H = √2 over its span."""
+    """Of height 0.35 over the radius 5."""
     bpy.ops.cmc.add_plan(shape="ROUND", columns=32)
     bpy.ops.cmc.solve()
     reported = report(bpy.context.object)
     shown = reported["sheets"][reported["sheet"]]
-    np.testing.assert_allclose(shown["rise"], 0.5 * (np.sqrt(2.0) - 1.0) * shown["span"], rtol=0.01)
-    np.testing.assert_allclose(reported["mean_curvature"] * shown["span"], np.sqrt(2.0), rtol=0.01)
-    assert shown["outline"]["max"] < 0.005 * shown["span"]
+    np.testing.assert_allclose(shown["rise"], 0.35 * 5.0, rtol=0.01)
+    np.testing.assert_allclose(reported["mean_curvature"] * 5.0, 2 * 0.35 / (1 + 0.35**2), rtol=0.01)
 
 
 @pytest.mark.parametrize("shape", ["RECTANGLE", "ROUND"])
@@ -49,14 +49,9 @@ def test_fit_to_outline_needs_nothing_else(shape):
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-def test_sizes_are_metres_and_every_rim_edge_is_in_the_group(shape):
+def test_sizes_are_metres(shape):
     bpy.ops.cmc.add_plan(shape=shape, columns=16, size=5.0)
-    plan = bpy.context.object
-    assert abs(max(plan.dimensions) - 5.0) < 0.02
-    mesh = plan.data
-    faces = np.bincount([loop.edge_index for loop in mesh.loops], minlength=len(mesh.edges))
-    groups = np.array([item.value for item in mesh.attributes["cmc_group"].data])
-    assert ((groups == 1) == (faces == 1)).all()
+    assert abs(max(bpy.context.object.dimensions) - 5.0) < 0.02
 
 
 @pytest.mark.parametrize(("operator", "given"), [
@@ -76,7 +71,6 @@ def test_mesh_plan_makes_it_finer_in_place():
     assert plan.name == "Rectangle"
     assert bpy.ops.cmc.mesh_plan(edge_length=0.3) == FINISHED
     assert bpy.context.object == plan and len(plan.data.polygons) > 2 * before
-    assert [group.name for group in plan.data.cmc.groups] == ["Rim"]
 
 
 def test_they_come_first_in_the_menu():

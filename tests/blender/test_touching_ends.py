@@ -56,7 +56,7 @@ def test_touching_ends_are_joined(build):
 
 def test_the_usual_plan_of_four_lines():
     curve(*SIDES)
-    assert bpy.ops.cmc.mesh_plan() == FINISHED
+    assert bpy.ops.cmc.mesh_plan(corners="ALL") == FINISHED
     assert len(bpy.context.object.data.polygons) == 2474
 
 

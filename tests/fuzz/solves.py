@@ -38,7 +38,7 @@ def solve_many(count: int, new_every: int = 10) -> list[float]:
             bpy.ops.outliner.orphans_purge(do_recursive=True)
             bpy.ops.cmc.add_plan(shape=next(shapes), columns=16)
             plan = bpy.context.object
-        plan.data.cmc.groups[0].tilt = 0.1 + 0.5 * (k % 97) / 97
+        plan.cmc.size, plan.cmc.rise = "RISE", 0.1 + 0.2 * (k % 97) / 97
         bpy.context.view_layer.objects.active = plan
         assert bpy.ops.cmc.solve("EXEC_DEFAULT", True, want_twin=True) == {"FINISHED"}
         sizes.append(megabytes())
