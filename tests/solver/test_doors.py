@@ -112,6 +112,11 @@ CALLS: dict[str, list[Callable]] = {
         lambda x: solver.panel_net(SPAN, 0.3, planar=x),
     ],
     "periods": [solver.periods],
+    "preview_net": [
+        lambda x: solver.preview_net(x, 0.3),
+        lambda x: solver.preview_net(SPAN, x),
+        lambda x: solver.preview_net(SPAN, count=x),
+    ],
     "planarise": [solver.planarise, lambda x: solver.planarise(NET, keep_rim=x)],
     "principal_curvatures": [lambda x: solver.principal_curvatures(PLACES, FACES, x)],
     "read_plan": [solver.read_plan],
@@ -174,7 +179,10 @@ CALLS: dict[str, list[Callable]] = {
     ],
 }
 # Results, which nobody makes, and names that are no calls.
-NO_CALLS = {"ClosingResult", "Completion", "Fit", "HarmonicMap", "Line", "Report", "Shape", "Shell", "Span", "Status"}
+NO_CALLS = {
+    "ClosingResult", "Completion", "Fit", "HarmonicMap", "Line", "NetPreview", "Report", "Shape", "Shell", "Span",
+    "Status",
+}
 
 
 def test_every_public_name_has_a_call():

@@ -16,6 +16,7 @@ from solver import (
     Span,
     curvature_lines,
     panel_net,
+    preview_net,
     shapes,
     span_outline,
 )
@@ -143,6 +144,17 @@ def test_the_spacing_is_the_median_side():
     net = panel_net(span("square", 0.2), 0.25)
     assert net.spacing == pytest.approx(0.25)
     assert np.median(net.side_lengths) == pytest.approx(0.25, rel=0.25)
+
+
+@pytest.mark.parametrize("size", [{"spacing": 0.2}, {"count": 400}], ids=str)
+def test_a_preview_tells_the_net(size):
+    surface = span("square", 0.2)
+    preview, net = preview_net(surface, **size), panel_net(surface, **size)
+    assert preview.spacing == pytest.approx(net.spacing, rel=0.15)
+    assert preview.panels == pytest.approx(len(net.polygons), rel=0.35)
+    assert preview.sphere_gap == pytest.approx(net.sphere_gap, rel=0.3)
+    sides = net.side_lengths
+    assert_allclose(preview.sides, np.quantile(sides[sides > 0.1], [0.05, 0.95]), rtol=0.35)
 
 
 def test_exact_panels_on_a_catenoid():
