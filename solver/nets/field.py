@@ -124,7 +124,8 @@ def preview_net(
 ) -> NetPreview:
     """The numbers of a net from its Hopf differential alone: sides are w / √(k1 - k2).
 
-    Arguments and errors as `panel_net`. The lines are rounded to whole numbers afterwards, by up to 18 %, and the rim adds panels that it cuts.
+    Arguments and errors as `panel_net`. The lines are rounded to whole numbers afterwards, by up to 18 %, and the rim
+    adds panels that it cuts.
     """
     _check_size(spacing, count)
     on = sheet_of(surface, sheet)
