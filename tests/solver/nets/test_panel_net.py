@@ -23,7 +23,7 @@ from solver import (
 from solver.nets.assembly import net_of
 from solver.nets.field import line_field
 from solver.nets.isothermic import Isothermic
-from solver.nets.quantise import quantised
+from solver.nets.quantise import _Lattice, quantised
 from tests.solver.exact_surfaces import rates
 from tests.solver.nets import exact_sheets as exact
 from tests.solver.nets.net_checks import faults, gaps
@@ -217,3 +217,19 @@ def test_exact_lines_keep_their_distance():
     for points in starts:
         apart = np.linalg.norm(points[:, None] - points[None], axis=2) + np.eye(len(points))
         assert apart.min() > 0.05
+
+
+def test_whole_numbers_are_near():
+    """Against the nearest of all whole numbers around, on lattices that are far from square."""
+    random = np.random.default_rng(5)
+    box = np.stack(np.meshgrid(*[np.arange(-2, 3)] * 4, indexing="ij"), axis=-1).reshape(-1, 4)
+    worse = []
+    for _ in range(40):
+        A = random.normal(size=(4, 4)) + np.eye(4)
+        upper = np.linalg.cholesky(A @ A.T).T
+        v = random.uniform(-5.0, 5.0, 4)
+        numbers = _Lattice(upper).nearest(v)
+        assert np.array_equal(numbers, np.rint(numbers))
+        least = np.linalg.norm((numbers + box - v) @ upper.T, axis=1).min()
+        worse.append(np.linalg.norm(upper @ (numbers - v)) / least)
+    assert np.median(worse) == pytest.approx(1.0) and np.mean(worse) < 1.1
