@@ -277,6 +277,21 @@ def test_what_is_given_is_no_unknown():
     assert not response.spread[goals.sides.held].any()
 
 
+def test_given_normals_turn_into_the_plane_of_a_mirror_where_they_meet_one():
+    plan = hall(1.5, corner_radius=0.0)
+    skew = np.array([0.3, -0.6, 0.7]) / np.linalg.norm([0.3, -0.6, 0.7])
+    held = conditions.fixed(plan, "side0", skew) + conditions.mirror(plan, "side3", [1, 0, 0])
+    goals = Goals.of(plan, in_space(plan.domain, plan.positions), OutlineOptions(held=held))
+    start = goals.sides.conditions(np.tile([0.0, 0.0, 1.0], (plan.domain.vertex_count, 1)))
+    vertices, there = start.resolve()
+    normals = np.zeros((plan.domain.vertex_count, 3))
+    normals[vertices] = there
+    corner = int(np.argmin(np.abs(plan.positions).sum(axis=1)))
+    assert abs(normals[corner, 0]) < 1e-15 and normals[corner, 1] < -0.5
+    others = np.setdiff1d(goals.sides.held, corner)
+    assert len(others) and np.abs(normals[others] - skew).max() < 1e-15
+
+
 def test_hat_functions_of_pieces_of_a_boundary():
     """They sum up to one, have a knot at either end, and none goes over a gap."""
     plan = hall(1.0)
