@@ -38,10 +38,10 @@ def has_measure(mesh: bpy.types.Mesh, name: str) -> bool:
     return attribute is not None and attribute.domain == "POINT" and len(attribute.data) == len(mesh.vertices)
 
 
-def measure(mesh: bpy.types.Mesh, name: str) -> Array | None:
+def measure(mesh: bpy.types.Mesh, name: str, target: float = 1.0) -> Array | None:
     """A measure (n,) or (n, 3) by the name of its attribute, stored or measured now; None if neither is possible.
 
-    Deviation is nan where it has no reference.
+    target: see `surface_of`. Deviation is nan where it has no reference.
     """
     if has_measure(mesh, name):
         values = read(mesh, name, len(mesh.vertices), np.float32, 3 if name == _DIRECTION else 1).astype(np.float64)
@@ -53,19 +53,20 @@ def measure(mesh: bpy.types.Mesh, name: str) -> Array | None:
     }
     if name not in ways or not has_measure(mesh, NORMAL_ATTRIBUTE) or not len(mesh.polygons):
         return None
-    return ways[name](*surface_of(mesh))
+    return ways[name](*surface_of(mesh, target))
 
 
-def put_measure(mesh: bpy.types.Mesh, name: str) -> None:
-    """Measure and store a measure that is missing."""
+def put_measure(mesh: bpy.types.Mesh, name: str, target: float = 1.0) -> None:
+    """Measure and store a measure that is missing; target: see `surface_of`."""
     if not has_measure(mesh, name):
-        values = measure(mesh, name)
+        values = measure(mesh, name, target)
         if values is not None:
             set_attribute(mesh, name, "FLOAT_VECTOR" if values.ndim == 2 else "FLOAT", "POINT", values)
 
 
-def surface_of(mesh: bpy.types.Mesh) -> tuple[Array, NDArray[np.int32], Array]:
-    """Points (n, 3), triangles (F, 3) and normals (n, 3) of a result, the normals oriented for positive H."""
+def surface_of(mesh: bpy.types.Mesh, target: float = 1.0) -> tuple[Array, NDArray[np.int32], Array]:
+    """Points (n, 3), triangles (F, 3) and normals (n, 3) of a result, the normals oriented so that H has the sign of
+    its `target`; as they are where that is 0."""
     count = len(mesh.vertices)
     points = read(mesh, "position", count, np.float32, 3).astype(np.float64)
     normals = read(mesh, NORMAL_ATTRIBUTE, count, np.float32, 3).astype(np.float64)
@@ -74,7 +75,7 @@ def surface_of(mesh: bpy.types.Mesh) -> tuple[Array, NDArray[np.int32], Array]:
     mesh.loop_triangles.foreach_get("vertices", triangles)
     triangles = triangles.reshape(-1, 3)
     H = vertex_mean_curvature(points, triangles, normals)
-    return points, triangles, -normals if np.nanmedian(H) < 0.0 else normals
+    return points, triangles, -normals if target * np.nanmedian(H) < 0.0 else normals
 
 
 def points_of(mesh: bpy.types.Mesh) -> NDArray[np.float32]:

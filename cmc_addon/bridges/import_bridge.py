@@ -27,7 +27,7 @@ def import_plan(context: bpy.types.Context, name: str, drawn: MeshData, groups: 
     if drawn.uv_corners and all(len(rows) for rows in drawn.uv_corners):
         set_attribute(mesh, UV_LAYER, "FLOAT2", "CORNER", drawn.uvs[np.concatenate(drawn.uv_corners)])
     _write_materials(mesh, drawn.materials)
-    _write_groups(mesh, groups)
+    _write_groups(context, mesh, groups)
     ob = bpy.data.objects.new(name, mesh)
     ob.location = origin
     context.scene.collection.objects.link(ob)
@@ -51,14 +51,31 @@ def _write_materials(mesh: bpy.types.Mesh, names: Sequence[str]) -> None:
         mesh.polygons.foreach_set("material_index", indices)
 
 
-def _write_groups(mesh: bpy.types.Mesh, groups: Sequence[Group]) -> None:
+def _write_groups(context: bpy.types.Context, mesh: bpy.types.Mesh, groups: Sequence[Group]) -> None:
     uids = []
     for group in groups:
         made = group_list.add(mesh, group.name)
         made.kind = group.kind.upper()
         for name, value in group.parameters.items():
-            setattr(made, name, value)
+            setattr(made, name, value if name != "curve" else _line(context, group.name, np.asarray(value)))
         uids.append(np.full(len(group.edges), made.uid, dtype=np.int32))
     if uids:
         edges = np.concatenate([np.asarray(group.edges).reshape(-1, 2) for group in groups])
         write_boundary_groups(mesh, edges, np.concatenate(uids))
+
+
+def _line(context: bpy.types.Context, name: str, points: np.ndarray) -> bpy.types.Object:
+    """A closed line of points (m, 2|3) as an object in the scene."""
+    if points.shape[1] == 2:
+        points = np.column_stack([points, np.zeros(len(points))])
+    mesh = bpy.data.meshes.new(f"{name} line")
+    count, origin = len(points), near_origin(np.zeros(3), points)
+    pairs = np.column_stack([np.arange(count), (np.arange(count) + 1) % count])
+    mesh.vertices.add(count)
+    mesh.edges.add(count)
+    mesh.edges.foreach_set("vertices", pairs.astype(np.int32).ravel())
+    set_positions(mesh, points - origin)
+    ob = bpy.data.objects.new(mesh.name, mesh)
+    ob.location = origin
+    context.scene.collection.objects.link(ob)
+    return ob

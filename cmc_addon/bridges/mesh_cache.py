@@ -21,6 +21,13 @@ def boundary_counts(mesh: bpy.types.Mesh) -> tuple[int, int]:
     return _cached(mesh, "counts", lambda: edge_bridge.count_boundary(mesh, group_list.uids(mesh)))
 
 
+def is_on_lines(plan: bpy.types.Object) -> bool:
+    """Whether sides of a plan are on lines or lean over them, so that its shell is spanned."""
+    if any(group.kind in ("LINE", "LEAN") for group in plan.data.cmc.groups):
+        return True
+    return plan.cmc.default_kind == "LINE" and boundary_counts(plan.data)[1] > 0
+
+
 def mirror_corners(mesh: bpy.types.Mesh) -> list[corner_bridge.Corner]:
     """The corners between two mirrors."""
     kinds = ",".join(f"{group.uid}:{group.kind}" for group in mesh.cmc.groups)

@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import connected_components
 
 from ...solver.errors import MeshError, plural
 from ...solver.meshing.mesher import PlanMesh
-from ...solver.meshing.wires import Outline, Wire, joined_ends, nearest
+from ...solver.meshing.wires import Outline, Wire, chain, joined_ends, nearest
 from .edge_bridge import group_values, has_faces, write_group_values
 from .mesh_bridge import build_polygons, read, readable_mesh, remove_attribute, set_attribute, set_positions
 
@@ -37,6 +37,19 @@ def read_wire(ob: bpy.types.Object) -> Wire:
     if ob.type == "CURVE":
         return _curve_wire(ob)
     raise MeshError(f"'{ob.name}' is neither a mesh nor a curve; draw the outline of the plan as one of these.")
+
+
+def closed_lines(ob: bpy.types.Object, where: str) -> list[NDArray[np.float64]]:
+    """Points (m, 3) of each closed loop of an object, in the world and in order. where: it is chosen, for messages.
+
+    Raises `CmcError` where it has been deleted or has no edges, and as `read_wire`.
+    """
+    if not ob.users_scene:
+        raise MeshError(f"The curve '{ob.name}' has been deleted; choose another one {where}.")
+    wire = joined_ends(read_wire(ob))
+    if not len(wire.edges):
+        raise MeshError(f"'{ob.name}' has no edges; draw a closed loop in it.")
+    return [wire.points[loop] for loop, _ in chain(wire)]
 
 
 def has_plan_layer(mesh: bpy.types.Mesh) -> bool:

@@ -39,6 +39,11 @@ SOURCE_ATTRIBUTE = "cmc_source"
 """On a cut result, the plan's vertex of each vertex."""
 
 
+PLAN_LAYER = "cmc_plan"
+"""UV layer of a result on lines whose plan was adapted to corners and holes: the coordinates of that plan, in which the
+result is conformal. The drawn layers stay as they are."""
+
+
 @dataclass(frozen=True, eq=False)
 class Cut:
     """A cut mesh with doubled vertices, by the origins of its elements in the plan.
@@ -99,6 +104,14 @@ def fresh_mesh(
         remove_attribute(mesh, name)
     mesh.shade_smooth()
     return mesh
+
+
+def put_plan_layer(mesh: bpy.types.Mesh, positions: NDArray[np.float64]) -> None:
+    """Write the coordinates (V, 2) of an adapted plan into a UV layer of its own; the active layer stays."""
+    active = active_layers(mesh)
+    corners = read(mesh, ".corner_vert", len(mesh.loops), np.int32)
+    set_attribute(mesh, PLAN_LAYER, "FLOAT2", "CORNER", positions[corners])
+    set_active_layers(mesh, active)
 
 
 def _cut_open(mesh: bpy.types.Mesh, plan: PlanMesh, cut: Cut) -> None:

@@ -120,13 +120,17 @@ class Seen:
     number: int = field(default_factory=count().__next__)
 
 
+def _leaning(settings) -> Leaning:
+    return Leaning(settings.blend, settings.against.lower(), settings.default_kind.lower())
+
+
 def _seen(context: bpy.types.Context, plan: bpy.types.Object) -> Seen | None:
     """The plan and its rim; None if it cannot be read."""
     settings, groups = plan.cmc, group_states(plan.data)
     matrix = plan.matrix_world.to_3x3().to_4x4()
     uids, modified = tuple(group.uid for group in groups), settings.apply_modifiers
     shape = (version(plan, plan.data), plan.mode, modified, tuple(map(tuple, matrix)), uids)
-    prescribed = groups, Leaning(settings.blend, settings.against.lower()), SIDES[settings.side]
+    prescribed = groups, _leaning(settings), SIDES[settings.side]
 
     def draw() -> Drawn | None:
         depsgraph = context.view_layer.depsgraph or context.evaluated_depsgraph_get()

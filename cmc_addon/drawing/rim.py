@@ -102,10 +102,11 @@ class Drawn:
 
 @dataclass(frozen=True)
 class Leaning:
-    """How the angles of groups are taken: see `blend` and `against` of the solver's `Settings`."""
+    """How the angles of groups are taken, and the kind of edges in no group: see the solver's `Settings`."""
 
     blend: float = 0.0
     against: str = "horizon"
+    default_kind: str = "binormal"
 
 
 def prescribed_rim(drawn: Drawn, groups: Sequence[GroupState], leaning: Leaning = Leaning(), side: int = 1) -> Rim:
@@ -189,7 +190,8 @@ def _conditions(
     strip: Strip, groups: Sequence[GroupState], leaning: Leaning
 ) -> tuple[Conditions | None, list[int]]:
     """The conditions of the groups, and the uids of the groups left out as invalid."""
-    settings = Settings(blend=leaning.blend, against=leaning.against)
+    default_kind = "free" if leaning.default_kind == "line" else leaning.default_kind
+    settings = Settings(blend=leaning.blend, against=leaning.against, default_kind=default_kind)
     try:
         return _on_strip(strip, groups, settings), []
     except CmcError:

@@ -71,8 +71,16 @@ class Strip:
         """The strip as a plan with these groups; where it ends inside the real plan it is free."""
         edges = self.domain.edges
         inner = self.domain.boundary_edges[self.uids[self.domain.boundary_edges] < 0]
-        own = [Group(g.name, edges[self.uids == g.uid], g.kind, dict(g.parameters)) for g in groups]
+        own = [Group(g.name, edges[self.uids == g.uid], *_normals_of(g)) for g in groups]
         return Plan(self.points, self.domain.faces, groups=[*own, Group("", edges[inner], "free")])
+
+
+def _normals_of(group: GroupState) -> tuple[str, dict[str, object]]:
+    """Kind and parameters of a condition on the normals alone: a rim over its line leans nearly as a free one does."""
+    parameters = dict(group.parameters)
+    if group.kind == "lean":
+        return "binormal", {"tilt": parameters.get("angle", 0.0)}
+    return ("free", {}) if group.kind == "line" else (group.kind, parameters)
 
 
 def _touching(mesh: PlanMesh, vertices: NDArray[np.bool_]) -> NDArray[np.bool_]:

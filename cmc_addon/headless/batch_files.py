@@ -83,7 +83,7 @@ def _all_groups(job: Job) -> list[Group]:
         for group in job.plan.groups
     ]
     groups += [take(name, pairs.tolist()) for name, pairs in job.mesh.edge_groups.items()]
-    if (settings.default_kind, settings.default_tilt) != ("binormal", 0.0):
+    if settings.default_kind != "line" and (settings.default_kind, settings.default_tilt) != ("binormal", 0.0):
         groups.append(take("Rest", list(free)))
     return [group for group in groups if len(group.edges)]
 
@@ -100,6 +100,9 @@ def _object_settings(settings: Settings) -> dict[str, object]:
         "shell": "DEGREE" if settings.degree is not None else {"first": "FIRST", "bubble": "BUBBLE"}[settings.shell],
         "side": {number: name for name, number in SIDES.items()}[settings.side],
         "size": settings.size.upper(),
+        "default_kind": "LINE" if settings.default_kind == "line" else "BINORMAL",
+        "holes": settings.holes.upper(),
+        "corners": settings.corners.upper(),
         "blend": settings.blend,
         "against": settings.against.upper(),
         "ground": settings.ground.upper(),

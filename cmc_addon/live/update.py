@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from ...solver.errors import Progress
 from ...solver.shells.update import Update, update
+from ...solver.spanning.span import Span
 from ...solver.surface.cmc_surface import SHEETS, CmcSurface
 from ..background import plan_cache, solve_cache
 from ..bridges.mesh_bridge import read_plan
@@ -38,7 +39,7 @@ Solve does except the search for self-intersections; all that Solve does."""
 # Settings that choose the branch of solutions and the meshes of the results: a change of one needs a full solve.
 _BRANCH = (
     "sites", "energy", "delaunay", "averaging", "method", "side", "shell", "degree", "sheet", "combinatorics",
-    "apply_modifiers", "want_twin", "want_g", "want_gauss",
+    "apply_modifiers", "holes", "corners", "want_twin", "want_g", "want_gauss",
 )
 
 
@@ -69,12 +70,12 @@ def read(context: bpy.types.Context, plan: bpy.types.Object) -> Reading:
 
 @dataclass(frozen=True, eq=False)
 class Memory:
-    """The start of the next quick update: a reading, its prepared plan, its map (S, 3), and where the results are
-    cut open their triangles (F, 3), which a cut elsewhere would not fit."""
+    """The start of the next quick update: a reading, its prepared plan, its map (S, 3) or span, and where the results
+    are cut open their triangles (F, 3), which a cut elsewhere would not fit."""
 
     reading: Reading
     prepared: plan_cache.Prepared
-    normals: Array
+    last: Array | Span
     cut: NDArray[np.int32] | None
 
     def serves(self, reading: Reading) -> bool:
@@ -129,7 +130,7 @@ class QuickTask(LiveTask[QuickResult]):
         plan = replace(plan, groups=solve.groups, flipped_corners=solve.mesh.flipped_corners)
         steps = 1 if self.grade == COARSE else None
         with prepared.plan_numbers(solve.mesh):
-            updated = update(plan, settings, prepared.solver, self.memory.normals, steps=steps, progress=progress)
+            updated = update(plan, settings, prepared.solver, self.memory.last, steps=steps, progress=progress)
         sheets = [ROLES[role] for role in wanted_roles(solve.settings)]
         measures = {name: self._measure(updated, name) for name in sheets if name in SHEETS}
         return QuickResult(updated, prepared, measures)
@@ -158,7 +159,7 @@ class QuickTask(LiveTask[QuickResult]):
         _hide_older(plan, wanted)
         if self.reading.shown:
             colours.repaint(plan, target=updated.surface.mean_curvature / updated.similarity.scale)
-        return Memory(self.reading, result.prepared, updated.surface.harmonic.normals, cut)
+        return Memory(self.reading, result.prepared, updated.last, cut)
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,12 +176,13 @@ class FullTask(LiveTask[SolveResult]):
         return solve_cache.recall(solve) or solve.work(progress)
 
     def write(self, context: bpy.types.Context, plan: bpy.types.Object, result: SolveResult) -> Memory | None:
-        solve, surface = self.reading.solve, result.shell.surface
+        solve, shell = self.reading.solve, result.shell
         mesh = read_plan(plan, plan_depsgraph(context, solve.settings))
         if not plan_cache.same_polygons(mesh, solve.mesh):
             return None
         solve.write_results(context, plan, result)
-        return Memory(self.reading, result.prepared, surface.harmonic.normals, _cut_of(surface))
+        last = shell.surface.harmonic.normals if shell.span is None else shell.span
+        return Memory(self.reading, result.prepared, last, _cut_of(shell.surface))
 
 
 def _cut_of(surface: CmcSurface) -> NDArray[np.int32] | None:

@@ -33,7 +33,7 @@ SETTINGS = {
     "cmcgroup": "reference/blender#boundary",
     "cmcmesh": "reference/blender#boundary",
     "cmcscene.edge_length": "reference/blender#plan",
-    "cmcscene.round_corners": "reference/blender#plan",
+    "cmcscene.corners": "reference/blender#plan",
     "cmcscene.corner_radius": "reference/blender#plan",
     "cmcscene": "reference/operators/look",
     "cmcobject.complete_": "reference/blender#symmetry",

@@ -107,7 +107,7 @@ class CMC_OT_mesh_plan(ModalOperator, bpy.types.Operator):
         source = outline_of(context.object)
         outline = make_outline(outline_bridge.read_wire(source))
         warnings = drawn_warnings(context, source, outline_bridge.WAY_OUT)
-        work = partial(_mesh, outline, self.edge_length, self.corner_radius if self.round_corners else None)
+        work = partial(_mesh, outline, self.edge_length, self.corner_radius, self.corners)
         meshed = yield from worker.steps(lambda progress: work(), 1.0, wait)
         if meshed is None:
             return self._report_cancelled()
@@ -130,9 +130,9 @@ class CMC_OT_mesh_plan(ModalOperator, bpy.types.Operator):
         column = self.layout.column()
         column.use_property_split = True
         column.prop(self, "edge_length")
-        column.prop(self, "round_corners")
+        column.prop(self, "corners")
         row = column.row()
-        row.active = self.round_corners
+        row.active = self.corners != "NONE"
         row.prop(self, "corner_radius")
 
     def _take_settings(self, stored) -> None:
@@ -152,14 +152,16 @@ class CMC_OT_mesh_plan(ModalOperator, bpy.types.Operator):
             self.report({"WARNING"}, f"The outline of '{plan.name}' leaves its plane by {off} and was flattened.")
 
 
-def _mesh(outline: Outline, edge_length: float, corner_radius: float | None) -> PlanMesh:
-    """Mesh an outline, in any thread; a length of 0 means automatic, a radius of None sharp corners."""
+def _mesh(outline: Outline, edge_length: float, corner_radius: float, corners: str) -> PlanMesh:
+    """Mesh an outline, in any thread; lengths of 0 mean automatic, `corners` is an identifier."""
     first, *holes = outline.loops
     edge = edge_length or default_edge_length(outline.size)
-    radius = 0.0 if corner_radius is None else corner_radius or None
+    rounded = corners.lower().replace("_", "-")
     borders = [border.tolist() for border in outline.borders()]
     try:
-        return mesh_plan(first, holes, max_edge=edge, corner_radius=radius, keep=borders)
+        return mesh_plan(
+            first, holes, max_edge=edge, corner_radius=corner_radius or None, corners=rounded, keep=borders
+        )
     except MeshError as error:
         raise explained(error, outline) from error
 

@@ -89,6 +89,7 @@ def as_settings(layout: bpy.types.UILayout) -> None:
 
 def draw_settings(layout: bpy.types.UILayout, owner) -> None:
     """Rows for the solve settings of an object or an operator; only those with an effect now."""
+    layout.prop(owner, "default_kind")
     layout.prop(owner, "size")
     value = SIZE_PROPERTY[owner.size]
     if value:
@@ -98,7 +99,7 @@ def draw_settings(layout: bpy.types.UILayout, owner) -> None:
     for name in ("blend", "against", "ground"):
         layout.prop(owner, name)
     draw_shell(layout, owner)
-    for name in ("sheet", "flip", "apply_modifiers"):
+    for name in ("corners", "holes", "sheet", "flip", "apply_modifiers"):
         layout.prop(owner, name)
     column = layout.column(heading="Also Make")
     for name in ("want_twin", "want_g", "want_gauss"):

@@ -5,7 +5,7 @@ import math
 import bpy
 
 from ...solver.gauss.conditions import KINDS
-from ..bridges.mesh_cache import boundary_counts
+from ..bridges.mesh_cache import boundary_counts, is_on_lines
 from ..bridges.start_bridge import has_start
 from ..drawing.palette import icon_of
 from ..properties import group_list
@@ -72,9 +72,11 @@ class CMC_PT_boundary(Tab, bpy.types.Panel):
             self._parameters(layout, mesh, group)
             draw_group(layout, context, mesh, group)
         if own:
-            self._ungrouped(layout, mesh)
+            self._ungrouped(layout, plan, mesh)
         column = properties_column(layout)
         column.enabled = keeps_changes(plan)
+        if is_on_lines(plan):
+            return
         if mesh.cmc.groups:
             column.prop(plan.cmc, "blend")
         column.prop(plan.cmc, "against")
@@ -102,6 +104,8 @@ class CMC_PT_boundary(Tab, bpy.types.Panel):
         row = column.row(align=True)
         row.prop(group, "kind")
         row.menu("CMC_MT_group_presets", text="", icon="PRESET")
+        if KINDS[group.kind.lower()].curve:
+            column.prop(group, "curve")
         for name in kind_parameters(group.kind):
             if isinstance(getattr(group, name), float):
                 column.prop(group, name)
@@ -120,7 +124,7 @@ class CMC_PT_boundary(Tab, bpy.types.Panel):
         pair.operator("cmc.group_select", text="Select")
         pair.operator("cmc.group_deselect", text="Deselect")
 
-    def _ungrouped(self, layout, mesh):
+    def _ungrouped(self, layout, plan, mesh):
         boundary, ungrouped = boundary_counts(mesh)
         if not boundary and has_start(mesh):
             hint(layout, "This mesh is closed: its start map", "selects the shell")
@@ -130,9 +134,9 @@ class CMC_PT_boundary(Tab, bpy.types.Panel):
             row = layout.row()
             row.label(text=f"{ungrouped} of {boundary} edges in no group")
             row.operator("cmc.select_ungrouped", text="", icon="RESTRICT_SELECT_OFF", emboss=False)
-            note = layout.row()
-            note.scale_y = 0.6
-            note.label(text="They stand upright (0°)")
+            column = properties_column(layout)
+            column.enabled = keeps_changes(plan)
+            column.prop(plan.cmc, "default_kind", text="Other Edges")
 
 
 CLASSES = (CMC_UL_groups, CMC_MT_groups, CMC_PT_boundary)

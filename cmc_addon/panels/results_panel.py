@@ -104,7 +104,7 @@ def size_rows(report: dict) -> list[tuple[str, str]]:
         ("Span", length_text(shown["span"])),
         ("Rise", length_text(shown["rise"])),
         ("Area", length_text(shown["area"], 2)),
-        *([("Radius 1/H", length_text(1 / H))] if H else []),
+        *([("Radius 1/H", length_text(1 / abs(H)))] if H else []),
         ("H", f"{in_units(H):.4g} {per_length()}"),
     ]
 
@@ -128,10 +128,14 @@ def check_rows(report: dict) -> list[tuple[str, str]]:
     shown, rows = shown_sheet(report), []
     if shown["mean_curvature"]:
         off = shown["mean_curvature"]
-        by = percent(off["relative_l2"]) if report["mean_curvature"] else f"{in_units(off['l2']):.2g} {per_length()}"
+        H = abs(report["mean_curvature"])
+        against = H and off.get("reference", H) == abs(off["target"])
+        by = percent(off["relative_l2"]) if against else f"{in_units(off['l2']):.2g} {per_length()}"
         rows.append(("H Off By", by))
     if shown["distortion"]:
         rows.append(("Distortion", f"{shown['distortion']['mean']:.3f}, at most {shown['distortion']['max']:.3f}"))
+    for lean in report.get("span", {}).get("leans", []):
+        rows.append(("Leans By", f"{lean['measured']:.1f}° for {lean['asked']:.1f}°"))
     if shown["outline"] and not is_design(report):  # Design has the distances of a fit
         mean, most = (length_text(shown["outline"][name], digits=2) for name in ("mean", "max"))
         rows.append(("Off Outline", f"{mean}, at most {most}"))

@@ -14,8 +14,9 @@ from collections.abc import Callable
 import bpy
 
 from ...solver.meshing.wires import default_corner_radius, default_edge_length
+from ...solver.surface.placement import FREE_SIZES, SIZES, SPANNED_SIZES
 from ..bridges.edge_bridge import has_faces
-from ..bridges.mesh_cache import contacts
+from ..bridges.mesh_cache import contacts, is_on_lines
 from ..bridges.outline_bridge import local_size
 from ..bridges.start_bridge import has_lengths, has_start
 from ..operators.add_plan import ORDINARY, draw_shapes
@@ -130,8 +131,8 @@ class CMC_PT_plan(Tab, bpy.types.Panel):
         column.prop(settings, "edge_length")
         if not settings.edge_length:
             automatic(column, default_edge_length(size))
-        column.prop(settings, "round_corners", text="Round Corners")
-        if settings.round_corners:
+        column.prop(settings, "corners")
+        if settings.corners != "NONE":
             column.prop(settings, "corner_radius", text="Radius")
             if not settings.corner_radius:
                 automatic(column, default_corner_radius(size), "up to ")
@@ -150,6 +151,40 @@ def automatic(column: bpy.types.UILayout, length: float, bound: str = "") -> Non
     split = column.split(factor=0.4)
     split.label()
     split.label(text=f"Automatic: {bound}{length_text(length)}")
+
+
+# --- the size ------------------------------------------------------------------------------
+
+class CMC_MT_size(bpy.types.Menu):
+    """The ways to choose the size of a shell that its sides leave"""
+
+    bl_idname = "CMC_MT_size"
+    bl_label = "Size"
+
+    def draw(self, context):
+        assert context is not None
+        plan = plan_to_solve(context)
+        if plan is None:
+            return
+        on_lines = is_on_lines(plan)
+        for name in SPANNED_SIZES if on_lines else FREE_SIZES:
+            self.layout.prop_enum(plan.cmc, "size", name.upper(), text=_size_label(name, on_lines))
+
+
+def size_row(column, settings, on_lines: bool) -> None:
+    """The way in which the size is chosen; red where the sides do not leave it."""
+    name = settings.size.lower()
+    split = column.split(factor=0.4)
+    title = split.row()
+    title.alignment = "RIGHT"
+    title.label(text="Size")
+    row = split.row()
+    row.alert = name not in (SPANNED_SIZES if on_lines else FREE_SIZES)
+    row.menu("CMC_MT_size", text=_size_label(name, on_lines))
+
+
+def _size_label(name: str, on_lines: bool) -> str:
+    return "Usual" if on_lines and name == "match_plan" else SIZES[name]
 
 
 # --- the shell -----------------------------------------------------------------------------
@@ -199,11 +234,13 @@ class CMC_PT_shell(Tab, bpy.types.Panel):
         settings = plan.cmc
         column = properties_column(layout)
         column.enabled = keeps_changes(plan)
-        column.prop(settings, "size")
+        on_lines = is_on_lines(plan)
+        size_row(column, settings, on_lines)
         value = SIZE_PROPERTY[settings.size]
         if value:
             column.prop(settings, value)
-        column.prop(settings, "ground")
+        if not on_lines:
+            column.prop(settings, "ground")
 
 
 class CMC_PT_options(PlanPart, bpy.types.Panel):
@@ -217,13 +254,18 @@ class CMC_PT_options(PlanPart, bpy.types.Panel):
         settings = plan.cmc
         column = properties_column(self.layout)
         column.enabled = keeps_changes(plan)
-        draw_shell(column, settings)
-        column.prop(settings, "sheet")
+        on_lines = is_on_lines(plan)
+        if on_lines:
+            column.prop(settings, "corners")
+            column.prop(settings, "holes")
+        else:
+            draw_shell(column, settings)
+            column.prop(settings, "sheet")
         checks = column.column(heading="Also Make")
         for name in ("want_twin", "want_g", "want_gauss"):
             checks.prop(settings, name)
         column.prop(settings, "apply_modifiers")
-        if settings.size == "MATCH_PLAN":
+        if settings.size == "MATCH_PLAN" and not on_lines:
             column.prop(settings, "rotate")
         column.separator()
         for name in ("tolerance", "intersections", "count_modes"):
@@ -255,5 +297,5 @@ def draw_start(layout: bpy.types.UILayout, plan: bpy.types.Object) -> None:
     layout.operator("cmc.start_from_shell")
 
 
-CLASSES = (CMC_PT_plan, CMC_PT_shell, CMC_PT_options, CMC_PT_advanced)
+CLASSES = (CMC_MT_size, CMC_PT_plan, CMC_PT_shell, CMC_PT_options, CMC_PT_advanced)
 register, unregister = registration(CLASSES)

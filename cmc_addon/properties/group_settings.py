@@ -10,10 +10,13 @@ from bpy.props import EnumProperty, FloatProperty, FloatVectorProperty
 
 from ...solver.gauss.conditions import KINDS
 
+_STORED = ("binormal", "plane", "twisted", "gauss_map", "mirror", "free", "line", "lean")
+"""The kinds in the order of their numbers in files."""
 
-def kind_items() -> list[tuple[str, str, str]]:
-    """(identifier, label, description) of every boundary condition, for an EnumProperty."""
-    return [(name.upper(), kind.label, kind.description) for name, kind in KINDS.items()]
+
+def kind_items() -> list[tuple[str, str, str, str, int]]:
+    """(identifier, label, description, icon, number) of every boundary condition, for an EnumProperty."""
+    return [(name.upper(), kind.label, kind.description, "NONE", _STORED.index(name)) for name, kind in KINDS.items()]
 
 
 def kind_parameters(kind: str) -> tuple[str, ...]:
@@ -22,7 +25,7 @@ def kind_parameters(kind: str) -> tuple[str, ...]:
 
 
 def parameter_values(kind: str, owner) -> dict:
-    """The parameters of a kind, read from a group or an operator, as the solver takes them."""
+    """The numbers and vectors of a kind, read from a group or an operator, as the solver takes them."""
     values = {}
     for name in kind_parameters(kind):
         value = getattr(owner, name)

@@ -22,8 +22,14 @@ def made_here(
 
 def conditions_of(groups: Sequence[Group]) -> list[dict[str, object]]:
     return [
-        {"name": group.name, "kind": group.kind, "edges": len(group.edges), **group.parameters} for group in groups
+        {"name": group.name, "kind": group.kind, "edges": len(group.edges), **_written(group.parameters)}
+        for group in groups
     ]
+
+
+def _written(parameters: Mapping[str, object]) -> dict[str, object]:
+    """The parameters of a group, without the points of a curve."""
+    return {name: value if name != "curve" else "chosen" for name, value in parameters.items()}
 
 
 def plain(settings: Mapping[str, object]) -> dict[str, object]:

@@ -3,15 +3,17 @@
 from collections.abc import Iterable
 from functools import partial
 
-from bpy.props import BoolProperty, FloatProperty
+from bpy.props import EnumProperty, FloatProperty
+
+from ...solver.meshing.rounding import ROUNDED
 
 _PLAN_SETTINGS = {
     "edge_length": partial(
         FloatProperty, name="Edge Length", description="Length of the edges; 0: a fortieth of the plan's size",
         default=0.0, min=0.0, subtype="DISTANCE"),
-    "round_corners": partial(
-        BoolProperty, name="Round Corners", default=True,
-        description="Round sharp corners of the outline, where the rim normals would jump and the curvature diverge"),
+    "corners": partial(
+        EnumProperty, name="Round Corners", description="Which corners of the outline are rounded",
+        items=[(name.upper().replace("-", "_"), *texts) for name, texts in ROUNDED.items()], default="ALL"),
     "corner_radius": partial(
         FloatProperty, name="Corner Radius",
         description="Radius of rounded corners, less where space is short; 0: for each outline a tenth of its size, "

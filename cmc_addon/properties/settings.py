@@ -17,26 +17,25 @@ from ...solver.gauss.conditions import AGAINST
 from ...solver.gauss.energies import ENERGIES
 from ...solver.gauss.methods import METHODS
 from ...solver.shells.plan import usual_sheet
+from ...solver.spanning.outline import CORNERS, HOLES
 from ...solver.surface.averaging import AVERAGINGS
 from ...solver.surface.cmc_surface import COMBINATORICS
-from ...solver.surface.placement import GROUNDS, SIZES
+from ...solver.surface.placement import GROUNDS, RISES, SIZES
 from .changes import notifying
+from .group_settings import kind_items
 
-SIZE_PROPERTY = {
-    "MATCH_PLAN": None,
-    "SPAN": "span",
-    "RISE": "rise",
-    "RADIUS": "radius",
-    "MEAN_CURVATURE": "mean_curvature",
-}
+SIZE_PROPERTY = {name.upper(): None if name == "match_plan" else name for name in SIZES}
 """Way to set the size -> the setting with its value."""
 
 _TEXTS = {
-    "match_plan": "Move and scale the shell so that its rim is nearest to the outline",
+    "match_plan": "Move and scale the shell so that its rim is nearest to the outline; on lines, which say where it "
+    "is, a usual height, or a soap film where the lines rise and fall",
     "span": "Longest horizontal extent of the shell",
-    "rise": "Height of the shell from its lowest to its highest point",
+    "height": "Height of the shell from its lowest to its highest point; on lines, of its crown over them",
+    "rise": "Height as a part of half the outline's smaller extent: 0 flat, 1 a hemisphere over a circle",
+    "volume": "Volume under a shell on lines, over the mean height of its outer rim",
     "radius": "Radius of mean curvature 1/H, the same everywhere on the shell",
-    "mean_curvature": "Mean curvature H, one over a length",
+    "mean_curvature": "Mean curvature H, one over a length; on lines also 0, a soap film, or negative, hanging",
     "lowest": "The lowest point of the shell touches the plane of the plan",
     "rim": "The mean height of the rim is that of the plane of the plan",
 }
@@ -126,16 +125,32 @@ _SETTINGS = {
     "span": partial(
         FloatProperty, name="Span", description=_TEXTS["span"],
         default=10.0, min=1e-6, soft_min=0.01, subtype="DISTANCE"),
+    "height": partial(
+        FloatProperty, name="Height", description=_TEXTS["height"] + "; negative hangs",
+        default=3.0, soft_min=0.01, subtype="DISTANCE"),
     "rise": partial(
-        FloatProperty, name="Rise", description=_TEXTS["rise"],
-        default=3.0, min=1e-6, soft_min=0.01, subtype="DISTANCE"),
+        FloatProperty, name="Rise", description=_TEXTS["rise"] + "; negative hangs",
+        default=0.35, min=RISES.least, max=RISES.most, soft_min=-1.0, soft_max=1.0, step=1),
+    "volume": partial(
+        FloatProperty, name="Volume", description=_TEXTS["volume"] + "; negative hangs",
+        default=100.0, unit="VOLUME"),
     "radius": partial(
         FloatProperty, name="Radius", description="Radius of mean curvature 1/H",
         default=5.0, min=1e-6, soft_min=0.01, subtype="DISTANCE"),
     "mean_curvature": partial(
         FloatProperty, name="H",
-        description="Mean curvature, one over a length: 0.2 on a sphere of radius 5",
-        default=0.2, min=1e-9, soft_min=1e-3, precision=4),
+        description="Mean curvature, one over a length: 0.2 on a sphere of radius 5; on lines also 0, a soap film, or "
+        "negative, hanging",
+        default=0.2, step=1, precision=4),
+    "default_kind": partial(
+        EnumProperty, name="Other Edges", description="What the shell does along edges in no group",
+        items=[item for item in kind_items() if item[0] in ("LINE", "BINORMAL")], default="BINORMAL"),
+    "holes": partial(
+        EnumProperty, name="Holes", description="Of a shell on lines: how it closes around holes",
+        items=[(name.upper(), *texts) for name, texts in HOLES.items()], default="ADAPT"),
+    "corners": partial(
+        EnumProperty, name="Corners", description="Of a shell on lines: what becomes of corners",
+        items=[(name.upper(), *texts) for name, texts in CORNERS.items()], default="SHARP"),
     "blend": partial(
         FloatProperty, name="Blend Angles",
         description="Length of rim over which the angles of neighbouring groups blend; at 0 they jump, and the "

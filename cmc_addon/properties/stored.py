@@ -66,6 +66,10 @@ def _keep_names_different(group, _context) -> None:
         group.name = free_name(group.name, taken)
 
 
+def _is_curve(_owner, ob) -> bool:
+    return ob.type in ("CURVE", "MESH")
+
+
 class CmcGroup(bpy.types.PropertyGroup):
     """A set of boundary edges with one condition; `name` is the user's, `uid` never changes."""
 
@@ -73,6 +77,10 @@ class CmcGroup(bpy.types.PropertyGroup):
         "name": StringProperty(name="Name", description="Name of the group", update=_keep_names_different),
         "uid": IntProperty(name="Identifier", description="Value of the edge attribute for this group"),
         **condition_annotations(update=notify),
+        "curve": PointerProperty(
+            name="Curve", description="A closed curve, or a mesh with a closed loop of edges, on which the rim lies in "
+            "place of the drawn edges; empty: the edges themselves",
+            type=bpy.types.Object, poll=_is_curve, update=notify),
         "across": EnumProperty(
             name="Continues", description="Whether Repeat by Symmetry continues the shell across these edges",
             items=_ACROSS, default="AUTO"),

@@ -61,13 +61,14 @@ def repaint(plan: bpy.types.Object, sheet: str = "", target: float | None = None
 def _paint(settings, family: Family, target: float | None) -> None:
     """Paint a family. An image with other vertices than the shell, and a result in edit mode or linked, stay as is."""
     attribute = QUANTITIES[settings.colour_by].attribute
-    values = None if family.shell.data.is_editmode else measure(family.shell.data, attribute)
+    values = None if family.shell.data.is_editmode else measure(family.shell.data, attribute, _reported(family.shell))
     stretched = None if values is None else range_of(settings, family.shell, values, target)
     for member in family.members():
         mesh = member.data
         if mesh.is_editmode or not mesh.is_editable:
             continue
-        own = values if member in family.images or member is family.shell else measure(mesh, attribute)
+        is_same = member in family.images or member is family.shell
+        own = values if is_same else measure(mesh, attribute, _reported(member))
         if stretched is None or own is None or len(own) != len(mesh.vertices):
             paint(mesh, Range(0.0, 1.0).linear_colours(np.full(len(mesh.vertices), np.nan)))
             member.cmc.colour_range = (0.0,) * 6
@@ -82,15 +83,22 @@ def target_of(shell: bpy.types.Object, values: Array) -> float:
     return float(reported) if isinstance(reported, (int, float)) else float(np.nanmedian(values))
 
 
+def _reported(ob: bpy.types.Object) -> float:
+    """The target mean curvature of a result by its report; without one any positive number, as for a dome."""
+    reported = ob.get("cmc_mean_curvature")
+    return float(reported) if isinstance(reported, (int, float)) else 1.0
+
+
 def range_of(settings, shell: bpy.types.Object, values: Array, target: float | None = None) -> Range:
     """The range of a shell's colours: fitted, or as the settings say."""
     by = settings.colour_by
-    centre = {"MEAN_CURVATURE": target or target_of(shell, values), "GAUSS_CURVATURE": 0.0}.get(by)
+    H = target_of(shell, values) if target is None else target
+    centre = {"MEAN_CURVATURE": H, "GAUSS_CURVATURE": 0.0}.get(by)
     if not settings.colour_fit:
         inside = centre is not None and settings.colour_min <= centre <= settings.colour_max
         return fixed_range(values, settings.colour_min, settings.colour_max, centre if inside else None)
     if by == "MEAN_CURVATURE" and centre is not None:
-        return fit_about(values, centre, _LEAST_H * abs(centre))
+        return fit_about(values, centre, _LEAST_H * max(abs(centre), 1.0 / (max(shell.dimensions) or 1.0)))
     if by == "GAUSS_CURVATURE":
         return fit_around_zero(values)
     if by == "DISTORTION":
@@ -137,7 +145,7 @@ def _measure_lines(plan: bpy.types.Object) -> None:
     for family in families(plan):
         for member in (family.shell, *family.others):
             if not member.data.is_editmode and member.data.is_editable:
-                put_measure(member.data, ATTRIBUTES[DIRECTION])
+                put_measure(member.data, ATTRIBUTES[DIRECTION], _reported(member))
 
 
 def register() -> None:

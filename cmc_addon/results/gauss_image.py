@@ -59,10 +59,11 @@ def show(context: bpy.types.Context, plan: bpy.types.Object) -> bpy.types.Object
 def _make(context: bpy.types.Context, plan: bpy.types.Object, shell: bpy.types.Object) -> bpy.types.Object:
     if shell.data.is_editmode:
         raise CmcError(f"The result '{shell.name}' is in edit mode; leave it (Tab) first.")
-    if not shell.get("cmc_mean_curvature"):
+    if "cmc_mean_curvature" not in shell:
         raise CmcError(f"'{shell.name}' has no report; solve again.")
-    radius = 0.5 / float(shell["cmc_mean_curvature"])
-    towards = surface_of(shell.data)[2] * (1.0 if plan.cmc.sheet == "F_PLUS" else -1.0)
+    H = float(shell["cmc_mean_curvature"])
+    radius = 0.5 / abs(H) if H else 1.0  # as the solver has it
+    towards = surface_of(shell.data, H)[2] * (1.0 if plan.cmc.sheet == "F_PLUS" else -1.0)
     mesh = read_plan(plan)
     writer = Writer(context, plan, None, mesh, None)
     image = writer.write_alike("GAUSS", shell, _middle(mesh) + radius * towards, towards)

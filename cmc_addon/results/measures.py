@@ -1,7 +1,7 @@
 """The measures of results and their attributes. Arrays only: safe in a thread.
 
 ==========================  =========================================================================================
-`cmc_mean_curvature`        H, in 1/length; positive, whichever way the shell stands
+`cmc_mean_curvature`        H, in 1/length; positive, whichever way the shell stands; on lines negative where it hangs
 `cmc_gauss_curvature`       K, in 1/length²
 `cmc_distortion`            quasi-conformal distortion Q >= 1 of the map from the plan; 1 where shapes are kept
 `cmc_deviation`             a length: of a nearest surface the distance from the original, everywhere; of the other

@@ -24,8 +24,8 @@ from ...solver.fitting.targets import SmoothRim
 from ...solver.measure import report
 from ...solver.measure.curvature_fault import curvature_note
 from ...solver.notes import Note, Sentence, notes_data
-from ...solver.shells.form import placed_normals
 from ...solver.shells.gaps import HoleGap, surface_gaps
+from ...solver.shells.measured import placed_normals
 from ..background import plan_cache
 from ..bridges.mesh_bridge import PlanMesh, read_plan
 from ..bridges.result_bridge import Cut, find_cut

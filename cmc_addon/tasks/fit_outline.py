@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from ...solver.errors import CmcError, Progress
 from ...solver.fitting.fit import Fit, FitStatus
 from ...solver.fitting.outline import fit_outline
-from ...solver.meshing.wires import chain, joined_ends
 from ...solver.notes import Note
 from ...solver.shells.rim_curves import curves_of_loops
 from ..background import plan_cache
@@ -182,12 +181,7 @@ def _curves(plan: bpy.types.Object, curve: bpy.types.Object | None) -> list[np.n
     """Points (m, 3) of each closed loop of an object, in the world and in order."""
     if curve is None:
         raise CmcError(f"'{plan.name}' has no curve to fit to; choose a closed curve or a mesh under Fit to Outline.")
-    if not curve.users_scene:
-        raise CmcError(f"The curve '{curve.name}' has been deleted; choose another one under Fit to Outline.")
-    wire = joined_ends(outline_bridge.read_wire(curve))
-    if not len(wire.edges):
-        raise CmcError(f"'{curve.name}' has no edges; draw a closed loop in it.")
-    return [wire.points[loop] for loop, _ in chain(wire)]
+    return outline_bridge.closed_lines(curve, "under Fit to Outline")
 
 
 def _anchors(

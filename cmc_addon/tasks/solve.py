@@ -13,17 +13,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...solver.errors import CmcError, Progress
+from ...solver.gauss.conditions import KINDS
 from ...solver.notes import Note, notes_data
 from ...solver.shells import form
 from ...solver.shells.gaps import hole_gaps
 from ...solver.shells.plan import Group, Plan, Settings
 from ...solver.shells.polygon_sheets import PolygonSheet, polygon_sheet
 from ...solver.shells.shell import Shell
+from ...solver.shells.span import span_report
 from ...solver.surface.cmc_surface import SHEETS
 from ..background import plan_cache, solve_cache
 from ..bridges.drawn_bridge import coarse, drawn_warnings
 from ..bridges.mesh_bridge import PlanMesh, read_plan
-from ..bridges.result_bridge import Cut, find_cut
+from ..bridges.outline_bridge import WAY_OUT, closed_lines
+from ..bridges.result_bridge import Cut, find_cut, put_plan_layer
 from ..properties.attributes import ATTRIBUTES, USUAL
 from ..properties.group_settings import parameter_values
 from ..properties.links import result_of, results_of, wanted_roles
@@ -112,7 +115,7 @@ class SolveTask(Task[SolveResult]):
                 raise CmcError(
                     f"No boundary edge of '{plan.name}' is selected; select edges of its outline in edit mode."
                 )
-        groups, warnings = _groups(plan.data.cmc.groups, mesh, selected)
+        groups, warnings = _groups(context, plan.data.cmc.groups, mesh, selected)
         warnings += plan_warnings(context, plan, settings)
         if selection is not None:
             kind = selection["kind"].lower()
@@ -209,7 +212,9 @@ class SolveTask(Task[SolveResult]):
         sheet, shell = ROLES[role], result.shell
         polygons, measures = result.polygons(sheet), result.measures(sheet, self)
         if polygons is None:
-            writer.write(role, shell.placed[sheet], shell.normals[sheet], measures)
+            result_object = writer.write(role, shell.placed[sheet], shell.normals[sheet], measures)
+            if shell.adapted_plan is not None:
+                put_plan_layer(result_object.data, shell.adapted_plan)
             return
         if measures is not None:
             measures = polygon_measures(measures, polygons, shell.source, len(self.mesh.positions))
@@ -248,6 +253,7 @@ def write_reports(
         "unit_scale": context.scene.unit_settings.scale_length,
         "message": result.message,
         **result.shell.report.to_dict(),
+        **_span_table(result.shell),
         "holes": [gap.to_dict() for gap in hole_gaps(result.shell)],
         **result.more,
         "warnings": notes_data(warnings),
@@ -258,7 +264,13 @@ def write_reports(
     plan.cmc.report = json.dumps(report, ensure_ascii=False)
 
 
-def _groups(groups, mesh: PlanMesh, taken: NDArray[np.bool_]) -> tuple[list[Group], list[Note]]:
+def _span_table(shell: Shell) -> dict[str, object]:
+    return {} if shell.span is None else {"span": span_report(shell.span)}
+
+
+def _groups(
+    context: bpy.types.Context, groups, mesh: PlanMesh, taken: NDArray[np.bool_]
+) -> tuple[list[Group], list[Note]]:
     """The plan's groups with their boundary edges, without those taken; and a warning for each edge left out."""
     read, warnings = [], []
     for group in groups:
@@ -270,8 +282,22 @@ def _groups(groups, mesh: PlanMesh, taken: NDArray[np.bool_]) -> tuple[list[Grou
         edges = mesh.edges[mine & mesh.boundary & ~taken]
         if len(edges):
             parameters = parameter_values(group.kind, group)
+            if KINDS[group.kind.lower()].curve and group.curve is not None:
+                parameters["curve"] = _curve(group)
+                warnings += drawn_warnings(context, group.curve, WAY_OUT)
             read.append(Group(group.name, edges, group.kind.lower(), parameters))
     return read, warnings
+
+
+def _curve(group) -> tuple[tuple[float, ...], ...]:
+    """The curve of a group as plain values, which compare."""
+    lines = closed_lines(group.curve, f"for the group '{group.name}'")
+    if len(lines) != 1:
+        raise CmcError(
+            f"'{group.curve.name}' has {len(lines)} closed loops; the group '{group.name}' lies on one. Separate them, "
+            "and give each loop of the plan a group with a curve of its own."
+        )
+    return tuple(map(tuple, lines[0].tolist()))
 
 
 def settings_of(owner) -> SimpleNamespace:
@@ -285,6 +311,9 @@ def solver_settings(settings: SimpleNamespace) -> Settings:
     return Settings(
         size=settings.size.lower(),
         value=getattr(settings, value_name) if value_name else 1.0,
+        default_kind=settings.default_kind.lower(),
+        holes=settings.holes.lower(),
+        corners=settings.corners.lower(),
         ground=settings.ground.lower(),
         blend=settings.blend,
         against=settings.against.lower(),

@@ -69,7 +69,7 @@ def _meshed(sketch: plans.OutlineSketch) -> bpy.types.Object:
     _group(ob.data, sketch, lambda rim: edges[starts[rim.loop] + np.asarray(rim.segments)])
     bpy.ops.cmc.mesh_plan(
         edge_length=sketch.edge_length,
-        round_corners=sketch.corner_radius > 0,
+        corners="ALL" if sketch.corner_radius > 0 else "NONE",
         corner_radius=sketch.corner_radius,
     )
     plan = bpy.context.object

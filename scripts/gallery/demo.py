@@ -48,7 +48,7 @@ def main() -> int:
 def staged() -> tuple[bpy.types.Object, bpy.types.Object]:
     """The plan and its shell in a scene ready to render."""
     plan = open_plan(PLAN)
-    bpy.ops.cmc.mesh_plan(edge_length=EDGE_LENGTH, round_corners=False)
+    bpy.ops.cmc.mesh_plan(edge_length=EDGE_LENGTH, corners="NONE")
     shell = staging.form(plan, want_twin=True, want_g=True)
     staging.stage(plan, shell, VIEW, cells=2.0, thickness=0.15)
     hide_beside(plan, shell)

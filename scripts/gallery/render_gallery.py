@@ -21,7 +21,16 @@ import numpy as np
 from cmc_formfinding.solver import CmcSurface, conditions, shapes, solve_cmc
 
 from scripts.assets import make_assets
-from scripts.gallery import demo, gallery_bubbles, gallery_design, gallery_faces, gallery_modules, scene, staging
+from scripts.gallery import (
+    demo,
+    gallery_bubbles,
+    gallery_design,
+    gallery_faces,
+    gallery_modules,
+    gallery_spans,
+    scene,
+    staging,
+)
 
 IMAGES = blender_session.ROOT / "docs" / "images"
 WIDTH = 1000
@@ -192,6 +201,30 @@ def two_shells(samples: int) -> None:
     scene.render(IMAGES / "two_shells.jpg", WIDTH, round(WIDTH / 2.1), samples)
 
 
+def spans(samples: int) -> None:
+    """Six roofs on their lines: soap films, a ring, a court, a square with sharp corners."""
+    gallery_spans.spans()
+    scene.render(IMAGES / "spans.jpg", WIDTH, round(WIDTH / 2.35), samples)
+
+
+def span_slider(samples: int) -> None:
+    """One line, and H from -1/R to 1/R."""
+    gallery_spans.slider()
+    picture("span_slider", (4.6, -40.0, 12.0), (4.6, 0.0, -0.15), 128.0, 0.27, samples, suffix=".jpg")
+
+
+def necks(samples: int) -> None:
+    """Catenoids between two circles, up to the height at which there is none."""
+    gallery_spans.necks()
+    picture("necks", (5.0, -40.0, 13.0), (5.0, 0.0, 0.28), 120.0, 0.23, samples, suffix=".jpg")
+
+
+def span_leans(samples: int) -> None:
+    """Halls on three sides of their plan, whose fourth side leans."""
+    gallery_spans.leans()
+    scene.render(IMAGES / "span_leans.jpg", WIDTH, round(WIDTH / 3.5), samples)
+
+
 PICTURES: dict[str, Callable[[int], None]] = {
     "pavilion": pavilion,
     "plans": plans_and_shells,
@@ -213,6 +246,10 @@ PICTURES: dict[str, Callable[[int], None]] = {
     "wente_cut": wente_cut,
     "rings": rings,
     "two_shells": two_shells,
+    "spans": spans,
+    "span_slider": span_slider,
+    "necks": necks,
+    "span_leans": span_leans,
 }
 
 

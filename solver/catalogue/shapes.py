@@ -84,11 +84,12 @@ def polygon(
     holes: Sequence[np.ndarray] = (),
     max_edge: float | None = None,
     corner_radius: float | None = 0.0,
+    corners: str = "all",
 ) -> Shape:
     """A plan with holes, meshed as `mesher.mesh_plan` does; by default with about a thousand vertices.
 
-    `corner_radius` None chooses the radius of each corner. Then, and where there is no room for the radius given,
-    `notes` say how much was rounded.
+    `corner_radius` None chooses the radius of each corner, `corners` which are rounded. Where a radius was chosen, or
+    there is no room for the one given, `notes` say how much was rounded.
     Sides "outer", "hole0", "hole1"…; "side0"… for each segment of the outline as given, "hole0.side0"… for those of
     the holes, as far as edges lie on them. Boundary vertices come first, loop after loop, with the plan on their
     left, from the first point on (from an arc's middle where that point is a rounded corner).
@@ -96,7 +97,7 @@ def polygon(
     if max_edge is None:
         area = sum(signed_area(loop.points) for loop in check_loops(outline, holes))
         max_edge = float(np.sqrt(area / _ROW / 1000))
-    mesh = mesh_plan(outline, holes, max_edge=max_edge, corner_radius=corner_radius)
+    mesh = mesh_plan(outline, holes, max_edge=max_edge, corner_radius=corner_radius, corners=corners)
     domain = Domain.from_positions(mesh.positions, mesh.triangles)
     sides = {}
     edges = _edge_indices(domain, mesh.edges)

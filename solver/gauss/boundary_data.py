@@ -33,6 +33,9 @@ class Conditions:
     mirrors, mirror_normals, windings: boundary edges, the unit normal of their mirror's plane, and the extra full turns
     of the normal along their side. corners, corner_normals: vertices between two mirrors, and vectors on the chosen
     side of the normals there.
+    lines: boundary edges on which the rim lies; curves: pairs of whole loops of them and the points (m, 3) of a closed
+    curve in their place. leans, lean_angles: boundary edges over which the rim stays, and the angle there. Both are for
+    surfaces that are spanned, and say nothing about normals.
     up: (3,) the oriented area vector of the positions the conditions were made from, zero without positions: the side
     to which coplanar data bulge (see `initial_map`).
     is_balanced: whether the map is sought among balanced ones (see `balance`).
@@ -51,6 +54,10 @@ class Conditions:
     windings: Int = field(default_factory=_none)
     corners: Int = field(default_factory=_none)
     corner_normals: Array = field(default_factory=_no_normals)
+    lines: Int = field(default_factory=_none)
+    curves: tuple[tuple[Int, Array], ...] = ()
+    leans: Int = field(default_factory=_none)
+    lean_angles: Array = field(default_factory=lambda: np.zeros(0))
     up: Array = field(default_factory=lambda: np.zeros(3))
     is_balanced: bool = False
 
@@ -61,6 +68,8 @@ class Conditions:
             "fixed faces": self.faces,
             "mirror edges": self.mirrors,
             "corners": self.corners,
+            "edges on lines": self.lines,
+            "leaning edges": self.leans,
         }
         parts = [f"{len(np.unique(items))} {noun}" for noun, items in counts.items() if len(items)]
         parts += ["balanced"] if self.is_balanced else []
@@ -73,24 +82,34 @@ class Conditions:
     def __add__(self, other: Conditions) -> Conditions:
         if not isinstance(other, Conditions):
             return NotImplemented
-        names = [item.name for item in fields(self) if item.name not in ("up", "is_balanced")]
+        names = [item.name for item in fields(self) if item.name not in ("up", "is_balanced", "curves")]
         joined = {name: np.concatenate([getattr(self, name), getattr(other, name)]) for name in names}
         # conditions on one surface share their area vector; a sum would only change its length
         up = self.up if self.up.any() else other.up
-        return Conditions(**joined, up=up, is_balanced=self.is_balanced or other.is_balanced)
+        balanced, curves = self.is_balanced or other.is_balanced, self.curves + other.curves
+        return Conditions(**joined, curves=curves, up=up, is_balanced=balanced)
 
     @property
     def is_empty(self) -> bool:
         """Whether every site is free."""
-        return not (self.vertices.size or self.edges.size or self.faces.size or self.mirrors.size)
+        return not (self.vertices.size or self.edges.size or self.faces.size or self.mirrors.size or self.is_spanned)
+
+    @property
+    def is_spanned(self) -> bool:
+        """Whether the rim lies on lines or leans over them somewhere."""
+        return bool(self.lines.size or self.leans.size)
 
     def resolve(self, sites: str = "vertices", owners: Int | None = None) -> tuple[Int, Array]:
         """Sorted fixed sites (n,) and the unit normal (n, 3) of each, with normals at vertices or at faces.
 
         Sites that only mirrors hold are left out (see `admissible.resolved`). owners: (E,) the site that each boundary
         edge fixes, needed unless sites are vertices. Raises `ConditionError` naming the sites whose normals cancel, or
-        normals prescribed one by one at the other kind of site.
+        normals prescribed one by one at the other kind of site, and lines, along which normals are not prescribed.
         """
+        if self.is_spanned:
+            raise ConditionError(
+                "A rim on lines, or leaning over them, is spanned, not solved for normals; use form or span_outline."
+            )
         if sites == "vertices":
             self._refuse(self.faces, "face", "faces", "vertices")
             return blend(self.vertices, self.vertex_normals, np.ones(len(self.vertices)), "conditions")

@@ -5,6 +5,9 @@ A condition fixes the normals N at some sites, or holds them in a plane with nor
 that fix it blend to their normalised sum, as a normal does with its reflection; two mirrors leave N = ±ν₁ × ν₂. Sites
 without a condition are free: there the natural condition ∂N/∂ν = 0 holds by itself (paper, Sec. 5.1).
 
+`line` and `lean` say where the rim is, and nothing about normals: such surfaces are spanned (`span_outline`, `form`),
+with mirrors beside them if wanted, and no map is solved for them.
+
 Every condition takes a domain or a shape. `edges` are indices into `domain.edges`, (K, 2) vertex pairs or, of a shape,
 the name of a side or a list of names; a shape brings its positions, too, so they may be left out:
 `binormal(shape, "outer", tilt=0.6)`. Angles are radians.
@@ -21,6 +24,7 @@ from __future__ import annotations
 from .boundary_data import Conditions
 from .held import balanced, corner, fixed, fixed_at, fixed_at_faces, free, mirror
 from .kinds import KINDS, Kind, Parameter, build
+from .lines import lean, line
 from .rim_normals import AGAINST, binormal, gauss_map, twisted
 
 __all__ = [
@@ -38,6 +42,8 @@ __all__ = [
     "fixed_at_faces",
     "free",
     "gauss_map",
+    "lean",
+    "line",
     "mirror",
     "twisted",
 ]

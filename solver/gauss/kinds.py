@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from ..domain.shape import DomainLike
@@ -12,6 +13,7 @@ from ..errors import ConditionError, check_choice
 from ..limits import NUMBERS, Range
 from .boundary_data import Conditions
 from .held import TURNS, fixed, free, mirror
+from .lines import lean, line
 from .rim_normals import binormal, gauss_map, placed, twisted
 
 
@@ -29,18 +31,49 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of boundary condition, as a user interface offers it. leans: whether `make` takes `against` and `up`."""
+    """A kind of boundary condition, as a user interface offers it.
+
+    leans: whether `make` takes `against` and `up`; curve: whether it takes a closed `curve` (m, 3). spans: whether a
+    surface can be spanned that meets it.
+    """
 
     label: str
     description: str
     parameters: tuple[Parameter, ...]
     make: Callable[..., Conditions] = field(repr=False)
     leans: bool = False
+    spans: bool = False
+    curve: bool = False
 
+
+_HALF_WAY = 0.25 * np.pi
 
 KINDS: dict[str, Kind] = {
+    "line": Kind(
+        "On the line",
+        "The rim lies on the drawn edges, with their heights, or on a chosen curve",
+        (),
+        lambda domain, positions, edges, curve=None: line(domain, edges, curve),
+        spans=True,
+        curve=True,
+    ),
+    "lean": Kind(
+        "Leans over its line",
+        "The rim stays over the drawn edges, rises and falls there, and the shell meets the upright at an angle",
+        (
+            Parameter(
+                "angle",
+                "Angle",
+                "Between the shell and the upright over the line; 0° stands upright, 90° lies flat",
+                _HALF_WAY,
+                "radians",
+            ),
+        ),
+        lambda domain, positions, edges, angle=_HALF_WAY: lean(domain, edges, angle),
+        spans=True,
+    ),
     "binormal": Kind(
-        "Outward, leaning",
+        "Leans, rim free",
         "The rim leans by an angle: 0° stands upright, 90° lies flat",
         (Parameter("tilt", "Lean", "The rim leans by this angle; 0° stands upright, 90° lies flat", 0.0, "radians"),),
         lambda domain, positions, edges, tilt=0.0, **how: binormal(domain, positions, edges, tilt, **how),
@@ -72,6 +105,7 @@ KINDS: dict[str, Kind] = {
             Parameter("winding", "Extra Turns", "Extra full turns of the tangent plane along a mirror", 0.0, "", TURNS),
         ),
         lambda domain, positions, edges, normal=(0.0, 0.0, 1.0), winding=0: mirror(domain, edges, normal, winding),
+        spans=True,
     ),
     "free": Kind(
         "Free",
@@ -97,7 +131,7 @@ def build(
     against, up: what a lean is measured against (see `binormal`); kinds that do not lean pass over them.
     """
     check_choice(kind, KINDS, "boundary condition")
-    known = {parameter.name for parameter in KINDS[kind].parameters}
+    known = {parameter.name for parameter in KINDS[kind].parameters} | ({"curve"} if KINDS[kind].curve else set())
     unknown = sorted(set(parameters) - known)
     if unknown:
         raise ConditionError(

@@ -12,7 +12,7 @@ command `cmc job.toml` runs files::
     from solver.jobs.job import make_job, run_job
 
     disc = {"kind": "disc", "n": 300, "scale": 5.0}
-    job = make_job({"shape": disc, "default": {"tilt": 20}, "size": {"rise": 3.0}}, Path("disc.toml"))
+    job = make_job({"shape": disc, "default": {"tilt": 20}, "size": {"height": 3.0}}, Path("disc.toml"))
     shell = run_job(job)
     assert shell.ok and abs(shell.report.shown.rise - 3.0) < 1e-6
 """

@@ -14,6 +14,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ..domain.domain import Domain
 from ..errors import CmcError, JobError, MeshError, Progress
 from ..gauss.conditions import KINDS, Parameter
@@ -23,12 +26,13 @@ from ..notes import Note
 from ..shells.close import ClosingOptions, close_plan, closing_report
 from ..shells.complete import Completed, complete_plan
 from ..shells.fit import FitOptions, fit_plan
-from ..shells.form import form
+from ..shells.form import check_plan, form
 from ..shells.gaps import hole_gaps
 from ..shells.numbering import drawn_numbers
 from ..shells.plan import Group, Plan, Settings, plan_domain
-from ..shells.plan_conditions import plan_conditions
+from ..shells.rim_curves import read_curves
 from ..shells.shell import Shell
+from ..shells.span import span_report
 from ..surface.cmc_surface import COMBINATORICS, SHEETS
 from .close_table import read_close
 from .complete_table import CompleteOptions, read_complete
@@ -48,11 +52,12 @@ mesh = "plan.obj"        # OBJ, PLY, STL or GLB; or a [shape] with kind = "disc"
 [[conditions]]           # edges without a condition get kind = "binormal", tilt = 0, or the one of [default]
 group = "supports"       # a polyline group of the OBJ, or the rim of the faces in a group or material;
                          # or loop = 0, side = "top" (of a shape), edges = [[0, 1]], vertices = [0, 1, 2]
-kind = "binormal"        # or "plane", "mirror" (normal), "twisted" (m), "gauss_map", "free"
+kind = "binormal"        # or "line" (the rim lies on these edges, or on curve = "curve.obj"), "lean" (angle), "plane",
+                         # "mirror" (normal), "twisted" (m), "gauss_map", "free"
 tilt = 20                # degrees: 0 is a vertical rim, 90 flat
 
 [size]                   # without it, the size that fits the drawn outline best
-span = 12.0              # or rise, radius (1/H), mean_curvature
+span = 12.0              # or height, rise, radius (1/H), mean_curvature; on lines rise, height, volume, curvature
 ground = "lowest"        # or "rim"; also rotate, flip = true, sheet = "f-"
 
 # [fit]                  # in place of conditions and a size: the shell whose rim lies on the outline
@@ -125,7 +130,7 @@ def make_job(data: Mapping[str, object], file: Path) -> Job:
         read_start_key(root, plan, mesh, file.parent)
     domain = plan_domain(plan)
     fit = read_fit(root, domain, mesh, file.parent, up) if "fit" in root else None
-    groups = [_group(table, domain, mesh, made.sides) for table in root.tables("conditions")]
+    groups = [_group(table, domain, mesh, made.sides, file.parent, up) for table in root.tables("conditions")]
     plan.groups = groups if fit is not None else made.groups_beside(groups)
     plan.flipped_corners = _flipped_corners(root.table("default"), mesh)
     output = root.table("output")
@@ -137,7 +142,7 @@ def make_job(data: Mapping[str, object], file: Path) -> Job:
     check_paths(file, _reads(root, mesh, file.parent), _writes(job))
     if fit is None:
         with drawn_numbers(plan):
-            plan_conditions(plan, settings, domain)
+            check_plan(plan, settings, domain)
     return job
 
 
@@ -166,6 +171,8 @@ def _shell(job: Job, progress: Progress | None) -> tuple[Shell, Plan, dict[str, 
         more["closing"] = closing_report(closed)
     else:
         shell = form(plan, job.settings, progress=progress)
+    if shell.span is not None:
+        more["span"] = span_report(shell.span)
     if len(shell.surface.periods):
         more["holes"] = [gap.to_dict() for gap in hole_gaps(shell)]
     return replace(shell, warnings=[*job.warnings, *shell.warnings]), plan, more
@@ -244,13 +251,24 @@ def _flipped_corners(default: Table, mesh: MeshData) -> list[int]:
         raise default.fail(f'"flipped_corners": {error}') from error
 
 
-def _group(table: Table, domain: Domain, mesh: MeshData, sides: Mapping[str, Pairs]) -> Group:
+def _group(
+    table: Table, domain: Domain, mesh: MeshData, sides: Mapping[str, Pairs], folder: Path, up: str | None
+) -> Group:
     name, edges = select(table, domain, mesh, sides)
     kind = table.text("kind", "binormal", among=list(KINDS))
-    parameters = {p.name: _parameter(table, p) for p in KINDS[kind].parameters if p.name in table}
+    parameters: dict[str, object] = {p.name: _parameter(table, p) for p in KINDS[kind].parameters if p.name in table}
     table.known.extend(p.name for p in KINDS[kind].parameters)
+    if KINDS[kind].curve and (curve := table.text("curve")):
+        parameters["curve"] = _curve(table, folder / curve, up)
     table.finish()
     return Group(name, edges, kind, parameters)
+
+
+def _curve(table: Table, file: Path, up: str | None) -> NDArray[np.float64]:
+    curves = read_curves(file, up)
+    if len(curves) != 1:
+        raise table.fail(f"{file.name} has {len(curves)} closed polylines; a side lies on one, so give one a file.")
+    return curves[0]
 
 
 def _parameter(table: Table, parameter: Parameter) -> float | tuple[float, ...]:

@@ -14,10 +14,13 @@ Named = tuple[str, Path]
 
 def named_inputs(data: Mapping[str, object]) -> dict[str, str]:
     """The files that a job with these tables reads: what messages call each → its path as written."""
-    fit = data.get("fit")
+    fit, conditions = data.get("fit"), data.get("conditions")
     named = {'"mesh"': data.get("mesh"), '"start"': data.get("start")}
     if isinstance(fit, Mapping):
         named['"outline" of [fit]'] = fit.get("outline")
+    for number, table in enumerate(conditions if isinstance(conditions, list) else (), start=1):
+        if isinstance(table, Mapping):
+            named[f'"curve" of [[conditions]] {number}'] = table.get("curve")
     return {what: path for what, path in named.items() if isinstance(path, str) and path}
 
 

@@ -31,7 +31,7 @@ def sheet_mesh(shell: Shell, sheet: str, plan: Plan, mesh: MeshData, *, triangle
 
     A polygon that the cut of an open surface runs through falls into triangles; edge groups are kept unless the surface
     is cut. triangles: the plan's triangles instead, since no other triangles fit the polygons of a sheet that folds.
-    Raises `JobError` where the sheet degenerates to a point.
+    Raises `JobError` where the shell does not have the sheet.
     """
     _check_placed(shell, sheet)
     assert plan.polygons is not None and plan.triangle_polygons is not None
@@ -86,6 +86,8 @@ def polygon_mesh(sheet: PolygonSheet, plan: Plan, mesh: MeshData) -> MeshData:
 
 def _check_placed(shell: Shell, sheet: str) -> None:
     if sheet not in shell.placed:
+        if not shell.report.mean_curvature:
+            raise JobError(f"A surface of mean curvature 0 has no {sheet}; leave it out, or choose H ≠ 0.")
         raise JobError(f"{sheet} degenerates to a point for these boundary conditions, so there is nothing to write.")
 
 

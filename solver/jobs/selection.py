@@ -16,7 +16,7 @@ from .tables import INTEGERS, Table
 
 Pairs = NDArray[np.integer]
 
-_PARAMETERS = [parameter.name for kind in KINDS.values() for parameter in kind.parameters]
+_PARAMETERS = [parameter.name for kind in KINDS.values() for parameter in kind.parameters] + ["curve"]
 WAYS = ("loop", "side", "group", "edges", "vertices")
 
 

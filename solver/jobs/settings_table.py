@@ -12,11 +12,12 @@ from ..gauss.conditions import AGAINST, KINDS
 from ..gauss.energies import ENERGIES, energy_on
 from ..gauss.methods import METHODS
 from ..gauss.options import DEGREE
-from ..limits import NOT_NEGATIVE, POSITIVE, TOLERANCE
+from ..limits import NOT_NEGATIVE, TOLERANCE
 from ..shells.plan import SHELLS, Settings, usual_sheet
+from ..spanning.outline import CORNERS, HOLES
 from ..surface.averaging import AVERAGINGS
 from ..surface.cmc_surface import SHEETS
-from ..surface.placement import GROUNDS, SIZES
+from ..surface.placement import GROUNDS, SIZES, size_range
 from .tables import Table
 
 
@@ -45,13 +46,13 @@ def _default(table: Table, settings: Settings) -> dict[str, object]:
 
 
 def _size(table: Table, settings: Settings) -> dict[str, object]:
-    sizes = [name for name in SIZES if name != "match_plan"]
+    sizes = {name: name for name in SIZES if name != "match_plan"} | {"curvature": "mean_curvature"}
     chosen = [name for name in sizes if name in table]
     if len(chosen) > 1:
         raise table.fail(f"give one size, not {' and '.join(chosen)}.")
     values: dict[str, object] = {}
     for name in chosen:
-        values = {"size": name, "value": table.number(name, 1.0, POSITIVE)}
+        values = {"size": sizes[name], "value": table.number(name, 1.0, size_range(sizes[name]))}
     table.known.extend(sizes)
     values["ground"] = table.text("ground", settings.ground, among=list(GROUNDS))
     values["sheet"] = table.text("sheet", usual_sheet(settings.shell), among=SHEETS)
@@ -71,6 +72,8 @@ def _solver(table: Table, settings: Settings) -> dict[str, object]:
         "degree": partial(Table.number, within=DEGREE),
         "shell": partial(Table.text, among=list(SHELLS)),
         "count_modes": Table.flag,
+        "holes": partial(Table.text, among=list(HOLES)),
+        "corners": partial(Table.text, among=list(CORNERS)),
     }
     assert set(readers) <= {option.name for option in fields(Settings)}
     values = {name: read(table, name) for name, read in readers.items() if name in table}

@@ -141,4 +141,5 @@ _READERS: dict[str, Callable[[Table, str], object]] = {
     "outline": lambda table, key: table.rows(key, 2, "points, [[0, 0], [1, 0]]"),
     "holes": _holes,
     "corner_radius": _corner_radius,
+    "corners": Table.text,
 }

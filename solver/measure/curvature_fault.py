@@ -10,8 +10,8 @@ from ..meshing.rounding import CORNER
 from ..notes import Note
 from .arrays import Array, Indices, face_areas_in_space
 from .curvature import mean_curvature_of
-from .sheet import SheetReport
-from .summary import how_far
+from .sheet import SheetReport, faces_near
+from .summary import off_by
 
 # A part of the shell holds the error if it has at least this share of it, and this many times as much as of the area.
 _MOST, _DENSER = 0.5, 2.0
@@ -31,14 +31,13 @@ def curvature_note(
     errors = mean_curvature_of(points, faces, normals) - H.target
     squares = face_areas_in_space(points, faces) * np.where(np.isfinite(errors), errors, 0.0) ** 2
     cause = _cause(sheet, domain, np.asarray(drawn, dtype=np.float64), squares)
-    return Note("not-cmc" if H.is_lost else "curvature", f"Mean curvature is off by {how_far(H.relative_l2)}{cause}")
+    return Note("not-cmc" if H.is_lost else "curvature", f"Mean curvature is off by {off_by(H)}{cause}")
 
 
 def _cause(sheet: SheetReport, domain: Domain, drawn: Array, squares: Array) -> str:
     """Why, and what to do, as the end of a sentence. squares (F,): squared error times area of the faces."""
     corners = boundary_corners(domain, drawn)
-    near = np.isin(domain.faces, corners).any(axis=1)
-    near = np.isin(domain.faces, domain.faces[near]).any(axis=1)  # and the faces around those
+    near = faces_near(domain.faces, corners)
     share = squares[near].sum() / max(float(squares.sum()), np.finfo(float).tiny)
     if share >= _MOST and share >= _DENSER * domain.face_areas[near].sum() / domain.face_areas.sum():
         worst = _worst(corners, domain, squares)

@@ -20,7 +20,7 @@ from ..surface.cmc_surface import SHEETS, CmcSurface, SurfaceLike, as_surface
 from .arrays import Array
 from .planes import PlaneReport
 from .sheet import SheetReport, measure_sheet
-from .summary import count, how_far, measure_lines, number, percent, size_line
+from .summary import count, measure_lines, number, off_by, percent, size_line
 
 # Largest deviation of placed points from a similarity image of the sheet, as a fraction of its size; single
 # precision far from the origin leaves about 1e-5.
@@ -116,6 +116,7 @@ def report(
     surface: SurfaceLike,
     outline: ArrayLike | Sequence[ArrayLike] | None = None,
     *,
+    corners: ArrayLike = (),
     sheet: str = "f+",
     positions: ArrayLike | Mapping[str, ArrayLike] | None = None,
     intersections: bool | Callable[[], bool] = True,
@@ -124,6 +125,8 @@ def report(
     """Measure a surface: its solve, and curvature, distortion, size, overhang and intersections of its sheets.
 
     sheet: "f+" or "f-", the one that is shown.
+    corners: vertices of the domain where the rim has a corner, at which normals of the surface have no derivative; mean
+        curvature is measured on the faces that are more than an edge away from them.
     outline: drawn positions (V, 2|3) of the domain's vertices, or a list of closed polylines, in the frame of the
         measured points; the distance of the shown sheet's boundary from it is reported. Two coordinates: the distance
         in plan.
@@ -150,6 +153,7 @@ def report(
             (1.0 if name == "f+" else -1.0) * np.asarray(surface.normals) @ turn,
             target,
             degenerate=surface.is_degenerate(name),
+            corners=np.flatnonzero(np.isin(surface.source, np.asarray(corners, dtype=np.int64))),
             outline=outline if name == sheet else None,
             intersections=intersections,
             up=up,
@@ -227,10 +231,11 @@ def _sentence(surface: CmcSurface, shown: SheetReport, scale: float) -> str:
     if surface.harmonic.status is not Status.CONVERGED or H is None:
         words, even = surface.outcome, ""
     elif H.is_off:
-        words, even = "", f"Curvature is off by {how_far(H.relative_l2)}."
+        words, even = "", f"Curvature is off by {off_by(H)}."
     else:
-        even = percent(max(H.relative_l2, _EVEN)) if H.target else f"{H.l2:.2g}"
-        words, even = "Done.", f"Curvature is even to {even}."
+        even = percent(max(H.relative_l2, _EVEN)) if H.reference == abs(H.target) else f"{H.l2:.2g}"
+        away = " away from corners" if H.left_out else ""
+        words, even = "Done.", f"Curvature is even to {even}{away}."
     if not surface.is_open:
         return f"{words} {even}".strip()
     return Sentence(f"{gap} {even}" if even else f"{words} {gap}", scale * surface.gap)

@@ -27,15 +27,18 @@ Vector = tuple[float, float, float]
 _LISTED_PAIRS = 100
 # A mean curvature that misses its target by more than these parts of it, in L²: is off; is not constant at all.
 _OFF, _LOST = 0.1, 0.5
+# A target below this part of 1 / sqrt(area) is small.
+_SMALL = 0.1
 
 
 @dataclass(frozen=True)
 class CurvatureReport:
     """Mean curvature H of the faces and its target, in 1/length; means are weighted by area.
 
-    l2 is sqrt(∫ (H - target)² dA / area), linf the largest |H - target|, `relative_l2` is l2 over the target.
+    l2 is sqrt(∫ (H - target)² dA / area), linf the largest |H - target|. `relative_l2` is l2 over the
+    `reference`: the target's size, or, where that is less than a tenth of 1 / sqrt(area), as at H = 0, 1 / sqrt(area).
     The `inside` figures leave out faces that have a vertex on the boundary. `gauss_mean` is the mean of K, in
-    1/length².
+    1/length². left_out: the number of faces next to corners of the rim that all figures leave out; see `report`.
     """
 
     target: float
@@ -43,14 +46,16 @@ class CurvatureReport:
     std: float
     l2: float
     linf: float
+    reference: float
     relative_l2: float
     inside_l2: float
     inside_linf: float
     gauss_mean: float
+    left_out: int = 0
 
     @property
     def is_off(self) -> bool:
-        """Whether H misses its target by more than a tenth of it (`relative_l2`): worth a warning."""
+        """Whether H misses its target by more than a tenth (`relative_l2`): worth a warning."""
         return self.relative_l2 > _OFF
 
     @property
@@ -162,13 +167,14 @@ def measure_sheet(
     target: float,
     *,
     degenerate: bool = False,
+    corners: ArrayLike = (),
     outline: ArrayLike | Sequence[ArrayLike] | None = None,
     intersections: bool | Callable[[], bool] = True,
     up: ArrayLike = (0.0, 0.0, 1.0),
 ) -> SheetReport:
     """Measure `points` (n, 3), `faces` (F, 3) as the domain's, unit `normals` (n, 3), against H = `target`.
 
-    `outline` as in `outline_segments`. `intersections=False` leaves out the slowest part; see `report`. Raises
+    `outline` as in `outline_segments`; `corners` and `intersections` as in `report`. Raises
     `MeshError` on arrays that do not match.
     """
     areas = face_areas_in_space(points, faces)
@@ -186,7 +192,7 @@ def measure_sheet(
         rise=float(np.ptp(points @ vertical)),
         volume=sheet_volume(domain, points, faces, vertical),
         degenerate_faces=int(np.count_nonzero(areas == 0)),
-        mean_curvature=_curvature(points, faces, normals, target, areas, inside) if measurable else None,
+        mean_curvature=_curvature(points, faces, normals, target, areas, inside, corners) if measurable else None,
         distortion=_distortion(domain, points, faces, areas, inside) if measurable else None,
         overhang=_overhang(points, faces, areas, vertical) if measurable and len(sides) else None,
         intersections=_intersections(points, faces, intersections) if measurable and intersections else None,
@@ -203,22 +209,40 @@ def _max(values: Array) -> float:
     return float(known.max()) if len(known) else float("nan")
 
 
+def faces_near(faces: Indices, vertices: ArrayLike) -> NDArray[np.bool_]:
+    """(F,) whether a face has one of these vertices, or a vertex in common with such a face."""
+    near = np.isin(faces, vertices).any(axis=1)
+    return np.isin(faces, faces[near]).any(axis=1)
+
+
 def _curvature(
-    points: Array, faces: Indices, normals: Array, target: float, areas: Array, inside: NDArray[np.bool_]
+    points: Array,
+    faces: Indices,
+    normals: Array,
+    target: float,
+    areas: Array,
+    inside: NDArray[np.bool_],
+    corners: ArrayLike,
 ) -> CurvatureReport:
+    left_out = faces_near(faces, corners)
+    if left_out.any() and not left_out.all():
+        faces, areas, inside = faces[~left_out], areas[~left_out], inside[~left_out]
     H = mean_curvature_of(points, faces, normals)
     error, mean = H - target, weighted_mean(H, areas)
-    l2 = weighted_l2(error, areas)
+    l2, usual = weighted_l2(error, areas), 1.0 / float(np.sqrt(areas.sum()))
+    reference = abs(target) if abs(target) >= _SMALL * usual else usual
     return CurvatureReport(
         target=target,
         mean=mean,
         std=weighted_l2(H - mean, areas),
         l2=l2,
         linf=_max(np.abs(error)),
-        relative_l2=l2 / abs(target) if target else float("nan"),
+        reference=reference,
+        relative_l2=l2 / reference,
         inside_l2=weighted_l2(error[inside], areas[inside]),
         inside_linf=_max(np.abs(error[inside])),
         gauss_mean=weighted_mean(gauss_curvature_of(points, faces, normals), areas),
+        left_out=int(left_out.sum()),
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .sheet import SheetReport
+    from .sheet import CurvatureReport, SheetReport
 
 
 def size_line(shown: SheetReport, unit: str) -> str:
@@ -24,7 +24,7 @@ def measure_lines(shown: SheetReport, unit: str) -> list[str]:
     H, Q = shown.mean_curvature, shown.distortion
     lines = [
         f"Mean curvature {number(H.mean, unit, -1)}, wanted {H.target:.5g}, "
-        f"off by {how_far(H.relative_l2) if H.target else number(H.l2, unit, -1)} in the mean (L²), "
+        f"off by {off_by(H, unit)} in the mean (L²), "
         f"{number(H.linf, unit, -1)} at most.",
         f"Conformal distortion Q {Q.mean:.4f} in the mean, {Q.max:.3f} at most (1 is none).",
     ]
@@ -74,6 +74,11 @@ def percent(part: float) -> str:
 def how_far(part: float) -> str:
     """How far a number is from its target: "13 % of its target", "43 times its target"."""
     return f"{part:.0f} times its target" if part >= 2.0 else f"{percent(part)} of its target"
+
+
+def off_by(H: CurvatureReport, unit: str = "") -> str:
+    """How far mean curvature is off in the mean: against its target, or as a number where that is zero."""
+    return how_far(H.relative_l2 * H.reference / abs(H.target)) if H.target else number(H.l2, unit, -1)
 
 
 def count(amount: int, one: str, many: str = "") -> str:

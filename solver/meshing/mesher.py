@@ -13,11 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import KDTree
 
-from ..errors import MeshError
+from ..errors import MeshError, check_choice
 from ..limits import MOST_VERTICES
 from .outline import Loop, check_loops, inside, signed_area
 from .quality import open_angles
-from .rounding import round_corners
+from .rounding import ROUNDED, round_corners
 from .sampling import MOST_ON_RIM, Boundary, sample
 from .sizes import SizeField
 from .triangulate import triangulate
@@ -50,25 +50,30 @@ def mesh_plan(
     *,
     max_edge: float,
     corner_radius: float | None = 0.0,
+    corners: str = "all",
     keep: Sequence[Sequence[int]] = (),
 ) -> PlanMesh:
     """Mesh the plan bounded by `outline (K, 2)` and `holes`, with edges of about `max_edge`, few of them longer.
 
     Corners (turns of more than 23.5°) are rounded by `corner_radius`, less where room is short; with radius 0 they stay
-    vertices, and with None each gets a radius in proportion to its loop and its edges (see `rounding`). Other points
+    vertices, and with None each gets a radius in proportion to its loop and its edges (see `rounding`). `corners`:
+    "all", "re-entrant" (only those that point into the plan, as a court's do) or "none" are rounded. Other points
     count as samples of smooth curves, which are sampled anew, except points between segments longer than two edges and
     points listed in `keep[i]` (indices into loop i, the outline first). Loops may run either way and may repeat their
     first point. Lengths are in the units of the input; only narrow places, bends and short sides are meshed finer.
-    Raises `MeshError` for loops that bound no plan and lengths that do not fit.
+    Raises `MeshError` for loops that bound no plan, lengths that do not fit and corners that are none of these.
     """
+    check_choice(corners, ROUNDED, "kind of corners to round", MeshError)
     loops = check_loops(outline, holes, keep)
     everything = loops[0].points
     low, size = everything.min(axis=0), float(np.ptp(everything, axis=0).max())
     _check_lengths(max_edge, corner_radius, size)
+    if corners == "re-entrant" and corner_radius == 0:
+        raise MeshError("Re-entrant corners are rounded by a radius of 0; give a positive one, or have it chosen.")
     _check_count(loops, max_edge, size)
     origin = low + np.ptp(everything, axis=0) / 2
     in_units = [loop.in_units(origin, max_edge) for loop in loops]
-    curves = round_corners(in_units, None if corner_radius is None else corner_radius / max_edge)
+    curves = round_corners(in_units, None if corner_radius is None else corner_radius / max_edge, corners)
     boundary, field = sample(curves)
     radii = np.concatenate([curve.radii for curve in curves]) * max_edge
     try:

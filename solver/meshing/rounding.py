@@ -7,6 +7,8 @@ The automatic radius of a corner is a tenth of the size of its loop, whatever th
 gives the same shell more exactly; and less where its arc would take more than a quarter of an edge of the loop there,
 so that a court stays a court. At sharper corners the shell has higher and narrower feet, until it passes through
 itself.
+
+A shell whose rim lies on lines (`solver.spanning`) needs arcs at re-entrant corners only.
 """
 
 from __future__ import annotations
@@ -21,6 +23,13 @@ from .outline import Loop, crossing_pairs, following_of, inside
 # Between the turns of regular polygons of 15 and of 16 sides. The splines of `spanning.curves` have one of their own,
 # a higher one: there a corner too many breaks a smooth rim, while here it only gets an arc.
 CORNER = np.radians(23.5)
+ROUNDED = {
+    "all": ("All", "All corners, for shells whose sides lean: at a sharp corner the normals jump and H diverges"),
+    "re-entrant": ("Re-entrant", "Only corners that point into the plan, those of courts too; for shells on their "
+                   "outline, where the other corners may stay sharp"),
+    "none": ("None", "No corners: all stay sharp"),
+}
+"""The corners that are rounded -> label and description."""
 AUTOMATIC = 0.1  # the automatic radius, as a part of the size of the loop
 _OF_EDGE = 0.25  # the part of an edge that an arc of automatic radius takes at most
 
@@ -78,18 +87,14 @@ def rounded_sentence(radii: np.ndarray) -> Sentence | None:
     return Sentence(f"{corners} {{}} to {{}}.", least, most)
 
 
-def round_corners(loops: list[Loop], radius: float | None) -> list[Curve]:
-    """Replace every corner by an arc of `radius`, or of the largest radius that its neighbours leave room for; None
-    chooses the radius of each corner (`automatic_radii`).
+def round_corners(loops: list[Loop], radius: float | None, corners: str = "all") -> list[Curve]:
+    """Replace the corners named in `ROUNDED` by an arc of `radius`, or of the largest radius that its neighbours leave
+    room for; None chooses the radius of each corner (`automatic_radii`).
 
     Where an arc would run into or around another part of the plan (a column in a corner), its radius is halved until
     it does not. Radius 0 keeps the corners.
     """
-    if radius is None:
-        radii = [automatic_radii(loop.points) for loop in loops]
-    else:
-        radii = [np.where(np.abs(turning(loop.points)) > CORNER, radius, 0.0) for loop in loops]
-    radii = [np.where(of_loop < _LEAST, 0.0, of_loop) for of_loop in radii]
+    radii = [_wanted(loop.points, radius, corners) for loop in loops]
     for _ in range(16):
         rounded = [_round_loop(loop, r) for loop, r in zip(loops, radii, strict=True)]
         curves = [curve for curve, _ in rounded]
@@ -100,6 +105,14 @@ def round_corners(loops: list[Loop], radius: float | None) -> list[Curve]:
             smaller = 0.5 * curves[loop].radii[corner]
             radii[loop][corner] = smaller if smaller >= _LEAST else 0.0
     return [_round_loop(loop, np.zeros(len(loop.points)))[0] for loop in loops]
+
+
+def _wanted(points: np.ndarray, radius: float | None, corners: str) -> np.ndarray:
+    """The radius (K,) at each point of a loop with the plan on its left, where its corner is to be rounded, else 0."""
+    turn = turning(points)
+    turned = {"all": np.abs(turn) > CORNER, "re-entrant": turn < -CORNER, "none": np.zeros(len(turn), dtype=bool)}
+    radii = np.where(turned[corners], automatic_radii(points) if radius is None else radius, 0.0)
+    return np.where(radii < _LEAST, 0.0, radii)
 
 
 def _crossing(curves: list[Curve], corner_of: list[np.ndarray]) -> set[tuple[int, int]]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..closing.close import ClosingResult, close_periods
 from ..closing.holes import MOTIONS, MovingHoles
 from ..domain.domain import Domain
-from ..errors import JobError, Progress, check_choice
+from ..errors import ConditionError, JobError, Progress, check_choice
 from ..limits import COUNT, POSITIVE, check_number
 from ..measure.report import to_plain
 from ..measure.summary import percent
@@ -158,6 +158,8 @@ def close_plan(
     solver = solver or CmcSolver(plan_domain(plan))
     domain = solver.domain
     conditions = plan_conditions(plan, settings, domain)
+    if conditions.is_spanned:
+        raise ConditionError("A shell on lines closes around its holes by itself; form it without closing.")
     start = start or solve_plan(plan, settings, solver)
     moving = _moving(plan, domain, options)
     closing = close_periods(

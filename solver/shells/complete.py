@@ -16,7 +16,7 @@ from ..notes import Sentence
 from ..symmetry.complete import MOST_COPIES, complete
 from ..symmetry.completion import Completion
 from ..symmetry.sides import surface_size
-from .form import placed_normals
+from .measured import placed_normals
 from .plan import Plan
 from .plan_sides import plan_sides
 from .shell import Shell, sheet_polygons

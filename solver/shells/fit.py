@@ -15,7 +15,7 @@ from ..fitting.goals import OutlineOptions
 from ..fitting.outline import fit_outline
 from ..surface.placement import Plane, Similarity
 from ..surface.solve import CmcSolver
-from .form import measure_shell
+from .measured import measure_shell
 from .plan import Plan, Settings, plan_domain
 from .rim_curves import curves_of_loops
 from .shell import Shell

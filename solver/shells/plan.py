@@ -23,6 +23,7 @@ from ..io.polygons import triangulate_polygons
 from ..limits import NOT_NEGATIVE, check_number
 from ..linalg import as_array, as_numbers
 from ..signatures import check_fields, checked
+from ..spanning.outline import CORNERS, HOLES
 from ..surface.cmc_surface import COMBINATORICS, SHEETS
 from ..surface.options import SolveOptions
 from ..surface.placement import PlacementError, Rule
@@ -168,6 +169,7 @@ class Settings:
     blend: length of boundary over which the tilts of neighbouring groups flow into each other; 0: they jump.
     size, value, ground, rotate, flip: see `placement.Rule`; they apply to `sheet`, "f+" or "f-".
     combinatorics: of `COMBINATORICS`, the polygons of the written sheets; they are measured on triangles.
+    holes, corners: of shells on lines, see `span_outline`.
     shell: of `SHELLS`; degree and "bubble" exclude each other. A bubble is f- as a rule (see `usual_sheet`); its rim
         appears on the other side of the centre, and so it may always rotate.
     count_modes: report how many unstable modes the map has; always with the methods of `COUNTED`.
@@ -195,6 +197,8 @@ class Settings:
     side: int = +1
     degree: float | None = None
     combinatorics: str = "primal"
+    holes: str = "adapt"
+    corners: str = "sharp"
     shell: str = "first"
     count_modes: bool = False
 
@@ -208,6 +212,8 @@ class Settings:
             ("method", self.method, METHODS),
             ("combinatorics", self.combinatorics, COMBINATORICS),
             ("shell", self.shell, SHELLS),
+            ("treatment of holes", self.holes, HOLES),
+            ("treatment of corners", self.corners, CORNERS),
         ):
             check_choice(name, known, what, JobError)
         if self.shell != "first" and self.degree is not None:
@@ -241,7 +247,7 @@ class Settings:
     def rule(self) -> Rule:
         """The placement part; raises `PlacementError` on an unknown size or ground, and on a size without a value."""
         if self.value is None and self.size != "match_plan":
-            raise PlacementError(f'The size "{self.size}" needs a value, a length or a curvature.')
+            raise PlacementError(f'The size "{self.size}" needs a value, a number.')
         value = 1.0 if self.value is None else self.value
         return Rule(self.size, value, self.ground, self.rotate or self.shell == "bubble", self.flip)
 

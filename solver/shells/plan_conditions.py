@@ -91,7 +91,7 @@ def _condition_key(group: Group) -> object:
     """Equal for groups with the same condition."""
     what = f'A parameter of group "{group.name}"'
     given: Mapping[str, Any] = group.parameters
-    arrays = {name: as_array(value, what, ConditionError) for name, value in given.items()}
+    arrays = {name: as_array(value, what, ConditionError) for name, value in given.items() if value is not None}
     return group.kind, tuple(sorted((name, str(array.tolist())) for name, array in arrays.items()))
 
 

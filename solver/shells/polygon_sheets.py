@@ -12,7 +12,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
-from .form import placed_normals
+from .measured import placed_normals
 from .shell import Shell
 
 Array = NDArray[np.float64]

@@ -15,6 +15,7 @@ from ..fitting.fit import Fit
 from ..measure.report import Report
 from ..notes import Note
 from ..signatures import checked
+from ..spanning.span import Span
 from ..surface import convert, notebook
 from ..surface.cmc_surface import CmcSurface
 from ..surface.placement import Similarity
@@ -26,20 +27,24 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Int = NDArray[np.int32]
 
+# Edge lengths that agree to this part are those of one plan.
+_SAME_PLAN = 1e-6
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Shell:
     """A shell over its plan, in world units: n vertices, one for each of the plan's, and copies of those along cuts.
 
     surface: the solver's, at H = ½ (a fit's in world size). similarity: from its points to the placed ones.
-    placed: points (n, 3) of "f+", "f-", "g" and "gauss"; a sheet that degenerates to a point is left out.
+    placed: points (n, 3) of "f+", "f-", "g" and "gauss"; a sheet that degenerates to a point is left out, and
+        f- and g where H = 0.
     normals: unit vectors (n, 3) on each of them, on the side from which `faces` are counter-clockwise on f+
         and f-.
     source (n,): the plan's vertex behind each vertex; faces (F, 3): in the order of the plan's triangles.
     mean_curvature (n,): measured on the sheet that is shown, positive on a sphere; its target is in the report.
     message: the status in a sentence. warnings: what else the user should know, each with a code (`solver.notes`).
     solver: for the next call of `form`.
-    fit: of a fitted shell (`fit_plan`), how near it came.
+    fit: of a fitted shell (`fit_plan`), how near it came. span: of a shell on lines, the surface as it was found.
     """
 
     surface: CmcSurface
@@ -54,11 +59,21 @@ class Shell:
     warnings: list[Note] = field(default_factory=list)
     solver: CmcSolver | None = None
     fit: Fit | None = None
+    span: Span | None = None
 
     @property
     def ok(self) -> bool:
         """Whether the map is harmonic to the tolerance, the surface has no gap, and a fit meets its goals."""
         return self.surface.status is Status.CONVERGED and (self.fit is None or self.fit.is_met)
+
+    @property
+    def adapted_plan(self) -> Array | None:
+        """Where a shell on lines has moved its plan, to corners and holes: positions (V, 2) of that plan, to which the
+        shell is conformal; None where it is conformal to the drawn one."""
+        if self.span is None or self.solver is None:
+            return None
+        lengths, drawn = self.span.domain.edge_lengths, self.solver.domain.edge_lengths
+        return None if np.allclose(lengths, drawn, rtol=_SAME_PLAN) else self.span.positions[:, :2]
 
     def points(self, sheet: str | None = None) -> Array:
         """A placed sheet (n, 3), by default the shown one; raises `CmcError` on a sheet the shell does not have."""
@@ -78,11 +93,13 @@ class Shell:
         return convert.to_trimesh(self.points(sheet), self.faces, self.normals[sheet or self.report.sheet])
 
     def summary(self, unit: str = "") -> str:
-        """The report's summary, and how near a fitted shell came, or how a shell was closed."""
+        """The report's summary, and how near a fitted shell came, how a shell was closed, or the checks of a span."""
         lines = [self.report.summary(unit)]
         if self.fit is not None:
             parts = ", ".join(f"{label} {distance:.3g}" for label, distance in self.fit.distances.items())
             lines.append(f"Distances after {len(self.fit.history)} evaluations: {parts}.")
+        elif self.span is not None and self.span.ok:
+            lines += self.span.checks.lines
         elif self.message not in lines[0] and self.message not in self.warnings:
             lines.append(self.message)
         return "\n".join(lines)

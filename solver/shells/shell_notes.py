@@ -85,7 +85,7 @@ def _sheet_notes(plan: Plan, surface: CmcSurface, measured: Report) -> list[Note
     """What the measures of the sheet show."""
     notes, shown = [], measured.shown
     twin = "f-" if measured.sheet == "f+" else "f+"
-    if twin not in measured.sheets:
+    if twin not in measured.sheets and surface.mean_curvature:
         notes.append(Note("point", f"{twin} degenerates to a point for these boundary conditions and is left out."))
     if shown.intersections is not None and shown.intersections.count:
         owner = plan.triangle_polygons

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ConditionError
-from ..limits import NUMBERS, check_number
 from .curves import SmoothCurve, corners, without_repeats
 from .lines import best_turn, parts_of_length, starts
 from .rim import AlongCurve, OverCurve, Straight, Track
@@ -19,9 +18,6 @@ Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
 LINE = -1
-# Angles at which a surface may meet the wall over a line, radians.
-_STEEPEST = np.radians(8.0)
-_FLATTEST = np.radians(160.0)
 # Planes whose normals enclose a smaller sine have no line in common.
 _PARALLEL = 1e-6
 
@@ -112,19 +108,6 @@ class Lean:
     """A side over its line, which meets the wall over it at this angle, radians."""
 
     angle: float
-
-
-def checked_lean(angle: float) -> float:
-    """The angle; raises `ConditionError` where it is no number, or too steep or too flat for a wall."""
-    check_number(angle, "lean", NUMBERS)
-    if not _STEEPEST <= angle <= _FLATTEST:
-        if angle > np.pi:
-            raise ConditionError(f"A lean of {angle:g} radians is more than a half turn; for degrees use np.radians.")
-        raise ConditionError(
-            f"A lean of {np.degrees(angle):.3g}° is out of range: a surface meets a wall at "
-            f"{np.degrees(_STEEPEST):.0f}° to {np.degrees(_FLATTEST):.0f}°. Hold the normals instead."
-        )
-    return float(angle)
 
 
 def mixed_loop(places: Int, points: Array, labels: Int, kinds: Sequence[Plane | Lean], sharp: bool) -> Side:

@@ -125,7 +125,7 @@ def descend(
     while True:
         here = Linearised(problem, state, knob.mean_curvature)
         volume = state.V
-        keep = _keeper(here, knob)
+        keep = keeper(here, knob)
         z = keep(here.precondition(here.gradient))
         residual = float(np.sqrt(max(here.gradient(z), 0.0) / (2.0 * state.D)))
         history.append(Iterate(state.D, residual, volume, here.H, problem.coordinates.solves, length))
@@ -140,7 +140,7 @@ def descend(
         newton, bent = _solved(here, keep, here.gradient, forcing**2 * here.gradient(z))
         step, change = newton.step, 0.0
         if knob.measures and not _led_away(history, tolerance):
-            ahead = _tangent(here, keep, tangent)
+            ahead, _ = tangent_at(here, keep, tangent)
             tangent, change = ahead.step, knob.volume_change(here, newton, ahead)
             step = step.plus(tangent, change)
         negative += bent
@@ -178,7 +178,7 @@ def _led_away(history: Sequence[Iterate], tolerance: float) -> bool:
     return len(history) > 1 and tolerance <= history[-2].residual < history[-1].residual
 
 
-def _keeper(here: Linearised, knob: Knob) -> Keeper:
+def keeper(here: Linearised, knob: Knob) -> Keeper:
     """Removes the part of a step that changes V, if V is to be kept."""
     if knob.mean_curvature is not None:
         return lambda step: step
@@ -209,13 +209,14 @@ def _solved(here: Linearised, keep: Keeper, rest: Form, goal: float) -> tuple[Di
     return Direction(step, df, rest), False
 
 
-def _tangent(here: Linearised, keep: Keeper, near: Step | None) -> Direction:
-    """How the surface changes with V while it stays critical, <V', step> = 1; near: the same at a surface nearby."""
+def tangent_at(here: Linearised, keep: Keeper, near: Step | None) -> tuple[Direction, bool]:
+    """How the surface changes with V while it stays critical, <V', step> = 1; and whether its energy falls in a
+    direction that keeps V. near: the same at a surface nearby."""
     step = here.along if near is None or not here.volume(near) > 0.0 else near
     step = step.times(1.0 / here.volume(step))
     df = here.push(step)
-    bent, _ = _solved(here, keep, here.hessian(step, df), _AHEAD**2 / here.gain)
-    return Direction(step.plus(bent.step), df + bent.df, bent.rest)
+    bent, negative = _solved(here, keep, here.hessian(step, df), _AHEAD**2 / here.gain)
+    return Direction(step.plus(bent.step), df + bent.df, bent.rest), negative
 
 
 def _line_search(

@@ -75,7 +75,9 @@ class Crown(Measured):
         """Where the first of the vertices that rise with V gets there."""
         z = here.state.f[:, 2] + newton.df[:, 2]
         rising = ahead.df[:, 2]
-        rises = rising > _RISES * rising.max()
+        rises = rising > _RISES * max(float(rising.max()), 0.0)
+        if not rises.any():  # with leaning sides more volume may lower all of a bad start: as much as one step may
+            return float(np.copysign(np.inf, self.wanted - self.number(here)))
         return self.up * float((self.up * (self.wanted - z[rises]) / rising[rises]).min())
 
 

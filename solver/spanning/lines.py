@@ -22,13 +22,13 @@ _STARTS = 256
 
 
 def boundary_lines(
-    domain: Domain, points: Array, given: ArrayLike | Sequence[ArrayLike] | None
+    domain: Domain, points: Array, given: ArrayLike | Sequence[ArrayLike | None] | None
 ) -> tuple[list[Array], int, list[bool]]:
     """A closed line (m, 3) for each of `domain.boundary_loops`, the index of the outer one, and which are the loops
     themselves.
 
-    given: None, a line for the outer loop, or a list with one for each loop. Lines run as the loops do, seen from
-    above. Raises `ConditionError` where they do not fit the domain.
+    given: None, a line for the outer loop, or a list with one for each loop, None for its own. Lines run as the
+    loops do, seen from above. Raises `ConditionError` where they do not fit the domain.
     """
     own = [points[loop] for loop in domain.boundary_loops]
     for loop, line in zip(domain.boundary_loops, own, strict=True):
@@ -44,13 +44,14 @@ def boundary_lines(
         return lines, outer, [k != outer for k in range(len(own))]
     if len(given) != len(own):
         raise ConditionError(f"The plan has {len(own)} boundary loops, so {len(given)} curves do not fit it.")
-    return [_as_line(line, area) for line, area in zip(given, areas, strict=True)], outer, [False] * len(own)
+    lines = [mine if line is None else _as_line(line, area) for line, area, mine in zip(given, areas, own, strict=True)]
+    return lines, outer, [line is None for line in given]
 
 
-def _are_lines(given: Sequence[ArrayLike]) -> bool:
+def _are_lines(given: Sequence[ArrayLike | None]) -> bool:
     """Whether these are lines, and not the points of one."""
     try:
-        return len(given) > 0 and np.ndim(given[0]) >= 2
+        return len(given) > 0 and (given[0] is None or np.ndim(given[0]) >= 2)
     except ValueError:  # the first one is ragged, so it is no point
         return True
 

@@ -2,7 +2,9 @@
 
 The force of the rim, F = (L f - 2H · ⅓ Σ area vectors) at a rim vertex, points along the outward conormal, so
 N = F × γ' / |F × γ'|; one pass ¼ ½ ¼ along the rim takes out the alternating part of its error. At a corner N is normal
-to both sides. Means of face normals would be of no use: H measured with them does not converge on irregular meshes.
+to both sides; at a re-entrant one, where the surface is as steep as r^(2/3) and has no normal, it is the mean of those
+beside it (H measured around holes with sharp corners is then off half as much). Means of face normals would be of no
+use: H measured with them does not converge on irregular meshes.
 """
 
 from __future__ import annotations
@@ -19,6 +21,8 @@ Int = NDArray[np.integer]
 
 # Two sides whose directions enclose a smaller sine at a corner do not give a normal there.
 _CORNER_SINE = 0.1
+# A corner whose angle is larger is re-entrant, radians.
+_RE_ENTRANT = np.radians(200.0)
 # Cosine of the angle up to which the normals of an earlier surface are a start.
 _NEAR = 0.5
 
@@ -39,7 +43,7 @@ def rim_normals(
     along[unknown] = (behind + ahead)[unknown]
     N = _unit(np.cross(force, along))
     N = _smoothed(N, along, marks, on_line)
-    return _at_corners(N, behind, ahead, marks)
+    return _at_corners(N, behind, ahead, marks, _angles(domain, loop[marks]))
 
 
 def _side_tangents(p: Array) -> tuple[Array, Array]:
@@ -71,14 +75,19 @@ def _smoothed(N: Array, tangents: Array, marks: Int, on_line: NDArray[np.bool_])
     return np.where(both[:, None], _unit(mean), N)
 
 
-def _at_corners(N: Array, behind: Array, ahead: Array, marks: Int) -> Array:
-    """N with that of both sides at the marked points, on the side of their neighbours."""
+def _angles(domain: Domain, vertices: Int) -> Array:
+    """(k,) the plan's angles at vertices (k,): those of the surface, where the plan has its corners."""
+    return sum_rows(domain.faces.ravel(), domain.corner_angles.ravel(), domain.vertex_count)[vertices]
+
+
+def _at_corners(N: Array, behind: Array, ahead: Array, marks: Int, angles: Array) -> Array:
+    """N with that of both sides at the marked points, on the side of their neighbours; angles (k,): the plan's there."""
     N = N.copy()
     across = np.cross(behind, ahead)[marks]
     sine = np.linalg.norm(across, axis=1)
     near = N[(marks - 1) % len(N)] + N[(marks + 1) % len(N)]
     sign = np.where(np.einsum("ij,ij->i", across, near) < 0.0, -1.0, 1.0)
-    clear = sine > _CORNER_SINE
+    clear = (sine > _CORNER_SINE) & (angles < _RE_ENTRANT)
     N[marks[clear]] = (sign * 1.0)[clear, None] * _unit(across[clear])
     N[marks[~clear]] = _unit(near[~clear])
     return N

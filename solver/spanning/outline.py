@@ -21,7 +21,7 @@ from .problem import SpanProblem
 from .relay import rolled_out, under_lines
 from .search import Found, Search, Wish
 from .setting import Lines, setting
-from .span import Span, finished
+from .span import Asked, Span, finished
 from .verdict import SpanStatus, distortion, judged
 
 Array = NDArray[np.float64]
@@ -32,6 +32,16 @@ _UNLIKE = (SpanStatus.UNLIKE, SpanStatus.STALLED, SpanStatus.NOT_CONFORMAL, Span
 # Times that a surface is rolled out to be the plan of a better one, at most.
 _ROLLED = 5
 
+HOLES = {
+    "adapt": ("Adapt", "Holes of the plan move until the map to the surface is conformal"),
+    "keep": ("Keep", "The plan keeps its conformal type; the surface is not quite of constant mean curvature"),
+}
+CORNERS = {
+    "sharp": ("Sharp", "Corners of the lines stay sharp, and the sides of the plan shift for that"),
+    "round": ("Round", "All vertices slide past corners, so that the drawn plan stays; lines are best rounded before"),
+}
+"""Treatments of holes and of corners: name → label and description."""
+
 KNOBS = ("mean_curvature", "rise", "height", "volume")
 
 
@@ -39,7 +49,7 @@ KNOBS = ("mean_curvature", "rise", "height", "volume")
 class SpanOptions:
     """The options of `span_outline`, see there. Raises `ConditionError` on values without meaning."""
 
-    curve: ArrayLike | Sequence[ArrayLike] | None = None
+    curve: ArrayLike | Sequence[ArrayLike | None] | None = None
     _: KW_ONLY
     mean_curvature: float | None = None
     rise: float | None = None
@@ -58,8 +68,8 @@ class SpanOptions:
 
     def __post_init__(self) -> None:
         check_fields(self)
-        check_choice(self.holes, ("adapt", "keep"), "treatment of holes")
-        check_choice(self.corners, ("sharp", "round"), "treatment of corners")
+        check_choice(self.holes, HOLES, "treatment of holes")
+        check_choice(self.corners, CORNERS, "treatment of corners")
         check_number(self.tolerance, "tolerance", TOLERANCE)
         check_number(self.max_iterations, "largest number of iterations", COUNT)
         name, number = self.wish
@@ -84,7 +94,8 @@ def span_outline(domain: DomainLike, positions: ArrayLike, options: SpanOptions)
 
     positions: (V, 2|3) of the plan. curve: (m, 3) closed polyline, starting anywhere, either way round; by default the
     plan's own boundary with its heights; on a plan with holes the outer line, or a list with one for each of
-    `domain.boundary_loops`. It is smoothed by a C² spline between its corners, turns of more than 35°.
+    `domain.boundary_loops`, None for one that spans its own points. It is smoothed by a C² spline between its
+    corners, turns of more than 35°.
 
     At most one number chooses the surface: mean_curvature (default 0; positive domes up over a plan that faces up,
     negative hangs), height of the crown over the outer line's mean height (negative: of the lowest point under it),
@@ -115,8 +126,14 @@ def span_outline(domain: DomainLike, positions: ArrayLike, options: SpanOptions)
     if options.initial is None and tried.status in _UNLIKE:
         tried = _on_other_plans(domain, points, options, tried)
     name, number = options.wish
-    wanted = number if name == "mean_curvature" else None
-    return finished(tried.found, tried.plan, tried.lines, options.mirrors, wanted, options.initial)
+    asked = Asked(
+        plan=domain,
+        lines=tried.lines,
+        mirrors=options.mirrors,
+        leans=options.leans,
+        mean_curvature=number if name == "mean_curvature" else None,
+    )
+    return finished(tried.found, tried.plan, asked, options.initial)
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,7 +199,8 @@ def _flattest(domain: Domain, points: Array, options: SpanOptions) -> Array:
 
 
 def _distortion(tried: _Tried) -> float:
-    return distortion(tried.found.descent)
+    descent = tried.found.descent
+    return distortion(descent.state.D, descent.state.f, descent.problem.domain.faces)
 
 
 def _setting(domain: Domain, points: Array, options: SpanOptions) -> tuple[SpanProblem, Lines]:

@@ -28,6 +28,8 @@ Int = NDArray[np.integer]
 
 # Singular values of the conditions on shifts below this part of the largest are zero.
 _RANK = 1e-9
+# The chord over two edges, as a part of one of them, below which an outline runs back on itself.
+_FOLDED = 1e-9
 
 
 def plan_fields(
@@ -105,6 +107,8 @@ def _slid(points: Array, marks: Int, mark: int, size: float) -> Array:
     count = len(points)
     ahead = np.roll(points, -1, axis=0) - points
     tangents = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
+    folded = np.linalg.norm(tangents, axis=1) < _FOLDED * np.linalg.norm(ahead, axis=1)
+    tangents[folded] = ahead[folded]
     tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
     lengths = np.linalg.norm(ahead, axis=1)
     others = np.setdiff1d(marks, [mark])

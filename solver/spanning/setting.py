@@ -12,9 +12,11 @@ from ..domain.domain import Domain
 from ..errors import ConditionError, plural
 from ..gauss.frames import boundary_edges, unit
 from ..gauss.harmonic import HarmonicSolver
+from ..gauss.lines import checked_lean
 from ..limits import shown
 from ..linalg import as_array, sum_rows
-from .boundary import LINE, Lean, Plane, checked_lean, mixed_loop, other_line, own_line
+from ..notes import Note
+from .boundary import LINE, Lean, Plane, Side, mixed_loop, other_line, own_line
 from .coordinates import Coordinates
 from .curves import enclosed
 from .douglas import angles, douglas_kernel, rim_angles
@@ -41,7 +43,7 @@ class Lines:
 
     loops: the closed line of each boundary loop, the outer one first. centre: the origin of the search. base: the mean
     height of the outer line, area: that it encloses seen from above, extent: its smaller horizontal extent. size: the
-    diagonal of all lines. is_drawn: whether they are the boundary of the plan itself.
+    diagonal of all lines. is_drawn: whether they are the boundary of the plan itself. notes: on what may not be meant.
     """
 
     loops: list[Array]
@@ -51,6 +53,7 @@ class Lines:
     extent: float
     size: float
     is_drawn: bool
+    notes: Sequence[Note] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +86,7 @@ class Conditions:
 def setting(
     domain: Domain,
     points: Array,
-    curve: ArrayLike | Sequence[ArrayLike] | None = None,
+    curve: ArrayLike | Sequence[ArrayLike | None] | None = None,
     mirrors: Sequence[tuple[ArrayLike, ArrayLike]] = (),
     leans: Sequence[tuple[ArrayLike, float]] = (),
     anchors: ArrayLike | None = None,
@@ -113,7 +116,8 @@ def setting(
     places = [np.searchsorted(domain.boundary_vertices, loop) for loop in loops]
     conditions = conditions.centred(lines.centre)
     anchored = _anchored(domain, anchors)
-    sides = []
+    sides: list[Side] = []
+    notes: list[Note] = []
     for k, place, loop in zip(order, places, loops, strict=True):
         labels = conditions.labels[domain.boundary_loop_edges[k]]
         mine, its = points[loop] - lines.centre, given[k] - lines.centre
@@ -121,7 +125,7 @@ def setting(
             stays = np.flatnonzero(np.isin(loop, anchored))
             sides.append(own_line(place, mine, sharp, stays) if own[k] else other_line(place, points[loop], its, sharp))
         elif own[k]:
-            check_corners(loop, mine, labels, conditions.kinds)
+            notes += check_corners(loop, mine, labels, conditions.kinds, lines.extent)
             sides.append(mixed_loop(place, mine, labels, conditions.kinds, sharp))
         else:
             raise ConditionError("A loop with mirrors or leans spans its own points; leave out its curve.")
@@ -138,7 +142,7 @@ def setting(
         if mean_curvature is not None:
             edges = [domain.boundary_loop_edges[k] for k in order]
             _check_balance(conditions, mean_curvature, [points[loop] for loop in loops], edges)
-    return problem, lines
+    return problem, replace(lines, notes=notes)
 
 
 def _check_mirrors(domain: Domain, conditions: Conditions, lines: Lines) -> None:

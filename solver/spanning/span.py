@@ -16,10 +16,12 @@ from ..errors import ConditionError, Status
 from ..gauss.boundary_data import Conditions
 from ..gauss.conditions import fixed_at, mirror
 from ..gauss.sphere import normalize
+from ..notes import Note
 from ..surface import convert, notebook
 from ..surface.cmc_surface import CmcSurface
 from ..surface.polygon_mesh import PolygonMesh
 from ..surface.solve import CmcSolver
+from .checks import Checks, checked
 from .descent import Iterate
 from .normals import changed_normals, rim_normals, start_normals
 from .problem import SpanProblem, State
@@ -34,6 +36,18 @@ Array = NDArray[np.float64]
 Mirrors = Sequence[tuple[ArrayLike, ArrayLike]]
 
 
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """What a span was asked to be: the plan as drawn, its lines, sides in planes and at angles, with boundary edges;
+    mean_curvature: the wanted one, if that was given."""
+
+    plan: Domain
+    lines: Lines
+    mirrors: Mirrors
+    leans: Sequence[tuple[ArrayLike, float]]
+    mean_curvature: float | None
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Span:
     """A surface that spans its lines.
@@ -41,7 +55,7 @@ class Span:
     points (V, 3), normals (V, 3): unit, on the side from which the faces (F, 3) run counter-clockwise; the normals are
     a harmonic map whose boundary values are those of the surface. domain: the plan's, with its moduli adapted: the
     surface is conformal to it. positions: (V, 2|3) of that plan. mean_curvature: H, with its sign. curve_parameters:
-    the numbers of the rim's vertices. history: one line for each step.
+    the numbers of the rim's vertices. history: one line for each step. asked: what it was made for.
     """
 
     points: Array
@@ -56,11 +70,19 @@ class Span:
     history: list[Iterate]
     conditions: Conditions = field(repr=False)
     kept: Found = field(repr=False)
+    asked: Asked = field(repr=False)
 
     @property
     def ok(self) -> bool:
         """Whether this is the surface that was asked for."""
         return self.status is SpanStatus.CONVERGED
+
+    @property
+    def corners(self) -> NDArray[np.integer]:
+        """Vertices (k,) of the rim that stay where lines have corners, and where kinds of sides meet."""
+        problem = self.kept.descent.problem
+        rim = problem.coordinates.rim
+        return np.unique(np.concatenate([rim[loop[at]] for loop, at in zip(problem.loops, problem.marks, strict=True)]))
 
     @property
     def g(self) -> Array | None:
@@ -71,6 +93,29 @@ class Span:
     def f_minus(self) -> Array | None:
         """The twin, f - N / H, of mean curvature H with the normals -N; None where H = 0."""
         return None if self.mean_curvature == 0.0 else self.points - 1.0 / self.mean_curvature * self.normals
+
+    @cached_property
+    def checks(self) -> Checks:
+        """What was measured on it: distortion, H by its area, crossings, angles of leaning sides."""
+        return checked(
+            self.kept.descent,
+            self.points,
+            self.normals,
+            self.domain,
+            self.asked.plan,
+            [(np.asarray(edges), angle) for edges, angle in self.asked.leans],
+            self.asked.lines.base,
+            self.asked.mean_curvature is not None,
+            self.asked.lines.notes,
+        )
+
+    @property
+    def warnings(self) -> list[Note]:
+        """What is not as it should be, each with its code. Of a span that is not ok that is enough: its `checks` are of
+        another surface."""
+        if not self.ok:
+            return [Note("not-converged", self.message), *self.asked.lines.notes]
+        return list(self.checks.notes)
 
     def harmonic(self, solver: CmcSolver | None = None) -> CmcSurface:
         """The paper's surface with the boundary normals of this one, moved to where it is nearest.
@@ -153,20 +198,15 @@ class Span:
         return notebook.table("Span", numbers, notebook.picture(self.points, self.faces))
 
 
-def finished(
-    found: Found, plan: Domain, lines: Lines, mirrors: Mirrors, wanted: float | None, initial: Span | None = None
-) -> Span:
-    """The span at the end of a search over the faces of `plan`; wanted: the mean curvature asked for, if one was.
-
-    initial: the span that the search started from.
-    """
+def finished(found: Found, plan: Domain, asked: Asked, initial: Span | None = None) -> Span:
+    """The span at the end of a search over the faces of `plan`, which may be laid anew. initial: where it started."""
     descent = found.descent
     problem, state, H = descent.problem, descent.state, descent.mean_curvature
     searched = problem.motions.moved(state.q) if state.q.any() else problem.domain
-    status, message = judged(descent, lines.is_drawn)
-    if found.largest is not None and wanted is not None:
-        status, message = SpanStatus.NO_SURFACE, largest_sentence(wanted, found.largest)
-    conditions, start = _conditions(searched, problem, state, H, mirrors)
+    status, message = judged(descent, asked.lines.is_drawn)
+    if found.largest is not None and asked.mean_curvature is not None:
+        status, message = SpanStatus.NO_SURFACE, largest_sentence(asked.mean_curvature, found.largest)
+    conditions, start = _conditions(searched, problem, state, H, asked.mirrors)
     if initial is not None and len(initial.points) == len(start):
         start = changed_normals(start, searched, initial.points, initial.normals)
     solver = problem.solver if searched is problem.domain else problem.solver.moved(searched)
@@ -178,7 +218,7 @@ def finished(
         i, j = plan.edges.T
         domain = plan.with_lengths(np.linalg.norm(positions[j] - positions[i], axis=1))
     return Span(
-        points=state.f[:count] + lines.centre,
+        points=state.f[:count] + asked.lines.centre,
         normals=harmonic.normals[:count],
         faces=domain.faces,
         domain=domain,
@@ -190,6 +230,7 @@ def finished(
         history=descent.history,
         conditions=conditions,
         kept=found,
+        asked=asked,
     )
 
 

@@ -7,6 +7,7 @@ moves the planes that the boundary conditions prescribe.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -16,17 +17,25 @@ from scipy.spatial.distance import pdist
 from ..domain.domain import Domain
 from ..errors import CmcError, check_choice
 from ..gauss.sphere import tangent_axes
-from ..limits import EXTREME, POSITIVE, check_number
+from ..limits import EXTREME, NUMBERS, POSITIVE, Range, check_number
 
 Array = NDArray[np.float64]
 
 SIZES = {
     "match_plan": "Match Plan",
     "span": "Span",
-    "rise": "Rise",
+    "height": "Height",
     "radius": "Radius",
     "mean_curvature": "Mean Curvature",
+    "rise": "Rise",
+    "volume": "Volume",
 }
+FREE_SIZES = ("match_plan", "span", "height", "rise", "radius", "mean_curvature")
+"""Of shells that find their rim by themselves."""
+SPANNED_SIZES = ("match_plan", "rise", "height", "volume", "mean_curvature")
+"""Of shells on lines."""
+RISES = Range(-2.0, 2.0)
+"""Parts of half the outline's smaller extent; a length is a height."""
 GROUNDS = {"lowest": "Lowest Point", "rim": "Rim"}
 
 _UP = np.array([0.0, 0.0, 1.0])
@@ -49,8 +58,9 @@ class PlacementError(CmcError):
 class Rule:
     """How a surface is sized and placed.
 
-    size: one of `SIZES`; `value` is the span, the rise, the radius 1/H (lengths) or H (1/length), unused by
-        match_plan.
+    size: one of `SIZES`; `value` is the span, the height, the radius 1/H (lengths), H (1/length), the rise as a part of
+        half the outline's smaller extent, or the volume, unused by match_plan. Shells on lines may hang, with negative
+        numbers.
     ground: "lowest" puts the lowest point of the surface on the plan's plane, "rim" the mean height of its
         boundary; both hold after a flip as well.
     rotate: allow the turn about the plan's normal that brings the boundary nearest to the drawn one.
@@ -67,7 +77,21 @@ class Rule:
         check_choice(self.size, SIZES, "size", PlacementError)
         check_choice(self.ground, GROUNDS, "ground", PlacementError)
         if self.size != "match_plan":
-            check_number(self.value, SIZES[self.size].lower(), POSITIVE, PlacementError)
+            check_number(self.value, SIZES[self.size].lower(), size_range(self.size), PlacementError)
+
+
+def size_range(size: str) -> Range:
+    """The numbers that a size of `SIZES` may have; those of shells on lines are negative where they hang."""
+    if size == "rise":
+        return RISES
+    return NUMBERS if size in SPANNED_SIZES else POSITIVE
+
+
+def check_size(rule: Rule, known: Sequence[str], where: str) -> None:
+    """Raise `PlacementError` on a size that is not `known` where the rim of the shell is."""
+    if rule.size not in known:
+        names = ", ".join(known[1:])
+        raise PlacementError(f'A shell with its rim {where} is not sized by "{rule.size}"; choose {names}, or none.')
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,11 +230,12 @@ def place(
 
     points (n, 3): the sheet, of mean curvature H = `mean_curvature`; a scale s makes it H/s.
     rim (b,): the indices of `points` on its boundary; drawn (b, 3): where each of them was drawn; weights (b,).
-    Sizes: match_plan by `procrustes` of the rim; span, the largest distance of two rim points seen along the
-    plane's normal; rise, the extent of all points along it; radius and mean_curvature through H. The weighted
-    centres of rim and drawing coincide, except along the normal, where the ground rule decides. A boundary that does
-    not follow the drawn one (`likeness` below `alike`: the best scale would be nearly zero, or negative) is matched in
-    size only, by the mean square distance from its centre. Raises `PlacementError` if the sheet has no such extent.
+    Sizes: match_plan by `procrustes` of the rim; span, the largest distance of two rim points seen along the plane's
+    normal; height, the extent of all points along it; rise, the same as a part of half the smaller extent of the drawn
+    rim; radius and mean_curvature through H. The weighted centres of rim and drawing coincide, except along the normal,
+    where the ground rule decides. A boundary that does not follow the drawn one (`likeness` below `alike`: the best
+    scale would be nearly zero, or negative) is matched in size only, by the mean square distance from its centre.
+    Raises `PlacementError` if the sheet has no such extent.
     """
     linear = plane.mirror if rule.flip else np.eye(3)
     turned = np.asarray(points, dtype=np.float64) @ linear.T
@@ -223,7 +248,8 @@ def place(
     if rule.size == "match_plan":
         scale = best if likeness >= alike else sizes[1] / sizes[0]
     else:
-        scale = _scale(rule, turned, edge, plane, mean_curvature, name)
+        check_number(rule.value, SIZES[rule.size].lower(), POSITIVE, PlacementError)
+        scale = _scale(rule, turned, edge, np.asarray(drawn), plane, mean_curvature, name)
         _check_scale(scale * sizes[0] / sizes[1], rule)
     linear = rotation @ linear
     centre, target = _mean(edge, weights), _mean(drawn, weights)
@@ -244,7 +270,7 @@ def _mean(values: ArrayLike, weights: ArrayLike) -> Array:
     return np.average(np.asarray(values, dtype=np.float64), axis=0, weights=np.asarray(weights, dtype=np.float64))
 
 
-def _scale(rule: Rule, points: Array, edge: Array, plane: Plane, H: float, name: str) -> float:
+def _scale(rule: Rule, points: Array, edge: Array, drawn: Array, plane: Plane, H: float, name: str) -> float:
     if rule.size == "radius":
         return H * rule.value
     if rule.size == "mean_curvature":
@@ -252,7 +278,10 @@ def _scale(rule: Rule, points: Array, edge: Array, plane: Plane, H: float, name:
     extent = span(edge, plane.normal) if rule.size == "span" else float(np.ptp(points @ plane.normal))
     if not extent > _NO_EXTENT / H:
         raise PlacementError(f"{name} has no {rule.size}, so it cannot be sized by it; choose another size.")
-    return rule.value / extent
+    value = rule.value
+    if rule.size == "rise":
+        value *= 0.5 * float(np.ptp(drawn @ tangent_axes(plane.normal[None])[0].T, axis=0).min())
+    return value / extent
 
 
 def _check_scale(ratio: float, rule: Rule) -> None:

@@ -38,11 +38,11 @@ class Layout:
         assert icon in ICONS
         self.record.props.append(name)
 
-    def prop_enum(self, data, name, value):
+    def prop_enum(self, data, name, value, *, text=None):
         prop = data.bl_rna.properties[name]
         assert value in [item.identifier for item in prop.enum_items]
         self.record.props.append(name)
-        self.record.texts.append(prop.enum_items[value].name)
+        self.record.texts.append(prop.enum_items[value].name if text is None else text)
 
     def operator(self, name, *, text="", icon="NONE", **_):
         assert icon in ICONS

@@ -196,7 +196,7 @@ def test_the_next_solve_colours_again():
     result = solve(plan)
     before, wide = colours(result), module("results.colours").stored_range(result)
     plan.data.cmc.groups[0].tilt = 0.2
-    solve(plan, size="RISE", rise=2.0)
+    solve(plan, size="HEIGHT", height=2.0)
     assert shown(result) == ("CMC", True)
     assert not np.allclose(colours(result), before, atol=0.02)
     assert module("results.colours").stored_range(result) != wide
@@ -233,7 +233,7 @@ def test_a_range_set_by_hand():
     assert_allclose(colours(result), before, atol=1e-4)
     plan.cmc.colour_max = 10.0 * fitted.high
     assert not np.allclose(colours(result), before, atol=0.05)
-    solve(plan, size="RISE", rise=2.0)
+    solve(plan, size="HEIGHT", height=2.0)
     assert module("results.colours").stored_range(result).high == pytest.approx(10.0 * fitted.high)
     plan.cmc.colour_by = "DISTORTION"
     assert plan.cmc.colour_fit

@@ -186,7 +186,7 @@ def test_directions_are_an_attribute_once_curvature_lines_are_shown():
     assert np.abs(np.einsum("ni,ni->n", found, normals)).max() < 1e-5
     before = lines(result)[0]
     for flip in (True, False):
-        solve(plan, flip=flip, size="RISE", rise=2.5)
+        solve(plan, flip=flip, size="HEIGHT", height=2.5)
         stored = np.array(values(result.data.attributes["cmc_direction"]))
         result.data.attributes.remove(result.data.attributes["cmc_direction"])
         again = module("bridges.colour_bridge").measure(result.data, "cmc_direction")
@@ -213,7 +213,7 @@ def test_curvature_lines_stay_where_they_are_while_a_shell_changes_its_shape():
     before = module("drawing.curvature_lines_overlay")._places
     lines(result)
     kept = before[result.data.session_uid][1]
-    solve(plan, size="RISE", rise=2.0)
+    solve(plan, size="HEIGHT", height=2.0)
     lines(result)
     assert module("drawing.curvature_lines_overlay")._places[result.data.session_uid][1] is kept
 

@@ -10,6 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from .design_scenes import FEET, empties, fitted, nearest, off_line, raised_loop, report, rim_of, small_disc
+from .outlines import mesh_plan, ngon
 from .scenes import positions, quad_disc, values
 
 # --- the height_parameters ---
@@ -40,6 +41,18 @@ def test_rise_keeps_an_oblong_outline_wherever_it_lies():
         extent = np.ptp(drawn[:, :2], axis=0).min()
         assert_allclose(points[:, 2].max() - 2.0, 0.5 * rise * extent, rtol=5e-3, atol=0)
     assert tuple(plan.cmc.fit.location) == pytest.approx((120.0, 30.0, 2.0))
+
+
+def test_convex_corners_stay_sharp_and_in_place():
+    """Of an L only the corner that points inwards is rounded; the shell stands on the other five as drawn."""
+    drawn = [(0.0, 0.0), (8.0, 0.0), (8.0, 4.0), (4.0, 4.0), (4.0, 8.0), (0.0, 8.0)]
+    ngon(drawn)
+    plan = mesh_plan(edge_length=0.5, corners="RE_ENTRANT")
+    points = fitted(plan, fit_rise=0.35)
+    for k, corner in enumerate(drawn):
+        away = np.linalg.norm(points - [*corner, 0.0], axis=1).min()
+        assert away > 0.2 if k == 3 else away < 1e-5, corner
+    assert off_line(points[rim_of(plan)], positions(plan)[rim_of(plan)]).max() < 0.01
 
 
 def test_height():

@@ -156,7 +156,7 @@ def test_there_and_back(dressed):
     mesh.polygons[3].material_index = 1 - mesh.polygons[3].material_index
     chosen = [polygon.material_index for polygon in mesh.polygons]
     before = positions(result)
-    assert solve(dressed, size="RISE", rise=2.0) == result
+    assert solve(dressed, size="HEIGHT", height=2.0) == result
     assert result.data == mesh
     assert [polygon.material_index for polygon in mesh.polygons] == chosen
     assert np.ptp(positions(result)[:, 2]) != pytest.approx(np.ptp(before[:, 2]))

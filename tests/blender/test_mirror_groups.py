@@ -107,7 +107,7 @@ def test_mesh_plan_takes_mirrors_over():
     bpy.ops.cmc.group_add(name="Walls", kind="MIRROR", normal=(0.0, 1.0, 0.0), assign=True)
     outline.data.cmc.groups["Walls"].across = "OFF"
     bpy.ops.object.mode_set(mode="OBJECT")
-    bpy.ops.cmc.mesh_plan(edge_length=0.5, round_corners=False)
+    bpy.ops.cmc.mesh_plan(edge_length=0.5, corners="NONE")
     group = bpy.context.object.data.cmc.groups["Walls"]
     assert bpy.context.object != outline
     assert (group.kind, tuple(group.normal), group.across) == ("MIRROR", (0.0, 1.0, 0.0), "OFF")

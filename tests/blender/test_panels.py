@@ -115,23 +115,40 @@ def test_only_the_parameters_of_the_kind_are_drawn(plan) -> None:
 
 
 def test_only_the_size_that_counts_is_drawn(plan) -> None:
-    sizes = {"SPAN": "span", "RISE": "rise", "RADIUS": "radius", "MEAN_CURVATURE": "mean_curvature"}
-    for size in ("MATCH_PLAN", *sizes):
+    from cmc_formfinding.cmc_addon.properties.settings import SIZE_PROPERTY
+
+    for size, value in SIZE_PROPERTY.items():
         plan.cmc.size = size
-        drawn = set(draw("CMC_PT_shell").props) & set(sizes.values())
-        assert drawn == ({sizes[size]} if size in sizes else set())
+        drawn = set(draw("CMC_PT_shell").props) & set(SIZE_PROPERTY.values())
+        assert drawn == ({value} if value else set())
+
+
+def test_only_the_sizes_that_the_sides_leave_are_offered(plan) -> None:
+    from cmc_formfinding.solver.surface.placement import FREE_SIZES, SIZES, SPANNED_SIZES
+
+    def offered() -> list:
+        layout = Layout()
+        cls = panel_class("CMC_MT_size")
+        cls.draw(Drawn(cls, layout), bpy.context)
+        return layout.record.texts
+
+    assert offered() == [SIZES[name] for name in FREE_SIZES]
+    plan.cmc.default_kind = "LINE"
+    assert offered() == ["Usual", *(SIZES[name] for name in SPANNED_SIZES[1:])]
 
 
 def test_every_setting_of_a_solve_can_be_reached(plan) -> None:
-    from cmc_formfinding.cmc_addon.properties.settings import SETTINGS
+    from cmc_formfinding.cmc_addon.properties.settings import SETTINGS, SIZE_PROPERTY
 
     bpy.ops.cmc.group_add(name="rim")
     plan.cmc.shell = "DEGREE"
     drawn = set()
-    for size in ("MATCH_PLAN", "SPAN", "RISE", "RADIUS", "MEAN_CURVATURE"):
-        plan.cmc.size = size
-        drawn |= set(draw("CMC_PT_boundary", "CMC_PT_shell", "CMC_PT_options", "CMC_PT_advanced").props)
-    assert set(SETTINGS) - drawn == {"flip"}, "which has a button of its own"
+    for kind in ("BINORMAL", "LINE"):
+        plan.cmc.default_kind = kind
+        for size in SIZE_PROPERTY:
+            plan.cmc.size = size
+            drawn |= set(draw("CMC_PT_boundary", "CMC_PT_shell", "CMC_PT_options", "CMC_PT_advanced").props)
+    assert set(SETTINGS) - drawn == {"flip", "size"}, "which have a button and a menu of their own"
 
 
 def test_every_setting_of_the_view_can_be_reached(plan) -> None:

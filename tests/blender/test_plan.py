@@ -23,7 +23,7 @@ def smallest_angle(ob) -> float:
 
 def test_ngon() -> None:
     ob = ngon(SQUARE)
-    plan = mesh_plan(round_corners=False)
+    plan = mesh_plan(corners="NONE")
     assert (plan.name, ob.name) == ("Hall Plan", "Hall")
     assert len(ob.data.polygons) == 1, "the drawn outline stays as it is"
     assert area(plan) == pytest.approx(48.0, rel=1e-6)
@@ -37,20 +37,20 @@ def test_ngon() -> None:
 def test_faces_with_a_hole() -> None:
     ring = [(0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)]
     added("Court", [(x, y, 0) for x, y in SQUARE + HOLE], [], ring)
-    plan = mesh_plan(edge_length=0.5, round_corners=False)
+    plan = mesh_plan(edge_length=0.5, corners="NONE")
     assert area(plan) == pytest.approx(48.0 - 4.0, rel=1e-6)
     assert not ((points(plan)[:, :2] > (3.01, 2.01)) & (points(plan)[:, :2] < (4.99, 3.99))).all(axis=1).any()
 
 
 def test_edges_only_with_a_hole_drawn_first() -> None:
     wire(HOLE, SQUARE)
-    plan = mesh_plan(edge_length=0.5, round_corners=False)
+    plan = mesh_plan(edge_length=0.5, corners="NONE")
     assert area(plan) == pytest.approx(44.0, rel=1e-6)
 
 
 def test_a_mesh_of_many_faces_and_stray_edges() -> None:
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=5, y_subdivisions=3, size=4)
-    plan = mesh_plan(edge_length=0.4, round_corners=False)
+    plan = mesh_plan(edge_length=0.4, corners="NONE")
     assert area(plan) == pytest.approx(16.0, rel=1e-6)
 
 
@@ -72,7 +72,7 @@ def test_a_filled_bevelled_curve_is_taken_by_its_line() -> None:
     ob.data.fill_mode = "BOTH"
     ob.data.extrude, ob.data.bevel_depth = 0.3, 0.1
     before = set(bpy.data.curves), set(bpy.data.meshes)
-    plan = mesh_plan(edge_length=0.5, round_corners=False)
+    plan = mesh_plan(edge_length=0.5, corners="NONE")
     assert area(plan) == pytest.approx(48.0, rel=1e-6)
     assert (set(bpy.data.curves), set(bpy.data.meshes) - {plan.data}) == before, "nothing is left behind"
     assert (ob.data.extrude, ob.data.bevel_depth, ob.data.fill_mode) == pytest.approx((0.3, 0.1, "BOTH"))
@@ -107,7 +107,7 @@ def test_transforms_are_respected() -> None:
     ob.location, ob.scale = (10, -5, 2), (2, 0.5, 7)
     ob.rotation_euler = (0, 0, math.radians(30))
     bpy.context.view_layer.update()
-    plan = mesh_plan(edge_length=0.4, round_corners=False)
+    plan = mesh_plan(edge_length=0.4, corners="NONE")
     assert tuple(plan.scale) == pytest.approx((1, 1, 1), abs=1e-6)
     middle = (points(plan).min(axis=0) + points(plan).max(axis=0)) / 2
     assert tuple(plan.location) == pytest.approx(tuple(middle), abs=1e-5), "the origin is in the middle"
@@ -129,7 +129,7 @@ def test_a_plan_in_any_plane(degrees) -> None:
     ob = ngon(SQUARE)
     ob.matrix_world = Matrix.LocRotScale((1, 2, 3), Euler((math.radians(degrees), 0, 0)), None)
     bpy.context.view_layer.update()
-    plan = mesh_plan(edge_length=0.5, round_corners=False)
+    plan = mesh_plan(edge_length=0.5, corners="NONE")
     assert area(plan) == pytest.approx(48.0, rel=1e-5)
     normal = np.array(ob.matrix_world.to_3x3() @ Vector((0, 0, 1)))
     assert np.abs((points(plan) - (1, 2, 3)) @ normal).max() < 1e-5
@@ -174,14 +174,21 @@ def test_a_court_stays_a_court_and_what_was_rounded_is_said(capfd) -> None:
     bpy.context.scene.unit_settings.scale_length = 0.001
     mesh_plan(corner_radius=4.0)
     assert "Rounded 8 corners by 2.5 mm to 4 mm." in capfd.readouterr().out
-    mesh_plan(round_corners=False)
+    mesh_plan(corners="NONE")
     assert "Rounded" not in capfd.readouterr().out
+
+
+def test_only_the_corners_of_a_court_are_rounded(capfd) -> None:
+    wire(SQUARE, HOLE)
+    plan = mesh_plan(edge_length=0.25, corners="RE_ENTRANT")
+    assert area(plan) == pytest.approx(48 - 4 + (4 - math.pi) * 0.2**2, rel=1e-3)
+    assert "Rounded 4 corners by 20 cm." in capfd.readouterr().out
 
 
 def test_settings_are_remembered_by_the_scene() -> None:
     ngon(SQUARE)
-    mesh_plan(edge_length=1.0, round_corners=False)
+    mesh_plan(edge_length=1.0, corners="NONE")
     first = len(bpy.context.object.data.polygons)
     mesh_plan()
     assert len(bpy.context.object.data.polygons) == first
-    assert bpy.context.scene.cmc.edge_length == 1.0 and not bpy.context.scene.cmc.round_corners
+    assert bpy.context.scene.cmc.edge_length == 1.0 and bpy.context.scene.cmc.corners == "NONE"

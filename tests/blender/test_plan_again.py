@@ -40,17 +40,17 @@ def test_the_plan_is_updated_in_place() -> None:
     ob.data.materials.append(paint)
     plan = mesh_plan(edge_length=1.0)
     assert list(plan.data.materials) == [paint]
-    plan.name, plan.cmc.size, mesh = "Renamed", "RISE", plan.data
+    plan.name, plan.cmc.size, mesh = "Renamed", "HEIGHT", plan.data
     coarse = len(mesh.polygons)
     again = mesh_plan(edge_length=0.5)  # with the plan active: meshes its outline anew
     assert again == plan and plan.data == mesh and len(mesh.polygons) > 1.4 * coarse
-    assert (plan.name, plan.cmc.size, list(mesh.materials)) == ("Renamed", "RISE", [paint])
+    assert (plan.name, plan.cmc.size, list(mesh.materials)) == ("Renamed", "HEIGHT", [paint])
     ob.hide_set(False)
     ob.data.vertices[2].co.x = 12
     for other in bpy.context.selected_objects:
         other.select_set(False)
     activate(ob)
-    assert mesh_plan(round_corners=False) == plan, "with the outline active: the same plan"
+    assert mesh_plan(corners="NONE") == plan, "with the outline active: the same plan"
     assert area(plan) == pytest.approx(48 + 0.5 * 4 * 6, rel=1e-5)
     assert len([o for o in bpy.data.objects if o.type == "MESH"]) == 2
 
@@ -72,7 +72,7 @@ def test_duplicates_and_deletions() -> None:
 
     bpy.data.objects.remove(plan)
     activate(ob)
-    fresh = mesh_plan(edge_length=1.0, round_corners=False)
+    fresh = mesh_plan(edge_length=1.0, corners="NONE")
     assert fresh not in (other, copy) and fresh.cmc.outline == ob, "a deleted plan is made anew"
 
     bpy.data.objects.remove(ob)
@@ -96,7 +96,7 @@ def test_groups_carry_over_to_the_pieces() -> None:
     order = {tuple(sorted(e.vertices)): e.index for e in ob.data.edges}
     set_group(ob, "long", [order[0, 1], order[2, 3]], tilt=0.5)
     set_group(ob, "east", [order[1, 2]], kind="PLANE", normal=(1, 0, 0))
-    plan = mesh_plan(edge_length=0.5, round_corners=False)
+    plan = mesh_plan(edge_length=0.5, corners="NONE")
     assert groups(plan) == {"long": along(plan, 1, 0) | along(plan, 1, 6), "east": along(plan, 0, 8)}
     long, east = plan.data.cmc.groups
     assert (long.kind, long.tilt, east.kind) == ("BINORMAL", pytest.approx(0.5), "PLANE")
@@ -118,12 +118,12 @@ def test_own_groups_and_settings_of_the_plan_survive_an_update() -> None:
     ob = ngon(SQUARE)
     order = {tuple(sorted(e.vertices)): e.index for e in ob.data.edges}
     set_group(ob, "east", [order[1, 2]])
-    plan = mesh_plan(edge_length=0.5, round_corners=False)
+    plan = mesh_plan(edge_length=0.5, corners="NONE")
     plan.data.cmc.groups["east"].tilt = 0.7
     for other in bpy.context.selected_objects:
         other.select_set(False)
     set_group(plan, "west", along(plan, 0, 0), kind="FREE")
-    mesh_plan(edge_length=0.3, round_corners=False)
+    mesh_plan(edge_length=0.3, corners="NONE")
     assert groups(plan) == {"east": along(plan, 0, 8), "west": along(plan, 0, 0)}
     assert plan.data.cmc.groups["east"].tilt == pytest.approx(0.7)
     assert plan.data.cmc.groups["west"].kind == "FREE"

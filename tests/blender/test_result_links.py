@@ -37,7 +37,7 @@ def test_unwanted_results_are_hidden_and_come_back():
     plan = quad_disc()
     solve(plan, want_g=True)
     g = plan.cmc.g
-    solve(plan, want_g=False, size="RISE", rise=1.0)
+    solve(plan, want_g=False, size="HEIGHT", height=1.0)
     assert (g.hide_viewport, g.hide_render) == (True, True)
     hidden = positions(g)
     solve(plan, want_g=True)
@@ -56,7 +56,7 @@ def test_renaming_breaks_nothing():
     result = solve(plan)
     plan.name, result.name, bpy.data.collections["CMC Disc"].name = "Market", "Roof", "Shells"
     result.data.name = "Skin"
-    assert solve(plan, size="RISE", rise=2.0) == result
+    assert solve(plan, size="HEIGHT", height=2.0) == result
     assert (result.name, result.data.name) == ("Roof", "Skin")
     assert {ob.name for ob in bpy.data.objects} == {"Market", "Roof"}
     assert [c.name for c in bpy.data.collections] == ["Shells"]
@@ -78,7 +78,7 @@ def test_a_duplicated_plan_gets_its_own_results():
     (copy,) = duplicate(plan)
     assert copy.cmc.f_plus == result  # Blender copies the link
     before = positions(result)
-    own = solve(copy, size="RISE", rise=1.0)
+    own = solve(copy, size="HEIGHT", height=1.0)
     assert own != result
     assert own.cmc.source == copy
     assert copy.cmc.collection != plan.cmc.collection
@@ -108,7 +108,7 @@ def test_plan_and_results_duplicated_together():
     copy = next(ob for ob in copies if ob.cmc.role == "NONE")
     own = next(ob for ob in copies if ob.cmc.role == "F_PLUS")
     before = positions(result)
-    assert solve(copy, size="RISE", rise=1.0) == own
+    assert solve(copy, size="HEIGHT", height=1.0) == own
     assert np.ptp(positions(own)[:, 2]) == pytest.approx(1.0, rel=1e-5)
     assert_allclose(positions(result), before, rtol=0, atol=0)
 
@@ -119,7 +119,7 @@ def test_a_duplicated_result_is_a_copy():
     (copy,) = duplicate(result)
     before = positions(copy)
     activate(copy)
-    bpy.ops.cmc.solve(size="RISE", rise=1.0)
+    bpy.ops.cmc.solve(size="HEIGHT", height=1.0)
     assert_allclose(positions(copy), before, rtol=0, atol=0)
     assert np.ptp(positions(result)[:, 2]) == pytest.approx(1.0, rel=1e-5)
     assert len(bpy.data.objects) == 3

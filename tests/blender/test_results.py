@@ -52,7 +52,7 @@ def test_everything_of_the_plan_is_on_the_results(dressed, again):
     """Bit for bit, after the first solve and after an update in place."""
     solve(dressed, want_twin=True, want_g=True, want_gauss=True)
     if again:
-        solve(dressed, size="RISE", rise=2.0)
+        solve(dressed, size="HEIGHT", height=2.0)
     for role in ("f_plus", "f_minus", "g", "gauss"):
         result = getattr(dressed.cmc, role)
         drawn, mesh = dressed.data, result.data
@@ -107,7 +107,7 @@ def test_the_report_says_what_a_unit_is():
     """Lengths are Blender units; in a scene of millimetres one is a thousandth of a metre."""
     bpy.context.scene.unit_settings.scale_length = 0.001
     plan = quad_disc()
-    assert json.loads(solve(plan, size="RISE", rise=2.0)["cmc_report"])["unit_scale"] == pytest.approx(0.001)
+    assert json.loads(solve(plan, size="HEIGHT", height=2.0)["cmc_report"])["unit_scale"] == pytest.approx(0.001)
     assert np.ptp(positions(plan.cmc.f_plus)[:, 2]) == pytest.approx(2.0, rel=1e-5)
 
 
@@ -141,7 +141,7 @@ def test_the_users_things_stay(dressed):
     mesh.attributes.new("dirt", "FLOAT", "POINT").data.foreach_set(
         "value", np.arange(len(mesh.vertices), dtype=np.float32))
     result.vertex_groups.new(name="Edge").add([1, 2], 0.5, "REPLACE")
-    solve(dressed, size="RISE", rise=2.0)
+    solve(dressed, size="HEIGHT", height=2.0)
     assert dressed.cmc.f_plus == result
     assert result.data == mesh
     assert [m.name for m in mesh.materials] == ["Shell", "Concrete", "Edge"]

@@ -104,7 +104,7 @@ def test_modifiers_if_chosen():
 
 SIZES = {
     "span": ({"size": "SPAN", "span": 20.0}, lambda p, ob: extent(p)[:2].max(), 20.0, 0.01),
-    "rise": ({"size": "RISE", "rise": 3.0}, lambda p, ob: extent(p)[2], 3.0, 1e-5),
+    "height": ({"size": "HEIGHT", "height": 3.0}, lambda p, ob: extent(p)[2], 3.0, 1e-5),
     "radius": ({"size": "RADIUS", "radius": 7.0}, lambda p, ob: 1 / report(ob)["target"], 7.0, 1e-6),
     "H": ({"size": "MEAN_CURVATURE", "mean_curvature": 0.5}, lambda p, ob: report(ob)["target"], 0.5, 1e-6),
 }

@@ -16,8 +16,8 @@ from .solved_plans import FINISHED, extent, solved
 def test_settings_are_the_objects_unless_given():
     """The settings of a call win and stay with the plan; another plan does not get them."""
     plan, other = quad_disc("One"), quad_disc("Other")
-    solved(plan, size="RISE", rise=2.0)
-    assert (plan.cmc.size, plan.cmc.rise) == ("RISE", 2.0)
+    solved(plan, size="HEIGHT", height=2.0)
+    assert (plan.cmc.size, plan.cmc.height) == ("HEIGHT", 2.0)
     assert extent(solved(plan))[2] == pytest.approx(2.0, rel=1e-5)
     solved(other)
     assert other.cmc.size == "MATCH_PLAN"
@@ -52,7 +52,7 @@ def test_again_with_other_settings_after_undo():
     bpy.ops.cmc.solve("EXEC_DEFAULT", True)
     bpy.ops.ed.undo()
     activate(bpy.data.objects["Disc"])
-    bpy.ops.cmc.solve("EXEC_DEFAULT", True, size="RISE", rise=2.0)
+    bpy.ops.cmc.solve("EXEC_DEFAULT", True, size="HEIGHT", height=2.0)
     assert [ob.name for ob in bpy.data.objects] == ["Disc", "Disc f+"]
     assert extent(positions(bpy.data.objects["Disc f+"]))[2] == pytest.approx(2.0, rel=1e-5)
 
@@ -86,7 +86,7 @@ def test_a_second_solve_factors_nothing(addon, monkeypatch):
     plan = quad_disc()
     solved(plan)
     add_group(plan, "Rim", boundary_edges(plan.data)[:5], "BINORMAL", tilt=0.3)
-    solved(plan, size="RISE", rise=2.0)
+    solved(plan, size="HEIGHT", height=2.0)
     assert len(made) == 1
     plan.data.vertices[0].co.z = 0.1
     solved(plan)

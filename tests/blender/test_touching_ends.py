@@ -49,7 +49,7 @@ BUILDS = {
 @pytest.mark.parametrize("build", BUILDS.values(), ids=BUILDS)
 def test_touching_ends_are_joined(build):
     build()
-    assert bpy.ops.cmc.mesh_plan(edge_length=1.0, round_corners=False) == FINISHED
+    assert bpy.ops.cmc.mesh_plan(edge_length=1.0, corners="NONE") == FINISHED
     area = sum(face.area for face in bpy.context.object.data.polygons)
     assert area == pytest.approx(216.0 - (2.0 if build is BUILDS["a hole of lines"] else 0.0), rel=1e-4)
 

@@ -99,7 +99,7 @@ def job_keys() -> set[str]:
     files = {*SHEET_KEYS, "report", "mesh", "up", "start"} | tables | {"[close]", *CLOSE_KEYS}
     start = {"normals", "edges", "lengths"}
     names = {*SITES, *ENERGIES, *METHODS, *COMBINATORICS, *AVERAGINGS}
-    words = {*WAYS, *KINDS, *SHAPES, "kind", "scale", *plan.SHEETS}
+    words = {*WAYS, *KINDS, "curve", "curvature", *SHAPES, "kind", "scale", *plan.SHEETS}
     fitting = {*FIT_KEYS, *ANCHOR_KEYS, "[[fit.anchors]]"} - {"anchors"}
     completing = {*COMPLETE_KEYS, "flipped_corners"}
     return words | parameters | shapes | placing | solving | files | start | names | fitting | completing

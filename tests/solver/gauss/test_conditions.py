@@ -184,6 +184,11 @@ def test_bad_arguments_are_condition_errors(strip, make):
 def test_every_kind_can_be_built_with_its_defaults(kind, disc):
     parameters = {p.name: p.default for p in KINDS[kind].parameters}
     condition = build(kind, disc.domain, disc.positions, disc.domain.boundary_edges, **parameters)
+    if condition.is_spanned:
+        assert len(condition.lines) + len(condition.leans) == len(disc.domain.boundary_edges)
+        with pytest.raises(ConditionError, match=r"is spanned, not solved for normals; use form or span_outline"):
+            resolved(condition, SiteGraph.of(disc.domain, "vertices"))
+        return
     held = resolved(condition, SiteGraph.of(disc.domain, "vertices"))
     expected = 0 if kind == "free" else len(disc.domain.boundary_vertices)
     assert len(held.fixed) + len(held.mirrors.sites) == expected
@@ -214,9 +219,12 @@ def test_parameters_left_out_have_their_declared_defaults(kind, disc):
     parameters = {p.name: p.default for p in KINDS[kind].parameters}
     edges = disc.domain.boundary_edges
     graph = SiteGraph.of(disc.domain, "vertices")
-    bare, full = (
-        resolved(build(kind, disc.domain, disc.positions, edges, **given), graph) for given in ({}, parameters)
-    )
+    made = [build(kind, disc.domain, disc.positions, edges, **given) for given in ({}, parameters)]
+    if made[0].is_spanned:
+        for name in ("lines", "leans", "lean_angles"):
+            assert_array_equal(getattr(made[0], name), getattr(made[1], name))
+        return
+    bare, full = (resolved(condition, graph) for condition in made)
     for name in ("fixed", "data"):
         assert_array_equal(getattr(bare, name), getattr(full, name))
     assert_array_equal(bare.mirrors.normals, full.mirrors.normals)

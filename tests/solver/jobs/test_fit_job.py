@@ -192,11 +192,11 @@ def test_a_mesh_that_is_a_sphere_is_its_own_approximation(cap):
 
 
 def test_a_hypar_is_approximated_by_a_minimal_surface(folder):
-    """H = 0 in the report, and every sheet is written."""
+    """H = 0 in the report; the sheets that such a surface has are written."""
     square = shapes.polygon([[-5, -5], [5, -5], [5, 5], [-5, 5]], max_edge=1.0)
     points = np.column_stack([square.positions, 0.1 * square.positions.prod(axis=1)])
     write_mesh(folder / "hypar.obj", MeshData(points, list(square.domain.faces)))
-    outputs = '[output]\nf_plus = "film.obj"\ng = "g.obj"\ngauss = "gauss.obj"\nreport = "film.json"\n'
+    outputs = '[output]\nf_plus = "film.obj"\ngauss = "gauss.obj"\nreport = "film.json"\n'
     (folder / "job.toml").write_text(f'mesh = "hypar.obj"\n[fit]\napproximate = true\n{outputs}')
     assert main([str(folder / "job.toml")]) == 0
     report = json.loads((folder / "film.json").read_text())

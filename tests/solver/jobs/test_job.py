@@ -139,6 +139,11 @@ def test_corners_rounded_by_themselves_are_said(folder, scale, more):
     assert load_job(job(folder, f"[shape]\n{SHAPE_JOBS['polygon']}")).warnings == []
 
 
+def test_corners_of_a_court_alone_are_rounded(folder):
+    polygon = SHAPE_JOBS["polygon"].replace("corner_radius = 0.5", 'corner_radius = "auto"\ncorners = "re-entrant"')
+    assert load_job(job(folder, f"[shape]\n{polygon}")).warnings == ["Rounded 4 corners by 0.2."]
+
+
 def test_sides_of_a_rectangle(folder):
     text = f"[shape]\n{SHAPE_JOBS['rectangle']}\n[[conditions]]\nside = 'top'\nkind = 'free'"
     plan = load_job(job(folder, text)).plan

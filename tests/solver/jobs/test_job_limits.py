@@ -97,6 +97,10 @@ BLAMED = [
     ('mehs = "plan.obj"', 'unknown key "mehs"; did you mean "mesh"'),
     (DISC + '[[conditions]]\ngruop = "rim"', 'unknown key "gruop"; did you mean "group"'),
     ('[shape]\nknid = "disc"\nn = 40', 'unknown key "knid"; did you mean "kind"'),
+    (
+        '[shape]\nkind = "polygon"\noutline = [[0, 0], [1, 0], [0, 1]]\ncorners = "reentrant"',
+        r'\[shape\]: There is no kind of corners to round "reentrant"; did you mean "re-entrant"',
+    ),
     ('[shape]\nkind = "disc"\nm = 40', 'unknown key "m"; known are kind, scale, n'),
     (DISC + "[default]\nfliped_corners = [1]", 'unknown key "fliped_corners"; did you mean "flipped_corners"'),
 ]

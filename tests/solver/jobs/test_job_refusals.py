@@ -55,7 +55,7 @@ from tests.solver.job_files import PLAN, job
         (PLAN + "[[conditions]]\nedges = [[0, 1, 2]]", r'"edges" must be a list of pairs of vertices'),
         (PLAN + "[[conditions]]\nedges = [[0, 1.5]]", r'"edges" must be whole numbers'),
         (PLAN + "[[conditions]]\nvertices = [0, 8]", r"no boundary edge has both ends among these"),
-        (PLAN + "[[conditions]]\nloop = 0\nkind = 'plain'", r'no kind "plain"; did you mean "plane"\?'),
+        (PLAN + "[[conditions]]\nloop = 0\nkind = 'plain'", r'no kind "plain"; did you mean "plane" or "line"\?'),
         (PLAN + "[[conditions]]\nloop = 0\nm = 2", r'\[\[conditions\]\] 1: unknown key "m"; known are'),
         (
             PLAN + "[[conditions]]\nloop = 0\nkind = 'plane'\nnormal = [1, 0]",

@@ -82,6 +82,8 @@ BAD = {
     "no length": (dict(outline=SQUARE, max_edge=1e-300), "more than 1,000,000 vertices.* longer than 0.011", ()),
     "far away": (dict(outline=[(0, 0), (4, 0), (4, 1e160), (0, 3)]), "Point 2 of the outline is beyond 1e.30", (2,)),
     "radius": (dict(outline=SQUARE, corner_radius=-1.0), "corner radius is -1", ()),
+    "corners": (dict(outline=SQUARE, corners="sharp"), 'no kind of corners to round "sharp"; known are', ()),
+    "no radius": (dict(outline=SQUARE, corners="re-entrant"), "by a radius of 0; give", ()),
     "keep": (dict(outline=SQUARE, keep=[[7]]), "Point 7 to keep", ()),
 }
 

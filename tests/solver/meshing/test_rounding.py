@@ -78,3 +78,38 @@ def test_a_shape_notes_what_was_not_asked_for():
     assert note == "Rounded 4 corners by 6."
     (note,) = shapes.polygon(HALL, [COURT], max_edge=3.0, corner_radius=4.0).notes
     assert note.code == "rounded" and note == "Rounded 8 corners by 2.5 to 4."
+
+
+L_SHAPE = np.array([(0, 0), (40, 0), (40, 20), (20, 20), (20, 40), (0, 40)], dtype=float)
+
+
+@pytest.mark.parametrize("radius", [None, 2.0])
+@pytest.mark.parametrize("way", [1, -1], ids=["counter-clockwise", "clockwise"])
+def test_only_corners_that_point_into_the_plan_are_rounded(radius, way):
+    """One of an L, and those of a court: its area grows by the four cut corners of the L's own sign."""
+    court = box(10, 10, (5, 5))[::way]
+    mesh = mesh_plan(L_SHAPE[::way], [court], max_edge=1.0, corner_radius=radius, corners="re-entrant")
+    inner, of_court = (4.0, 1.0) if radius is None else (2.0, 2.0)
+    assert_allclose(mesh.rounded, [inner] + [of_court] * 4, rtol=1e-6)
+    assert loop_area(mesh, 0) == pytest.approx(1200 + (1 - np.pi / 4) * inner**2, rel=1e-4)
+    assert loop_area(mesh, 1) == pytest.approx(100 - (4 - np.pi) * of_court**2, rel=2e-3)
+    for corner in L_SHAPE[[0, 1, 2, 4, 5]]:
+        assert np.linalg.norm(mesh.positions - corner, axis=1).min() < 1e-12
+
+
+def test_an_arc_leaves_room_for_the_sharp_corners_beside_it():
+    mesh = mesh_plan(L_SHAPE, max_edge=1.0, corner_radius=30.0, corners="re-entrant")
+    assert_allclose(mesh.rounded, [20.0], rtol=1e-6)
+
+
+def test_no_corner_is_rounded_whatever_the_radius():
+    sharp = mesh_plan(L_SHAPE, max_edge=1.0)
+    for radius in (None, 2.0):
+        mesh = mesh_plan(L_SHAPE, max_edge=1.0, corner_radius=radius, corners="none")
+        assert len(mesh.rounded) == 0
+        assert_allclose(mesh.positions, sharp.positions)
+
+
+def test_a_shape_passes_the_corners_on():
+    shape = shapes.polygon(L_SHAPE, max_edge=2.0, corner_radius=None, corners="re-entrant")
+    assert shape.notes == ("Rounded 1 corner by 4.",)

@@ -47,7 +47,7 @@ def test_match_plan_brings_the_boundary_to_the_outline():
     ("settings", "measure", "value"),
     [
         (Settings(size="span", value=12), lambda f: f.report.shown.span, 12),
-        (Settings(size="rise", value=3), lambda f: f.report.shown.rise, 3),
+        (Settings(size="height", value=3), lambda f: f.report.shown.rise, 3),
         (Settings(size="radius", value=8), lambda f: 1 / f.report.mean_curvature, 8),
         (Settings(size="mean_curvature", value=0.3), lambda f: f.report.mean_curvature, 0.3),
     ],
@@ -76,7 +76,7 @@ def test_a_sloped_plan_carries_everything_with_it():
     level = disc(centre=(1, 0, 2))
     angle = 0.3
     turn = np.array([[1, 0, 0], [0, np.cos(angle), -np.sin(angle)], [0, np.sin(angle), np.cos(angle)]])
-    settings = Settings(size="rise", value=4, flip=True, against="surface")
+    settings = Settings(size="height", value=4, flip=True, against="surface")
     sloped, straight = form(replace(level, positions=level.positions @ turn.T), settings), form(level, settings)
     for name in ("f+", "g", "gauss"):
         assert_allclose(sloped.placed[name], straight.placed[name] @ turn.T, atol=1e-6)

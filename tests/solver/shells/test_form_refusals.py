@@ -91,7 +91,7 @@ def test_opposite_planes_that_meet_are_named():
 
 
 @pytest.mark.parametrize(
-    "settings", [{"sheet": "g"}, {"default_kind": "spline"}, {"size": "large"}, {"size": "rise", "value": -2}]
+    "settings", [{"sheet": "g"}, {"default_kind": "spline"}, {"size": "large"}, {"size": "radius", "value": -2}]
 )
 def test_settings_are_checked(settings):
     with pytest.raises(CmcError, match=r"There is no|must be a positive number|needs a value"):

@@ -163,3 +163,12 @@ def test_a_rounded_outline_is_made_of_lines_and_arcs():
         assert np.abs(np.linalg.norm(tangents, axis=1) - 1).max() < 0.02
         off.append(np.abs(distance).max())
     assert off[0] < 2e-5 and off[0] / off[1] > 8, off
+
+
+@pytest.mark.parametrize("max_edge", [0.16, 0.08])
+def test_normals_at_re_entrant_corners_are_those_beside_them(max_edge):
+    """The surface has no normal there. With the line's own, H inside would be 21 % off in the mean square."""
+    plan = shapes.polygon(SQUARE, holes=[0.4 * SQUARE[::-1] + 0.1], max_edge=max_edge)
+    span = span_outline(plan, plan.positions, mean_curvature=0.3)
+    H = inside_curvature(span)
+    assert np.sqrt(np.mean((H / 0.3 - 1.0) ** 2)) < 0.17

@@ -98,6 +98,9 @@ def test_adjacent_sides_lean_about_a_corner():
     steep = [(edges, np.radians(40)) for edges, _ in leans]
     with pytest.raises(ConditionError, match="at least 45°"):
         span_outline(plan, plan.positions, rise=0.35, leans=steep)
+    flat = [(edges, np.radians(150)) for edges, _ in leans]
+    with pytest.raises(ConditionError, match=r"at most 135°.*steeper"):
+        span_outline(plan, plan.positions, rise=0.35, leans=flat)
 
 
 def test_a_courtyard_leans():
@@ -123,3 +126,28 @@ def test_what_cannot_lean():
         span_outline(plan, plan.positions, leans=[(plan.sides["street"], 60)])
     with pytest.raises(ConditionError, match="more than the sides on lines can hold"):
         span_outline(plan, plan.positions, mean_curvature=0.13, leans=[(plan.sides["street"], np.radians(60))])
+
+
+def hall_of_arcs(max_edge: float, radius: float) -> Shape:
+    """The hall with its sides "street" and "left" to the middles of the arcs at their ends."""
+    plan = shapes.polygon(HALL, max_edge=max_edge, corner_radius=radius)
+    x, y = plan.positions[plan.domain.edges[plan.domain.boundary_edges]].mean(axis=1).T
+    low, left = y - y.min(), x - x.min()
+    plan.sides["street"] = plan.domain.boundary_edges[(low < left) & (low < radius) & (low < x.max() - x)]
+    plan.sides["left"] = plan.domain.boundary_edges[(left < low) & (left < radius) & (left < y.max() - y)]
+    return plan
+
+
+@pytest.mark.parametrize(("radius", "angle", "noted"), [(0.5, 40, True), (0.5, 50, False), (1.5, 40, False)])
+def test_steep_sides_about_a_corner_that_is_rounded_a_little(radius, angle, noted):
+    """A surface exists, which goes the farther down the smaller the radius is."""
+    plan = hall_of_arcs(0.9, radius)
+    assert len(np.intersect1d(*(plan.domain.edges[plan.sides[name]] for name in ("street", "left")))) == 1
+    span = span_outline(
+        plan, plan.positions, rise=0.35, leans=[(plan.sides[name], np.radians(angle)) for name in ("street", "left")]
+    )
+    assert span.ok, span.message
+    assert [note.code for note in span.asked.lines.notes] == (["steep-corner"] if noted else [])
+    if noted:
+        assert "goes far down" in span.asked.lines.notes[0]
+        assert span.points[:, 2].min() < -6.0
