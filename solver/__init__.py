@@ -46,6 +46,7 @@ from .measure import (
     report,
     vertex_principal_curvatures,
 )
+from .nets.field import NetPreview, preview_net
 from .nets.lines import Line, curvature_lines, isothermic_coordinates
 from .nets.moulds import moulds
 from .nets.net import Net
@@ -82,6 +83,7 @@ __all__ = [
     "Line",
     "MeshError",
     "Net",
+    "NetPreview",
     "Plan",
     "Report",
     "Settings",
@@ -109,6 +111,7 @@ __all__ = [
     "panel_net",
     "periods",
     "planarise",
+    "preview_net",
     "principal_curvatures",
     "read_plan",
     "report",

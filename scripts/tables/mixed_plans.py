@@ -36,8 +36,12 @@ def mixed_plans() -> list[MixedPlan]:
     part = np.clip((raised[:, 1] - 1.5) / 9.0, 0.0, 1.0)
     raised[:, 2] = 1.5 * part**2 * (3.0 - 2.0 * part)
 
-    def lean(shape: shapes.Shape, side: str, **more: Any) -> Callable[[float], dict[str, Any]]:
-        return lambda angle: {"rise": 0.35, "held": _binormal(shape, side, angle)} | more
+    def lean(shape: shapes.Shape, side: str, rise: float = 0.35) -> Callable[[float], dict[str, Any]]:
+        return lambda angle: {"rise": rise, "held": _binormal(shape, side, angle)}
+
+    def with_lean(angle: float) -> dict[str, Any]:
+        over = conditions.lean(hall, "back", np.radians(70))
+        return {"rise": 0.35, "held": _binormal(hall, "street", angle) + over}
 
     def beside_mirror(angle: float) -> dict[str, Any]:
         mirror = conditions.mirror(sharp, "left", [1, 0, 0])
@@ -61,7 +65,7 @@ def mixed_plans() -> list[MixedPlan]:
         ("a third of an ellipse, 70°", ellipse, lean(ellipse, "third"), 70),
         ("touches a plane of 50°", hall, touching, 50),
         ("opposite sides, 60° and 70°", hall, two, 60),
-        ("60°, opposite one 70° over its line", hall, lean(hall, "street", leans=[("back", np.radians(70))]), 60),
+        ("60°, opposite one 70° over its line", hall, with_lean, 60),
         ("60°, a wall as mirror", sharp, beside_mirror, 60),
         ("three lines, a wall as mirror", sharp, wall, 0),
         ("courtyard leans 70°", court, lean(court, "hole0"), 70),

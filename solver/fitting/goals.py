@@ -8,11 +8,11 @@ from dataclasses import KW_ONLY, dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..domain.domain import Domain
 from ..domain.shape import DomainLike, as_domain
 from ..errors import ConditionError, Progress, check_choice
 from ..gauss.boundary_data import Conditions, check_conditions
 from ..gauss.frames import boundary_edges
-from ..gauss.lines import checked_lean
 from ..limits import COUNT, EXTREME, NUMBERS, POSITIVE, Range, check_number
 from ..linalg import as_numbers
 from ..notes import Sentence
@@ -89,7 +89,6 @@ class OutlineOptions:
     tilt: tuple[float, float] | None = None
     smooth: float | None = None
     held: Conditions | None = None
-    leans: Sequence[tuple[ArrayLike, float]] = ()
     free: ArrayLike = ()
     blend: float = _BLEND
     sheet: str = "f+"
@@ -123,9 +122,18 @@ class OutlineOptions:
     @property
     def may_be_spanned(self) -> bool:
         """Whether the span is the surface if it keeps the bounds on its tilt: with no normals given, no edge free."""
-        given = self.held is not None and len(self.held.vertices)
+        given = self.held is not None and self.held.vertices.size
         plain = self.anchors is None and self.smooth in (None, _SMOOTH) and not np.size(self.free)
         return self.on_curve and plain and not given
+
+    def curves(self, domain: Domain) -> ArrayLike | Sequence[ArrayLike | None] | None:
+        """`curve`, or those that `held` has in the place of whole boundary loops."""
+        if self.held is None or not self.held.curves:
+            return self.curve
+        if self.curve is not None:
+            raise ConditionError("Curves are given twice; leave out `curve`, or those of the conditions.")
+        given, loops = self.held.curves, domain.boundary_loop_edges
+        return [next((points for edges, points in given if loop[0] in edges), None) for loop in loops]
 
     @property
     def height_parameter(self) -> tuple[str, float]:
@@ -159,18 +167,17 @@ class Goals:
     @classmethod
     def of(cls, domain: DomainLike, points: Array, options: OutlineOptions) -> Goals:
         """Over a plan with these points (V, 3). Raises `ConditionError` on goals that do not fit the plan."""
-        leans = [(boundary_edges(domain, edges), checked_lean(angle)) for edges, angle in options.leans]
         free, domain = boundary_edges(domain, options.free), as_domain(domain)
         given = options.held or Conditions()
         given = opposite(given) if options.sheet == "f-" else given
         if len(domain.boundary_loops) == 0 or domain.genus:
             raise ConditionError("Fitting to an outline needs a plan: a mesh with a boundary and without handles.")
-        lines, outer, own = boundary_lines(domain, points, options.curve)
+        lines, outer, own = boundary_lines(domain, points, options.curves(domain))
         line = lines[outer]
         base = float(np.sum(Curve(line, closed=True).shares * line[:, 2]))
         extent = np.ptp(line[:, :2], axis=0)
         size = float(np.linalg.norm(extent))
-        sides = Sides.of(domain, points, given, leans, free, size, options.blend)
+        sides = Sides.of(domain, points, given, free, size, options.blend)
         if options.on_curve and not sides.has(LINE, LEAN):
             raise ConditionError("No side is left on its line; solve with these conditions, or take one out of them.")
         height_parameter, number = options.height_parameter

@@ -57,12 +57,13 @@ def fit_outline(domain: DomainLike, positions: ArrayLike, options: OutlineOption
     on_curve=False only they count. tilt: least and greatest tilt of the tangent planes along the rim, radians, 0 a
     vertical wall, ½ π flat. smooth: weight of ½ ∮ |dN₀|², for quieter boundary normals. max_evaluations: of the search.
 
-    Sides may be other than lines. held: `conditions` with normals of the sheet, or mirrors, along some sides. leans:
-    (edges, angle) pairs, sides over their line, see `span_outline`. free: edges with neither. Leans and mirrors are
-    spanned, too. Given normals are no unknowns of the search (the gradient by the others is that of the paper, App. F),
-    so they are kept to rounding, and the rim there is where they lead it: not over its line. Next to a line they end at
-    a blend zone of length `blend` by the outline's size, at most a third of their side, whose normals are free: near a
-    junction of both the surface would go as the fourth root of the distance. `Fit.sides` has what each side misses.
+    Sides may be other than lines. held: `conditions` with normals of the sheet along some sides, mirrors, sides that
+    lean over their line, and lines or curves; edges in none of them are on their lines, but for those in `free`, which
+    have nothing. Lines, leans and mirrors alone are spanned. Given normals are no unknowns of the search (the gradient
+    by the others is that of the paper, App. F), so they are kept to rounding, and the rim there is where they lead it:
+    not over its line. Next to a line they end at a blend zone of length `blend` by the outline's size, at most a third
+    of their side, whose normals are free: near a junction of both the surface would go as the fourth root of the
+    distance. `Fit.sides` has what each side misses.
 
     Goals that no surface meets end with the nearest one: `Fit.is_met` is false and the message names the way out.
     Raises `ConditionError` on goals that contradict each other or have no meaning, as a crown below its own rim.
@@ -92,7 +93,7 @@ def _spanned(goals: Goals, domain: Domain, points: Array, options: OutlineOption
 
     Sides with given normals are on their lines, too, or lean over them, which comes nearer to normals that lean evenly.
     """
-    curve = options.curve
+    curve: Any = options.curves(domain)
     wish: dict[str, Any] = {goals.height_parameter: goals.number}
     if options.free_heights or not options.on_curve:
         base = [0.0, 0.0, goals.base]
@@ -112,12 +113,12 @@ def _spanned(goals: Goals, domain: Domain, points: Array, options: OutlineOption
     )
     leans = [(goals.sides.edges(side), side.angle) for side in goals.sides.of_kind(LEAN)]
     also = goals.sides.start_leans(-1.0 if options.sheet == "f-" else 1.0)
-    if also and curve is None:
-        with suppress(ConditionError):  # walls that cannot be met
+    if also:
+        with suppress(ConditionError):  # walls that cannot be met, or curves elsewhere
             span = call(leans=[*leans, *also])
             if span.ok or span.status is SpanStatus.CANCELLED:
                 return span
-    return call(leans=leans, anchors=goals.sides.junctions if goals.has_given_normals and curve is None else None)
+    return call(leans=leans, anchors=goals.sides.junctions if goals.has_given_normals else None)
 
 
 def _searched(goals: Goals, domain: Domain, start: Start, near: Array, options: OutlineOptions) -> Fit:

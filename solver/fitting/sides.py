@@ -77,15 +77,17 @@ class Sides:
         domain: Domain,
         points: Array,
         given: Conditions,
-        leans: Sequence[tuple[Int, float]],
         free: Int,
         size: float,
         blend: float,
     ) -> Sides:
-        """The sides of a plan (V, 3); edges that are not in `given`, `leans` (edges and angles) or `free` are on their
-        line. blend: the length of blend zones by the size. Raises `ConditionError` on an edge that is in two of them.
+        """The sides of a plan (V, 3); edges that are not in `given` or `free` are on their line.
+
+        blend: the length of blend zones by the size. Raises `ConditionError` on an edge that is in two of them.
         """
-        labels, kinds = _labels(domain, given, leans, free)
+        labels, kinds = _labels(domain, given, free)
+        none = Conditions()
+        given = replace(given, lines=none.lines, curves=(), leans=none.leans, lean_angles=none.lean_angles)
         vertices, normals = given.resolve()
         inside = np.setdiff1d(vertices, domain.boundary_vertices)
         if len(inside):
@@ -212,17 +214,17 @@ def _along(points: Array, vertices: Int) -> Array:
     return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points[vertices], axis=0), axis=1))])
 
 
-def _labels(
-    domain: Domain, given: Conditions, leans: Sequence[tuple[Int, float]], free: Int
-) -> tuple[Int, list[tuple[str, float, Array]]]:
+def _labels(domain: Domain, given: Conditions, free: Int) -> tuple[Int, list[tuple[str, float, Array]]]:
     """(E,) the kind of each edge, an index of kinds with angles and the normals of planes."""
     planes, of_plane = np.unique(given.mirror_normals, axis=0, return_inverse=True)
+    angles, of_angle = np.unique(given.lean_angles, return_inverse=True)
     none = np.zeros(3)
-    kinds = [(LINE, 0.0, none), (HELD, 0.0, none), (FREE, 0.0, none)]
-    kinds += [(LEAN, angle, none) for _, angle in leans] + [(MIRROR, 0.0, plane) for plane in planes]
+    kinds = [(LINE, 0.0, none), (HELD, 0.0, none), (FREE, 0.0, none), (LINE, 0.0, none)]
+    kinds += [(LEAN, float(angle), none) for angle in angles] + [(MIRROR, 0.0, plane) for plane in planes]
     rim, labels = domain.boundary_edges, np.zeros(len(domain.edge_lengths), dtype=np.int64)
     at_vertices = rim[np.isin(domain.edges[rim], given.only_vertices).all(axis=1)]
-    chosen = [np.union1d(given.edges, at_vertices), free, *(edges for edges, _ in leans)]
+    chosen = [np.union1d(given.edges, at_vertices), free, given.lines]
+    chosen += [given.leans[of_angle == k] for k in range(len(angles))]
     chosen += [given.mirrors[of_plane.ravel() == k] for k in range(len(planes))]
     for label, edges in enumerate(chosen, start=1):
         twice = edges[labels[edges] > 0]
@@ -234,10 +236,17 @@ def _labels(
                 edges=twice,
             )
         labels[edges] = label
+    labels[given.lines] = 0
     return labels, kinds
 
 
-_AS = {HELD: "held by given normals", MIRROR: "in a mirror", FREE: "free", LEAN: "leaning over a line"}
+_AS = {
+    LINE: "on a line",
+    HELD: "held by given normals",
+    MIRROR: "in a mirror",
+    FREE: "free",
+    LEAN: "leaning over a line",
+}
 
 
 def _runs(labels: Int) -> list[Int]:

@@ -63,29 +63,28 @@ def cut_domain(hopf: HopfDifferential) -> CutDomain:
     classes = domain.corner_classes(~on_cut & (domain.edge_faces[:, 1] >= 0))
     source = np.zeros(int(classes.max()) + 1, dtype=np.int64)
     source[classes.ravel()] = domain.faces.ravel()
-    value = np.ones(len(source))
-    constant = np.full(len(source), -1)
-    factor = np.ones(len(source))
-    sides = []
+    # w at a cut vertex is `same` times that at its vertex, and on the right of a path `factor` times unknown `other`
+    same, factor, other = np.ones(len(source)), np.ones(len(source)), np.full(len(source), -1)
     for number, (path, along) in enumerate(zip(paths, edges, strict=True)):
         right = _right_classes(domain, classes, path, along)
-        sign = signs[along]
-        if (sign != sign[0]).any():
+        if (signs[along] != signs[along[0]]).any():
             raise MeshError("The curvature lines cannot be combed on this mesh; refine it near the umbilics.")
-        if number >= loops:
-            right = right[1:]  # the zero itself has one value
-            value[right], constant[right], factor[right] = -1.0, path[0], 2.0
+        if number < loops:
+            same[right], other[right] = signs[along[0]], domain.vertex_count + number
         else:
-            value[right], constant[right] = sign[0], domain.vertex_count + number
-            sides.append(int(sign[0]))
-    every = np.arange(len(source))
-    moved = constant >= 0
-    rows = np.concatenate([every, every[moved]])
-    cols = np.concatenate([source, constant[moved]])
-    data = np.concatenate([value, factor[moved]])
-    shape = (len(source), domain.vertex_count + loops)
-    transfer = sp.csr_array(sp.coo_array((data, (rows, cols)), shape=shape))
-    return CutDomain(domain, classes, source, value, transfer, np.array(sides, dtype=np.int64), omega, zeros)
+            right = right[1:]  # the zero itself has one value
+            same[right], other[right], factor[right] = -1.0, path[0], 2.0
+    across = np.array([signs[along[0]] for along in edges[:loops]], dtype=np.int64)
+    transfer = _transfer(source, same, other, factor, domain.vertex_count + loops)
+    return CutDomain(domain, classes, source, same, transfer, across, omega, zeros)
+
+
+def _transfer(source: Int, same: Array, other: Int, factor: Array, count: int) -> sp.csr_array:
+    """(n, count) with `same` at the `source` of each row and `factor` at its `other` column, -1 for none."""
+    every, moved = np.arange(len(source)), np.flatnonzero(other >= 0)
+    rows, cols = np.concatenate([every, moved]), np.concatenate([source, other[moved]])
+    data = np.concatenate([same, factor[moved]])
+    return sp.csr_array(sp.coo_array((data, (rows, cols)), shape=(len(source), count)))
 
 
 def _right_classes(domain: Domain, classes: Int, path: Int, edges: Int) -> Int:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
-from ..errors import ConditionError
+from ..errors import ConditionError, Interrupted, Progress
 from ..limits import POSITIVE, check_number
 from ..signatures import checked
 from .net import Net
@@ -30,19 +30,20 @@ _STEPS = 4
 
 
 @checked
-def moulds(net: Net, tolerance: float) -> NDArray[np.int64]:
+def moulds(net: Net, tolerance: float, *, progress: Progress | None = None) -> NDArray[np.int64]:
     """The mould (P,) of each whole four-sided panel, -1 for the others, which are bent or cut to measure.
 
     Mould 0 serves most panels. Each panel, 5 × 5 points of its curved surface, lies within `tolerance`, in model
     length, of its mould after a rigid motion; panels are not turned over. Moulds are spheres of radius 1 / |H| or
     surfaces of panels, continued; the least number of moulds may be smaller than the one found.
 
-    Raises `ConditionError` on nets on g and on a tolerance that is no positive number.
+    progress: called with the number of moulds so far and the part of the panels without one; when it returns False
+    `Interrupted` is raised. Raises `ConditionError` on nets on g and on a tolerance that is no positive number.
     """
-    return covered(net, tolerance)[0]
+    return covered(net, tolerance, progress)[0]
 
 
-def covered(net: Net, tolerance: float) -> tuple[NDArray[np.int64], Array]:
+def covered(net: Net, tolerance: float, progress: Progress | None = None) -> tuple[NDArray[np.int64], Array]:
     """Moulds (P,) as `moulds`, and how far each panel is from its mould (P,), nan for those without."""
     check_number(tolerance, "tolerance of moulds", POSITIVE)
     if net.sheet == "g":
@@ -61,6 +62,8 @@ def covered(net: Net, tolerance: float) -> tuple[NDArray[np.int64], Array]:
     left = np.ones(len(panels), dtype=bool)
     mould = 0
     while left.any():
+        if progress is not None and progress(mould, float(left.mean())) is False:
+            raise Interrupted
         waiting = order[left[order]]
         gaps = []
         for k in waiting[np.unique(np.linspace(0, len(waiting) - 1, _TRIED).astype(np.int64))]:

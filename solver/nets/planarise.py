@@ -15,7 +15,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from ..errors import ConditionError
+from ..errors import ConditionError, Progress
 from ..gauss.sphere import normalize
 from ..linalg import factorize
 from ..signatures import checked
@@ -36,12 +36,13 @@ _SHORT = 0.15
 
 
 @checked
-def planarise(net: Net, *, keep_rim: bool = False) -> Net:
+def planarise(net: Net, *, keep_rim: bool = False, progress: Progress | None = None) -> Net:
     """The net with flat panels: its `vertices`, `normals` and `axes`, and how far each node has `moved`.
 
     Whole panels are planar on f+, g and f-, at the nodes X, X - axes / 2H and X - axes / H, with parallel beams;
     clipped ones on the sheet of the net. keep_rim: nodes on the rim stay, and only whole panels become planar.
-    `flatness` is what is left, as a part of the side.
+    `flatness` is what is left, as a part of the side. progress: called with each step and what is left before it;
+    returning False ends the work with the nodes as they are then.
 
     Raises `ConditionError` on diagonal nets, whose panels are twisted.
     """
@@ -50,8 +51,9 @@ def planarise(net: Net, *, keep_rim: bool = False) -> Net:
     equations = _Equations.of(net, keep_rim)
     X, axes = net.vertices.copy(), net.normals.copy()
     residual, damping = equations.residual(X, axes), _DAMPING
-    for _ in range(_MOST_STEPS):
-        if np.abs(residual).max(initial=0.0) < _FLAT:
+    for number in range(_MOST_STEPS):
+        left = float(np.abs(residual).max(initial=0.0))
+        if left < _FLAT or (progress is not None and progress(number, left) is False):
             break
         step = equations.step(X, axes, residual, damping)
         X, axes = X + step[:, :3], axes + step[:, 3:]

@@ -3,7 +3,7 @@
 In units of the spacing, odd zeros lie in the middle of a cell, at (ℤ + ½)², the jumps across loop paths are whole, and
 sides that are curvature lines lie on a line of the net. Each is a row of conditions B x = b on the unknowns of one
 coordinate. What it costs, the energy of the least change of x with B x = b, is a quadratic form of b - B x; Babai's
-rounding finds a b of nearly the least cost, one condition after the other.
+rounding, one condition after the other, and small steps from there find a b of nearly the least cost.
 """
 
 from __future__ import annotations
@@ -22,6 +22,8 @@ Int = NDArray[np.integer]
 # Spacings that are tried, as parts of the wanted one, and the cost of a departure by 100 % beside the rounding's.
 _SPACINGS = np.linspace(0.85, 1.18, 67)
 _DEPARTURE = 2e-3
+# The most numbers for which pairs of them are changed, too.
+_MOST_PAIRED = 24
 # Lines on sides lie this part of the spacing outside, and no vertex is nearer to a line than the second number.
 _OUTSIDE = 1e-7
 _APART = 1e-9
@@ -93,13 +95,13 @@ class _Rounding:
         self.others = np.flatnonzero(np.arange(len(places)) != self.anchor)
         part = self.form[np.ix_(self.others, self.others)]
         part += 1e-12 * np.trace(part) * np.eye(len(part))
-        self.upper = np.linalg.cholesky(part).T
+        self.lattice = _Lattice(np.linalg.cholesky(part).T)
 
     def at(self, spacing: float) -> tuple[float, Array]:
         """The cost, and the whole numbers (m,) in the place where the anchor's is 0."""
         v = self._wanted(spacing)
         numbers = np.zeros(len(v))
-        numbers[self.others] = _nearest(self.upper, v[self.others])
+        numbers[self.others] = self.lattice.nearest(v[self.others])
         off = spacing * (numbers - v)
         return float(off @ self.form @ off), numbers
 
@@ -126,13 +128,34 @@ class _Rounding:
         return values - self._shift(spacing) * self.conditions.places
 
 
-def _nearest(upper: Array, v: Array) -> Array:
-    """Whole numbers (m,) with small |upper (numbers - v)|: Babai's nearest plane."""
-    numbers = np.rint(v)
-    for i in range(len(v) - 1, -1, -1):
-        pull = upper[i, i + 1 :] @ (numbers[i + 1 :] - v[i + 1 :])
-        numbers[i] = np.rint(v[i] - pull / upper[i, i])
-    return numbers
+class _Lattice:
+    """Whole numbers (m,) nearest to given ones in the norm of an upper triangular matrix (m, m)."""
+
+    def __init__(self, upper: Array) -> None:
+        self.upper = upper
+        m = len(upper)
+        unit = np.eye(m)
+        i, j = np.triu_indices(m, 1)
+        pairs = [unit[i] + unit[j], unit[i] - unit[j]] if m <= _MOST_PAIRED else []
+        steps = np.concatenate([unit, *pairs])
+        self.steps = np.concatenate([steps, -steps])
+        self.changes = self.steps @ upper.T
+
+    def nearest(self, v: Array) -> Array:
+        """Babai's nearest plane, then steps of one number or two by ±1 for as long as one of them comes nearer."""
+        upper, numbers = self.upper, np.rint(v)
+        for i in range(len(v) - 1, -1, -1):
+            pull = upper[i, i + 1 :] @ (numbers[i + 1 :] - v[i + 1 :])
+            numbers[i] = np.rint(v[i] - pull / upper[i, i])
+        off = upper @ (numbers - v)
+        while len(v):
+            squares = ((off + self.changes) ** 2).sum(axis=1)
+            best = int(np.argmin(squares))
+            if squares[best] >= (1.0 - 1e-9) * (off @ off):
+                break
+            numbers = numbers + self.steps[best]
+            off = upper @ (numbers - v)
+        return numbers
 
 
 def quantised(isothermic: Isothermic, spacing: float, sides: list[LineSide], *, exact: bool = False) -> Quantised:

@@ -109,10 +109,8 @@ def sheet_of(given: SurfaceLike | PlacedSurface | Fit | Sheet, name: str) -> She
 def _placed_curvature(surface: CmcSurface, points: dict[str, Array]) -> float:
     """H in the world: the surface's over the scale of the similarity that placed it."""
     name = next(iter(points))
-    before = np.linalg.norm(np.ptp(surface.sheet(name), axis=0))
-    spread = np.linalg.norm(surface.sheet(name) - surface.sheet(name).mean(axis=0))
-    placed = np.linalg.norm(points[name] - points[name].mean(axis=0))
-    return surface.mean_curvature * float(spread / placed) if before else surface.mean_curvature
+    own, placed = (float(np.linalg.norm(one - one.mean(axis=0))) for one in (surface.sheet(name), points[name]))
+    return surface.mean_curvature * own / placed if placed else surface.mean_curvature
 
 
 def _cut_domain(surface: CmcSurface) -> Domain:

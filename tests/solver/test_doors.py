@@ -129,6 +129,11 @@ CALLS: dict[str, list[Callable]] = {
         lambda x: solver.panel_net(SQUARE_SPAN, 0.3, planar=x),
     ],
     "periods": [solver.periods],
+    "preview_net": [
+        lambda x: solver.preview_net(x, 0.3),
+        lambda x: solver.preview_net(SQUARE_SPAN, x),
+        lambda x: solver.preview_net(SQUARE_SPAN, count=x),
+    ],
     "planarise": [solver.planarise, lambda x: solver.planarise(NET, keep_rim=x)],
     "principal_curvatures": [lambda x: solver.principal_curvatures(PLACES, FACES, x)],
     "read_plan": [solver.read_plan],
@@ -191,7 +196,7 @@ CALLS: dict[str, list[Callable]] = {
     ],
 }
 # Results, which nobody makes, and names that are no calls.
-NO_CALLS = {"ClosingResult", "Completion", "Fit", "HarmonicMap", "Line", "Shape", "Status"}
+NO_CALLS = {"ClosingResult", "Completion", "Fit", "HarmonicMap", "Line", "NetPreview", "Shape", "Status"}
 
 
 def test_every_public_name_has_a_call():

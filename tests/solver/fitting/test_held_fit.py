@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -51,7 +52,8 @@ def mirrored(plan: Shape):
 
 
 def with_lean(plan: Shape):
-    return street(plan) | {"leans": [(plan.sides["back"], np.radians(70))]}
+    both = leaning(plan, "street", 60) + conditions.lean(plan, "back", np.radians(70))
+    return {"rise": 0.35, "held": both}
 
 
 def courtyard() -> Shape:
@@ -125,7 +127,7 @@ def test_lines_here_given_normals_there(make, goals):
         assert bool(len(side.zone)) == (side.kind == "held")
     assert_allclose(found.points()[:, 2].max(), 0.35 * 6.0, rtol=1e-4)
     N = found.surface.harmonic.normals
-    vertices, normals = goals(plan)["held"].resolve()
+    vertices, normals = replace(goals(plan)["held"], leans=np.zeros(0, int)).resolve()
     kept = np.isin(vertices, inner(found))
     assert kept.sum() > 4
     assert_allclose(N[vertices[kept]], normals[kept], rtol=0, atol=1e-15)
@@ -188,6 +190,8 @@ def test_the_curvature_asked_for_and_a_curve_elsewhere():
     assert found.is_met and found.surface.mean_curvature == pytest.approx(0.062, rel=1e-12)
     line = in_space(plan.domain, plan.positions)[plan.domain.boundary_loops[0]] + [3.0, -2.0, 5.0]
     moved = fit_outline(plan, plan.positions, line, mean_curvature=0.062, held=held)
+    with pytest.raises(ConditionError, match="given twice"):
+        fit_outline(plan, plan.positions, line, held=held + conditions.line(plan, "outer", line))
     assert moved.is_met, moved.message
     assert moved.points()[:, 2].max() == pytest.approx(found.points()[:, 2].max() + 5.0, abs=0.02 * SIZE)
 
@@ -196,7 +200,8 @@ def test_leans_and_mirrors_alone_are_spanned():
     plan = hall(corner_radius=0.0)
     mirror = conditions.mirror(plan, "side3", [1, 0, 0])
     leans = [("side0", np.radians(70))]
-    found = fit_outline(plan, plan.positions, rise=0.35, held=mirror, leans=leans)
+    lean = conditions.lean(plan, "side0", np.radians(70))
+    found = fit_outline(plan, plan.positions, rise=0.35, held=mirror + lean + conditions.line(plan, "side1"))
     span = span_outline(plan, plan.positions, rise=0.35, leans=leans, mirrors=[("side3", [1, 0, 0])])
     assert found.ok and found.span is not None
     assert_allclose(found.points(), span.points, rtol=0, atol=1e-9)
@@ -245,9 +250,9 @@ def test_a_lean_changed_by_a_degree_is_continued_nearby():
 def test_the_gradient_beside_given_normals_leans_and_mirrors():
     """Central differences along random changes of the free normals, the scale and the shift."""
     plan = hall(1.5, corner_radius=0.0)
-    held = mirrored(plan)["held"]
+    held = mirrored(plan)["held"] + conditions.lean(plan, "side2", np.radians(70))
     points = in_space(plan.domain, plan.positions)
-    goals = Goals.of(plan, points, OutlineOptions(rise=0.35, held=held, leans=[("side2", np.radians(70))]))
+    goals = Goals.of(plan, points, OutlineOptions(rise=0.35, held=held))
     span = span_outline(plan, plan.positions, rise=0.35, leans=[("side2", np.radians(70))])
     start = goals.sides.conditions(span.normals)
     response = Response(AdjointSolver(HarmonicSolver(plan.domain), start), goals.sides.held)
@@ -275,6 +280,21 @@ def test_what_is_given_is_no_unknown():
     assert len(goals.sides.held) > 2 and not np.isin(response.vertices, goals.sides.held).any()
     assert len(response.vertices) + len(goals.sides.held) == len(plan.domain.boundary_vertices)
     assert not response.spread[goals.sides.held].any()
+
+
+def test_given_normals_turn_into_the_plane_of_a_mirror_where_they_meet_one():
+    plan = hall(1.5, corner_radius=0.0)
+    skew = np.array([0.3, -0.6, 0.7]) / np.linalg.norm([0.3, -0.6, 0.7])
+    held = conditions.fixed(plan, "side0", skew) + conditions.mirror(plan, "side3", [1, 0, 0])
+    goals = Goals.of(plan, in_space(plan.domain, plan.positions), OutlineOptions(held=held))
+    start = goals.sides.conditions(np.tile([0.0, 0.0, 1.0], (plan.domain.vertex_count, 1)))
+    vertices, there = start.resolve()
+    normals = np.zeros((plan.domain.vertex_count, 3))
+    normals[vertices] = there
+    corner = int(np.argmin(np.abs(plan.positions).sum(axis=1)))
+    assert abs(normals[corner, 0]) < 1e-15 and normals[corner, 1] < -0.5
+    others = np.setdiff1d(goals.sides.held, corner)
+    assert len(others) and np.abs(normals[others] - skew).max() < 1e-15
 
 
 def test_hat_functions_of_pieces_of_a_boundary():
@@ -325,7 +345,8 @@ def test_wrong_sides_are_refused():
         ({"held": held + conditions.mirror(plan, "street", [0, 1, 0])}, "in a mirror and held"),
         ({"held": leaning(plan, "outer", 60)}, "No side is left on its line"),
         ({"held": conditions.fixed_at(plan, inside, [0, 0, 1])}, "given inside"),
-        ({"held": held, "leans": [("back", np.radians(3))]}, "out of range"),
+        ({"held": held + conditions.line(plan, "street")}, "cannot be on a line and held"),
+        ({"held": held + conditions.lean(plan, "street", 1.0)}, "cannot be leaning over a line and held"),
         ({"held": held, "mean_curvature": -0.1}, "positive"),
         ({"held": held, "blend": 2.0}, "blend"),
         ({"held": "street"}, "Conditions are needed"),

@@ -7,6 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from solver import ConditionError, moulds, panel_net, shapes, span_outline
+from solver.errors import Interrupted
 from solver.nets.assembly import net_of
 from solver.nets.field import line_field
 from solver.nets.moulds import _laid, covered
@@ -82,6 +83,11 @@ def test_samples_lie_on_the_surface():
     net = net_of(line_field(sheet, None, 200, "principal", "f+"))
     points = samples(net, quads(net)).reshape(-1, 3)
     assert np.abs(np.hypot(points[:, 0], points[:, 1]) - np.cosh(points[:, 2])).max() < 2e-4
+
+
+def test_cancelled():
+    with pytest.raises(Interrupted):
+        moulds(SHELLS["square"](), 1e-4, progress=lambda count, left: count < 1)
 
 
 def test_refusals():

@@ -16,13 +16,14 @@ from solver import (
     Span,
     curvature_lines,
     panel_net,
+    preview_net,
     shapes,
     span_outline,
 )
 from solver.nets.assembly import net_of
 from solver.nets.field import line_field
 from solver.nets.isothermic import Isothermic
-from solver.nets.quantise import quantised
+from solver.nets.quantise import _Lattice, quantised
 from tests.solver.exact_surfaces import rates
 from tests.solver.nets import exact_sheets as exact
 from tests.solver.nets.net_checks import faults, gaps
@@ -145,6 +146,17 @@ def test_the_spacing_is_the_median_side():
     assert np.median(net.side_lengths) == pytest.approx(0.25, rel=0.25)
 
 
+@pytest.mark.parametrize("size", [{"spacing": 0.2}, {"count": 400}], ids=str)
+def test_a_preview_tells_the_net(size):
+    surface = span("square", 0.2)
+    preview, net = preview_net(surface, **size), panel_net(surface, **size)
+    assert preview.spacing == pytest.approx(net.spacing, rel=0.15)
+    assert preview.panels == pytest.approx(len(net.polygons), rel=0.35)
+    assert preview.sphere_gap == pytest.approx(net.sphere_gap, rel=0.3)
+    sides = net.side_lengths
+    assert_allclose(preview.sides, np.quantile(sides[sides > 0.1], [0.05, 0.95]), rtol=0.35)
+
+
 def test_exact_panels_on_a_catenoid():
     """Parallels and meridians of a surface of revolution bound planar trapezoids, and rims are lines of the net."""
     sheet, _ = exact.catenoid(96)
@@ -205,3 +217,19 @@ def test_exact_lines_keep_their_distance():
     for points in starts:
         apart = np.linalg.norm(points[:, None] - points[None], axis=2) + np.eye(len(points))
         assert apart.min() > 0.05
+
+
+def test_whole_numbers_are_near():
+    """Against the nearest of all whole numbers around, on lattices that are far from square."""
+    random = np.random.default_rng(5)
+    box = np.stack(np.meshgrid(*[np.arange(-2, 3)] * 4, indexing="ij"), axis=-1).reshape(-1, 4)
+    worse = []
+    for _ in range(40):
+        A = random.normal(size=(4, 4)) + np.eye(4)
+        upper = np.linalg.cholesky(A @ A.T).T
+        v = random.uniform(-5.0, 5.0, 4)
+        numbers = _Lattice(upper).nearest(v)
+        assert np.array_equal(numbers, np.rint(numbers))
+        least = np.linalg.norm((numbers + box - v) @ upper.T, axis=1).min()
+        worse.append(np.linalg.norm(upper @ (numbers - v)) / least)
+    assert np.median(worse) == pytest.approx(1.0) and np.mean(worse) < 1.1

@@ -77,6 +77,19 @@ def test_the_derivatives():
     assert_allclose(J @ step.ravel(), finite, rtol=1e-6, atol=1e-7)
 
 
+def test_cancelled():
+    net = net_over("square", 60)
+    seen = []
+
+    def stop(step: int, left: float) -> bool:
+        seen.append(left)
+        return step < 1
+
+    flat = planarise(net, progress=stop)
+    assert len(seen) == 2 and seen[1] < seen[0]
+    assert flat.flatness == pytest.approx(seen[1]) and flat.flatness > 1e-9
+
+
 def test_from_the_net_itself_and_where_there_is_none():
     shape = shapes.polygon(PLANS["square"][0], max_edge=0.3, corner_radius=0.5)
     span = span_outline(shape, shape.positions, mean_curvature=0.2)
