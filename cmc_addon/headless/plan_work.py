@@ -18,7 +18,7 @@ from ...solver.jobs.job import Job
 from ...solver.notes import Note
 from ...solver.shells.close import closing_input
 from ...solver.shells.complete import CopySelection
-from ...solver.shells.plan_conditions import plan_conditions
+from ...solver.shells.form import check_plan
 from ..background import plan_cache
 from ..properties.design_settings import APPROXIMATE_SETTINGS, FIT_SETTINGS, POINTERS, stored_settings
 from ..properties.links import copies_of, result_of, results_of, wanted_roles
@@ -145,7 +145,7 @@ def check(task: Task) -> None:
             if isinstance(task, CloseTask):
                 closing_input(plan, settings, task.closing, domain)
             else:
-                plan_conditions(plan, settings, domain)
+                check_plan(plan, settings, domain)
 
 
 def run_step(context: bpy.types.Context, plan: bpy.types.Object, step: str, task: Task) -> Formed:

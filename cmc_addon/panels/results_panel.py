@@ -134,6 +134,12 @@ def check_rows(report: dict) -> list[tuple[str, str]]:
         rows.append(("H Off By", by))
     if shown["distortion"]:
         rows.append(("Distortion", f"{shown['distortion']['mean']:.3f}, at most {shown['distortion']['max']:.3f}"))
+    for side in report.get("sides", []):
+        name = side["name"] or "Other Edges"
+        if side["kind"] == "line":
+            rows.append((name, f"{length_text(side['distance'], digits=2)} off the line"))
+        elif side["kind"] == "held":
+            rows.append((name, f"{side['angle']:.2g}° off, rim {length_text(side['distance'], digits=2)} away"))
     for lean in report.get("span", {}).get("leans", []):
         rows.append(("Leans By", f"{lean['measured']:.1f}° for {lean['asked']:.1f}°"))
     if shown["outline"] and not is_design(report):  # Design has the distances of a fit

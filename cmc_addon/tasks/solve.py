@@ -17,6 +17,7 @@ from ...solver.gauss.conditions import KINDS
 from ...solver.notes import Note, notes_data
 from ...solver.shells import form
 from ...solver.shells.gaps import hole_gaps
+from ...solver.shells.mixed import sides_report
 from ...solver.shells.plan import Group, Plan, Settings
 from ...solver.shells.polygon_sheets import PolygonSheet, polygon_sheet
 from ...solver.shells.shell import Shell
@@ -149,7 +150,7 @@ class SolveTask(Task[SolveResult]):
                 progress=progress,
                 intersections=self.settings.intersections and still_wanted(progress),
             )
-        result = self.result(shell, prepared)
+        result = self.result(shell, prepared, _side_tables(shell, self.groups))
         for name in self.sheets(shell):
             result.measures(name, self)
         solve_cache.remember(self, result)
@@ -253,7 +254,6 @@ def write_reports(
         "unit_scale": context.scene.unit_settings.scale_length,
         "message": result.message,
         **result.shell.report.to_dict(),
-        **_span_table(result.shell),
         "holes": [gap.to_dict() for gap in hole_gaps(result.shell)],
         **result.more,
         "warnings": notes_data(warnings),
@@ -264,8 +264,11 @@ def write_reports(
     plan.cmc.report = json.dumps(report, ensure_ascii=False)
 
 
-def _span_table(shell: Shell) -> dict[str, object]:
-    return {} if shell.span is None else {"span": span_report(shell.span)}
+def _side_tables(shell: Shell, groups: list[Group]) -> dict[str, object]:
+    """Of a shell on lines: the search for its span, or how far its sides are from what was asked of them."""
+    if shell.span is not None:
+        return {"span": span_report(shell.span)}
+    return {"sides": sides_report(groups, shell.fit)} if shell.fit is not None and shell.fit.sides else {}
 
 
 def _groups(

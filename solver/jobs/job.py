@@ -28,6 +28,7 @@ from ..shells.complete import Completed, complete_plan
 from ..shells.fit import FitOptions, fit_plan
 from ..shells.form import check_plan, form
 from ..shells.gaps import hole_gaps
+from ..shells.mixed import sides_report
 from ..shells.numbering import drawn_numbers
 from ..shells.plan import Group, Plan, Settings, plan_domain
 from ..shells.rim_curves import read_curves
@@ -173,6 +174,8 @@ def _shell(job: Job, progress: Progress | None) -> tuple[Shell, Plan, dict[str, 
         more["closing"] = closing_report(closed)
     else:
         shell = form(plan, job.settings, progress=progress)
+    if shell.fit is not None and shell.fit.sides and job.fit is None:
+        more["sides"] = sides_report(plan.groups, shell.fit)
     if shell.span is not None:
         more["span"] = span_report(shell.span)
     if len(shell.surface.periods):

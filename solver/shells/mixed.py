@@ -6,7 +6,7 @@ given normals fade out over a blend zone there (see `fit_outline`).
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -21,10 +21,10 @@ from ..gauss.boundary_data import Conditions
 from ..surface.placement import Plane, Similarity
 from ..surface.solve import CmcSolver
 from .measured import measure_shell
-from .plan import Plan, Settings
+from .plan import Group, Plan, Settings
 from .plan_conditions import plan_conditions
 from .shell import Shell
-from .span import curves_of, leans_of, owned_edges, wish_of
+from .span import owned_edges, wish_of
 
 Array = NDArray[np.float64]
 
@@ -71,15 +71,11 @@ def fitted(
     """
     plan = _mirrored(plan) if settings.flip else plan
     conditions = plan_conditions(plan, settings, solver.domain)
-    none = conditions.lines[:0]
-    held = replace(conditions, lines=none, curves=(), leans=none, lean_angles=np.zeros(0))
     wish: dict[str, Any] = dict([wish_of(plan, replace(settings, flip=False), solver.domain, soap_films=False)])
     return fit_outline(
         solver.domain,
         plan.positions,
-        curves_of(solver.domain, conditions),
-        held=held,
-        leans=leans_of(conditions),
+        held=conditions,
         free=_free(solver.domain, conditions),
         initial=initial,
         solver=solver,
@@ -100,11 +96,11 @@ def fit_plane(fit: Fit, solver: CmcSolver, similarity: Similarity) -> Plane:
     return Plane(similarity.points(fit.surface.sheet("f+"))[rim].mean(axis=0), _UP)
 
 
-def sides_report(plan: Plan, fit: Fit) -> list[dict[str, object]]:
+def sides_report(groups: Sequence[Group], fit: Fit) -> list[dict[str, object]]:
     """How far each side is from what was asked of it, for a report; angles in degrees."""
     return [
         {
-            "name": _name(plan, side.vertices),
+            "name": _name(groups, side.vertices),
             "kind": side.kind,
             "distance": side.distance,
             "angle": float(np.degrees(side.angle)),
@@ -114,11 +110,11 @@ def sides_report(plan: Plan, fit: Fit) -> list[dict[str, object]]:
     ]
 
 
-def _name(plan: Plan, vertices: NDArray[np.integer]) -> str:
+def _name(groups: Sequence[Group], vertices: NDArray[np.integer]) -> str:
     """The group of a side by one of its edges, or ""."""
     middle = len(vertices) // 2
     pair = sorted(vertices[middle - 1 : middle + 1].tolist())
-    for group in plan.groups:
+    for group in groups:
         if (np.sort(np.asarray(group.edges).reshape(-1, 2), axis=1) == pair).all(axis=1).any():
             return group.name
     return ""
