@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ...solver.errors import CmcError
 from ..bridges.geometry_changes import version
-from ..bridges.overlay_bridge import cut_of, points_of, seen_plan
+from ..bridges.overlay_bridge import cut_of, line_of, points_of, seen_plan
 from ..properties import group_list, preferences
 from ..properties.group_settings import parameter_values
 from ..properties.links import plan_to_solve, results_of, shown_shell
@@ -26,7 +26,7 @@ from ..properties.reports import last_report
 from ..properties.settings import SIDES
 from ..properties.stored import COMPLETED_ROLES, DESIGN_ROLES, ROLES
 from .overlay_cache import kept
-from .overlay_layers import Layer, Look, arrow_length, cut_layer, rim_layers
+from .overlay_layers import Layer, Look, arrow_length, cut_layer, held_lines, rim_layers
 from .palette import colour_of, other_colour
 from .result_layers import gap_layers, measured, plane_layers
 from .rim import Drawn, Leaning, Rim, prescribed_rim
@@ -57,6 +57,7 @@ def frame(context: bpy.types.Context, view: bpy.types.SpaceView3D | None = None)
     parts = []
     if seen is not None:
         parts += _plan_parts(plan, seen, look, frozenset(uid for uid, _, _ in planes))
+        parts += _curve_parts(plan, look, context, view)
     for result in results_of(plan, [role for role in (*ROLES, *DESIGN_ROLES) if role != "GAUSS"]).values():
         if _is_visible(result, context, view):
             parts += _result_parts(result, look, planes if result == shell else [], seen)
@@ -101,7 +102,10 @@ def look_of(context: bpy.types.Context, plan: bpy.types.Object) -> Look:
 def group_states(mesh: bpy.types.Mesh) -> tuple[GroupState, ...]:
     """The groups of a mesh as plain values."""
     return tuple(
-        GroupState(group.uid, group.name, group.kind.lower(), tuple(parameter_values(group.kind, group).items()))
+        GroupState(
+            group.uid, group.name, group.kind.lower(), tuple(parameter_values(group.kind, group).items()),
+            is_elsewhere=group.kind == "LINE" and group.curve is not None,
+        )
         for group in mesh.cmc.groups
     )
 
@@ -150,6 +154,19 @@ def _plan_parts(plan: bpy.types.Object, seen: Seen, look: Look, walls: frozenset
     key = seen.number, look, walls
     layers = kept(("rim", plan.session_uid), key, lambda: rim_layers(seen.rim, look, walls))
     return [Part(Matrix.Translation(plan.matrix_world.translation), layers)]
+
+
+def _curve_parts(plan: bpy.types.Object, look: Look, context, view) -> Iterator[Part]:
+    """The curves on which rims lie in place of drawn edges, in their own coordinates."""
+    for group in plan.data.cmc.groups if "show_groups" in look.shown else ():
+        curve = group.curve if group.kind == "LINE" else None
+        if curve is not None and _is_visible(curve, context, view):
+            key, colour = (version(curve), look), look.colour(group.uid)
+            layers = kept(
+                ("curve", plan.session_uid, group.uid), key,
+                lambda curve=curve, colour=colour: list(held_lines(line_of(curve, context), colour, look.width)),
+            )
+            yield Part(curve.matrix_world, layers)
 
 
 # --- its results ----------------------------------------------------------------------------

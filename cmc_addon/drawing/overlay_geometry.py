@@ -128,6 +128,12 @@ def plates(points: Array, normals: Array, tangents: Array, width: float, height:
     return filled(corners), outlined(corners)
 
 
+def panes(points: Array, rise: Array) -> Array:
+    """Corners (m, 4, 3) of the rectangles over the edges of a polyline (m + 1, 3), from it up by `rise` (3,)."""
+    below, after = points[:-1], points[1:]
+    return np.stack([below, after, after + rise, below + rise], axis=1)
+
+
 def filled(corners: Array) -> Array:
     """Triangles of rectangles, corners (n, 4, 3)."""
     return corners[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3, 3)

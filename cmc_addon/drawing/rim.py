@@ -53,7 +53,7 @@ class Rim:
     """The rim of a plan. lines: uid → ends (n, 2, 3) of boundary edges, known even if nothing else is.
 
     corners, corner_normals (k, 3): vertices between two mirrors, and the normals of the shell there. up (3,): the area
-    vector of the plan. size: diagonal of the bounding box of its boundary.
+    vector of the plan. size: diagonal of the bounding box of its boundary. default_kind: of edges in no group.
     """
 
     groups: tuple[GroupState, ...]
@@ -63,6 +63,7 @@ class Rim:
     corners: Array = field(default_factory=lambda: np.zeros((0, 3)))
     corner_normals: Array = field(default_factory=lambda: np.zeros((0, 3)))
     up: Array = field(default_factory=lambda: np.zeros(3))
+    default_kind: str = "binormal"
 
     @property
     def length(self) -> float:
@@ -70,6 +71,11 @@ class Rim:
 
     def group(self, uid: int) -> GroupState | None:
         return next((group for group in self.groups if group.uid == uid), None)
+
+    def lies_on(self, uid: int) -> bool:
+        """Whether the shell's rim lies on the edges of this group."""
+        group = self.group(uid)
+        return self.default_kind == "line" if group is None else group.kind == "line" and not group.is_elsewhere
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,7 +120,8 @@ def prescribed_rim(drawn: Drawn, groups: Sequence[GroupState], leaning: Leaning 
 
     Groups that are invalid by themselves are left out, then the vertices at which groups contradict each other.
     """
-    bare, strip = Rim(tuple(groups), drawn.lines, drawn.size), drawn.strip
+    bare = Rim(tuple(groups), drawn.lines, drawn.size, default_kind=leaning.default_kind)
+    strip = drawn.strip
     if strip is None:
         return bare
     held = _held(strip, groups, leaning, side, drawn.flipped)
