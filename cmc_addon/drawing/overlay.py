@@ -52,14 +52,14 @@ def frame(context: bpy.types.Context, view: bpy.types.SpaceView3D | None = None)
         return []
     look, report = look_of(context, plan), last_report(context)
     shell = None if report is None else shown_shell(context)
-    planes = _planes(plan, report, shell if _is_visible(shell, context, view) else None, look)
-    seen = _seen(context, plan) if _is_visible(plan, context, view) else None
+    planes = _planes(plan, report, shell if is_visible(shell, context, view) else None, look)
+    seen = seen_plan_of(context, plan) if is_visible(plan, context, view) else None
     parts = []
     if seen is not None:
         parts += _plan_parts(plan, seen, look, frozenset(uid for uid, _, _ in planes))
         parts += _curve_parts(plan, look, context, view)
     for result in results_of(plan, [role for role in (*ROLES, *DESIGN_ROLES) if role != "GAUSS"]).values():
-        if _is_visible(result, context, view):
+        if is_visible(result, context, view):
             parts += _result_parts(result, look, planes if result == shell else [], seen)
     if shell is not None and shell.cmc.role in COMPLETED_ROLES:  # copies meet at the gaps
         return parts
@@ -75,7 +75,7 @@ def is_plan(ob: bpy.types.Object) -> bool:
     return ob.type == "MESH" and bool(ob.data.cmc.groups or ob.cmc.meshed or ob.cmc.report or ob.cmc.design_report)
 
 
-def _is_visible(ob: bpy.types.Object | None, context, view) -> bool:
+def is_visible(ob: bpy.types.Object | None, context, view) -> bool:
     """Visible in this scene and view: not hidden, nor by its collections, nor outside the local view."""
     if ob is None or not ob.visible_get(view_layer=context.view_layer):
         return False
@@ -128,7 +128,7 @@ def _leaning(settings) -> Leaning:
     return Leaning(settings.blend, settings.against.lower(), settings.default_kind.lower())
 
 
-def _seen(context: bpy.types.Context, plan: bpy.types.Object) -> Seen | None:
+def seen_plan_of(context: bpy.types.Context, plan: bpy.types.Object) -> Seen | None:
     """The plan and its rim; None if it cannot be read."""
     settings, groups = plan.cmc, group_states(plan.data)
     matrix = plan.matrix_world.to_3x3().to_4x4()
@@ -160,7 +160,7 @@ def _curve_parts(plan: bpy.types.Object, look: Look, context, view) -> Iterator[
     """The curves on which rims lie in place of drawn edges, in their own coordinates."""
     for group in plan.data.cmc.groups if "show_groups" in look.shown else ():
         curve = group.curve if group.kind == "LINE" else None
-        if curve is not None and _is_visible(curve, context, view):
+        if curve is not None and is_visible(curve, context, view):
             key, colour = (version(curve), look), look.colour(group.uid)
             layers = kept(
                 ("curve", plan.session_uid, group.uid), key,
@@ -215,7 +215,7 @@ def _plan_cut(plan: bpy.types.Object, seen: Seen, shell: bpy.types.Object, look:
 
 def _gap_parts(plan, report: dict, shell, context, view, look: Look) -> list[Part]:
     """The gaps around the holes, on the shell or, without one, in its place."""
-    if shell is not None and not _is_visible(shell, context, view):
+    if shell is not None and not is_visible(shell, context, view):
         return []
     origin = np.zeros(3) if shell is None else np.array(shell.cmc.placed_at, dtype=np.float64)
     matrix = Matrix() if shell is None else shell.matrix_world
