@@ -73,7 +73,7 @@ def _lever(group: GroupState, walk: Walk) -> Lever | None:
     steps = np.diff(walk.points, axis=0)
     at = _front(walk) if walk.closed else _middle(steps)
     normal, tangent = walk.middles[at], unit_vectors(steps[at])
-    along = unit_vectors(np.cross(normal, tangent))
+    along = unit_vectors(np.asarray(np.cross(normal, tangent), dtype=np.float64))
     if not (np.isfinite(along).all() and along.any()):
         return None
     angle, (least, most) = float(dict(group.parameters)[ANGLES[group.kind]]), _RANGE[group.kind]  # type: ignore[arg-type]

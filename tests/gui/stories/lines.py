@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
-
 from stories.live import at_rest, points
 
 
@@ -47,6 +46,22 @@ def rectangle():
     bpy.ops.ed.undo_push(message="Plan")
 
 
+def middle(shell) -> float:
+    """The height of the shell over the middle of the plan."""
+    places = points(shell)
+    return float(places[np.linalg.norm(places[:, :2], axis=1).argmin(), 2])
+
+
+def rim_is_on_its_line() -> float:
+    """How far the shell's rim is off the drawn edges, as a length."""
+    mesh = plan().data
+    faces = np.bincount([loop.edge_index for loop in mesh.loops], minlength=len(mesh.edges))
+    rim = sorted({v for edge in mesh.edges if faces[edge.index] == 1 for v in edge.vertices})
+    shell = plan().cmc.f_plus
+    moved = points(shell) + np.array(shell.location) - np.array(plan().location)
+    return float(np.abs(moved - points(plan()))[rim].max())
+
+
 def tell(hands):
     rectangle()
     yield from look(hands)
@@ -55,3 +70,78 @@ def tell(hands):
     yield from hands.wait_for(lambda: plan().cmc.f_plus is not None, "the shell is there")
     yield from look(hands)
     yield from hands.picture("solved")
+    assert rim_is_on_its_line() < 1e-5, rim_is_on_its_line()
+
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.context.tool_settings.mesh_select_mode = (False, True, False)
+    yield from hands.picture("edited")
+    side(lambda p: p.y < -2.9 and abs(p.x) < 4.0)
+    bpy.ops.cmc.group_add(name="Street", kind="LEAN", angle=np.radians(60), assign=True)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    yield from hands.click_button("cmc.solve")
+    yield from hands.wait_for(lambda: rim_is_on_its_line() > 0.01, "the side has left its line")
+    yield from look(hands)
+    yield from hands.picture("leans")
+
+    yield from dragged_through_zero(hands)
+    yield from raised(hands)
+    yield from on_a_curve(hands)
+
+
+def dragged_through_zero(hands):
+    plan().cmc.size, plan().cmc.mean_curvature = "MEAN_CURVATURE", 0.06
+    yield from hands.click_button("cmc.live")
+    yield from hands.wait_for(at_rest, "the shell has the curvature")
+    yield from look(hands)
+    yield from hands.picture("dome")
+    x, y = yield from hands.find_field("cmc.mean_curvature")
+    heights = []
+    watch = bpy.app.timers
+    watch.register(lambda: heights.append(middle(plan().cmc.f_plus)) or 0.02, first_interval=0.0, persistent=True)
+    yield from hands.drag((x, y), (x - 24, y), steps=24, pause=0.12)
+    yield from hands.wait_for(at_rest, "it has come to rest")
+    assert plan().cmc.mean_curvature < -0.01, plan().cmc.mean_curvature
+    size = max(abs(heights[0]), abs(heights[-1]))
+    jumps = np.abs(np.diff(heights))
+    print(f"H to {plan().cmc.mean_curvature:.3f}: {len(set(heights))} shapes, the largest step {jumps.max():.3f} "
+          f"of {heights[0]:.3f} to {heights[-1]:.3f}", flush=True)
+    assert heights[0] > 0 > heights[-1] and len(set(heights)) > 5
+    assert np.isfinite(heights).all() and jumps.max() < 0.5 * 2 * size
+    yield from hands.picture("hanging")
+    bpy.ops.ed.undo_push(message="Hanging")
+
+
+def raised(hands):
+    """A corner of the line raised in edit mode; the rim and its line go along."""
+    plan().cmc.mean_curvature = 0.0
+    mesh = plan().data
+    for vertex in mesh.vertices:
+        vertex.co.z = 0.012 * vertex.co.x * vertex.co.y
+    mesh.update()
+    yield from hands.wait_for(at_rest, "the soap film is there")
+    yield from look(hands)
+    yield from hands.picture("soap-film")
+
+
+def on_a_curve(hands):
+    """The whole loop in one group on a chosen curve, above the plan."""
+    side(lambda p: True)
+    bpy.ops.cmc.group_remove(all=True)
+    bpy.ops.cmc.group_add(name="Ring", kind="LINE", assign=True)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    data = bpy.data.curves.new("Curve", "CURVE")
+    data.dimensions = "3D"
+    spline = data.splines.new("POLY")
+    turn = np.linspace(0.0, 2.0 * np.pi, 120, endpoint=False)
+    spline.points.add(len(turn) - 1)
+    for point, t in zip(spline.points, turn.tolist(), strict=True):
+        point.co = (7.0 * np.cos(t), 4.5 * np.sin(t), 2.0 + 0.8 * np.cos(2.0 * t), 1.0)
+    spline.use_cyclic_u = True
+    curve = bpy.data.objects.new("Curve", data)
+    bpy.context.collection.objects.link(curve)
+    plan().data.cmc.groups["Ring"].curve = curve
+    plan().cmc.mean_curvature = 0.08
+    yield from hands.wait_for(at_rest, "the shell is on the curve")
+    yield from look(hands)
+    yield from hands.picture("curve")
+    assert points(plan().cmc.f_plus)[:, 2].min() > 1.0
