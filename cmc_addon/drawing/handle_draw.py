@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 import blf
 import gpu
 import numpy as np
@@ -20,19 +23,28 @@ _SIDES = 20
 _DARK, _GROUND, _INK = (0.0, 0.0, 0.0, 0.6), (0.08, 0.08, 0.08, 0.8), (1.0, 1.0, 1.0, 1.0)
 
 
+@contextmanager
+def blended() -> Iterator[None]:
+    """Colours with an alpha mix with what is behind them; afterwards all is as before."""
+    before = gpu.state.blend_get()
+    gpu.state.blend_set("ALPHA")
+    try:
+        yield
+    finally:
+        gpu.state.blend_set(before)
+
+
 def handle(track: Array, colour: Colour, scale: float, is_hot: bool, is_arrow: bool = False) -> None:
     """A shaft along points (n, 2) that ends in a grip: a disc, or an arrow's head. is_hot: under the mouse."""
     if not np.isfinite(track).all():
         return
     size = scale * (_LARGER if is_hot else 1.0)
     paint = (*colour, 1.0)
-    gpu.state.blend_set("ALPHA")
     line(track, _DARK, size * (_WIDTH + _EDGE))
     line(track, paint, size * _WIDTH)
     grip = _head if is_arrow else _disc
     _triangles(grip(track, size, 0.5 * _EDGE * size), _DARK)
     _triangles(grip(track, size, 0.0), (1.0, 1.0, 1.0, 1.0) if is_hot else paint)
-    gpu.state.blend_set("NONE")
 
 
 def line(points: Array, colour: tuple[float, ...], width: float) -> None:
@@ -56,13 +68,11 @@ def caption(text: str, at: Array, scale: float) -> None:
     margin = _MARGIN * scale
     x, y = at + [3.0 * _GRIP * scale, 2.0 * _GRIP * scale]
     left, right, low, high = x - margin, x + width + margin, y - margin, y + height + margin
-    gpu.state.blend_set("ALPHA")
     corners = [(left, low), (right, low), (right, high), (left, low), (right, high), (left, high)]
     _triangles(np.array(corners), _GROUND)
     blf.color(0, *_INK)
     blf.position(0, round(x), round(y), 0.0)
     blf.draw(0, text)
-    gpu.state.blend_set("NONE")
 
 
 def _disc(track: Array, size: float, more: float) -> Array:

@@ -107,6 +107,10 @@ class _Handle:
         """The place (2,) to take it at."""
         return track[-1]
 
+    def draw(self, context) -> None:
+        with handle_draw.blended():
+            self.show(context, context.preferences.system.ui_scale, self.is_highlight or self.grabbed is not None)
+
     def modal(self, context, event, tweak):
         self.drag(context, np.array([event.mouse_region_x, event.mouse_region_y], dtype=np.float64), tweak)
         redraw()
@@ -142,15 +146,14 @@ class CMC_GT_lever(_Handle, bpy.types.Gizmo):
     def held(self) -> Lever:
         return self.lever if self.grabbed is None else self.grabbed[0]
 
-    def draw(self, context) -> None:
-        lever, screen, scale = self.held, _screen(context), context.preferences.system.ui_scale
+    def show(self, context, scale: float, is_hot: bool) -> None:
+        lever, screen = self.held, _screen(context)
         colour, track = colour_of(lever.uid), self.track(context)
-        is_hot = self.is_highlight or self.grabbed is not None
         if is_hot:
             plan = by_uid(self.plan)
             angle = self.stored(plan)
             way = arc(lever, _length(context, screen, lever.at, _LEVER), angle)
-            handle_draw.line(screen.pixels(np.concatenate([lever.at[None], way])), (*colour, 0.8), 1.5 * scale)
+            handle_draw.line(screen.pixels(np.concatenate([lever.at[None], way])), (*colour, 1.0), 2.0 * scale)
             text = f"{lever.name} leans {np.degrees(angle):.4g}°"
             handle_draw.caption(text + _hint(plan, self.grabbed), track[-1], scale)
         handle_draw.handle(track, colour, scale, is_hot)
@@ -201,17 +204,15 @@ class CMC_GT_crown(_Handle, bpy.types.Gizmo):
     def grip(self, track: Array, scale: float) -> Array:
         return track[-1] + [0.0, 0.5 * _NEAR * scale]
 
-    def draw(self, context) -> None:
-        track, scale = self.track(context), context.preferences.system.ui_scale
-        is_hot = self.is_highlight or self.grabbed is not None
-        plan = by_uid(self.plan)
+    def show(self, context, scale: float, is_hot: bool) -> None:
+        track, plan = self.track(context), by_uid(self.plan)
         if is_hot and plan is not None:
             name = SIZE_PROPERTY[plan.cmc.size]
             text = "Drag to set the rise" if name is None else size_text(name, getattr(plan.cmc, name))
             handle_draw.caption(text + _hint(plan, self.grabbed), track[-1], scale)
             if self.grabbed is not None:
                 foot = _screen(context).pixels(np.stack([self.held.at, self.held.at + self.now * _UP]))
-                handle_draw.line(foot, (*_CROWN, 0.8), 1.5 * scale)
+                handle_draw.line(foot, (*_CROWN, 1.0), 2.0 * scale)
         handle_draw.handle(track, _CROWN, scale, is_hot, is_arrow=True)
 
     def invoke(self, context, event):
