@@ -123,11 +123,11 @@ def held_lines(ends: Array, colour: Colour, width: float) -> Iterator[Layer]:
 
 
 def _uprights(rim: Rim, look: Look) -> Iterator[Layer]:
-    """The foot of the wall over the edges of each group that leans over its line."""
+    """The foot of the wall over the edges of each group that leans over its line, or below it where the shell hangs."""
     size = np.linalg.norm(rim.up)
     if not size > 0.0:
         return
-    rise = _UPRIGHT * arrow_length(rim, look) * rim.up / size
+    rise = (-_UPRIGHT if rim.hangs else _UPRIGHT) * arrow_length(rim, look) * rim.up / size
     for walk in rim.walks:
         group = rim.group(walk.uid)
         if group is not None and group.kind == "lean":
