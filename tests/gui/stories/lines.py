@@ -53,7 +53,8 @@ def middle(shell) -> float:
 
 
 def off_line() -> float:
-    """How far the shell's rim is off the drawn edges, as a length; its vertices slide along them."""
+    """How far the shell's rim is off the drawn edges, as a length; its vertices slide along the smooth line through
+    them, which is a few millimetres off the edges at rounded corners."""
     mesh, shell = plan().data, plan().cmc.f_plus
     faces = np.bincount([loop.edge_index for loop in mesh.loops], minlength=len(mesh.edges))
     edges = np.array([edge.vertices for edge in mesh.edges if faces[edge.index] == 1])
@@ -72,7 +73,7 @@ def tell(hands):
     yield from hands.wait_for(lambda: plan().cmc.f_plus is not None, "the shell is there")
     yield from look(hands)
     yield from hands.picture("solved")
-    assert off_line() < 1e-4, off_line()
+    assert off_line() < 0.01, off_line()
 
     bpy.ops.object.mode_set(mode="EDIT")
     bpy.context.tool_settings.mesh_select_mode = (False, True, False)
@@ -81,7 +82,7 @@ def tell(hands):
     bpy.ops.cmc.group_add(name="Street", kind="LEAN", angle=np.radians(60), assign=True)
     bpy.ops.object.mode_set(mode="OBJECT")
     yield from hands.click_button("cmc.solve")
-    yield from hands.wait_for(lambda: off_line() > 0.01, "the side has left its line")
+    yield from hands.wait_for(lambda: off_line() > 0.02, "the side has left its line")
     yield from look(hands)
     yield from hands.picture("leans")
 
