@@ -13,6 +13,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...solver.gauss.kinds import KINDS
 from ..bridges.geometry_changes import version
 from ..bridges.mesh_cache import is_on_lines
 from ..bridges.overlay_bridge import points_of
@@ -22,12 +23,15 @@ from ..properties.registration import registration
 from ..properties.settings import SIZE_PROPERTY
 from ..properties.units import in_units, length_text, per_length
 from . import handle_draw
+from .caption_gizmo import CMC_GT_caption, Side
 from .crown import Crown, crown_of, number_at
-from .handles import Lever, Screen, arc, levers, lifted, snapped, turned
+from .handles import ANGLES, Lever, arc, levers, lifted, snapped, turned
 from .overlay import Seen, is_plan, is_visible, seen_plan_of
 from .overlay_cache import kept
 from .palette import colour_of
-from .viewport import redraw
+from .rim import Rim
+from .screen import Screen
+from .viewport import redraw, screen_of
 
 Array = NDArray[np.float64]
 
@@ -59,6 +63,15 @@ def levers_of(context: bpy.types.Context, plan: bpy.types.Object, view=None) -> 
     return [replace(lever, at=lever.at + origin) for lever in levers(seen.rim)][:_MOST]
 
 
+def sides_of(context: bpy.types.Context, plan: bpy.types.Object, view=None) -> list[Side]:
+    """The sides of a plan that is visible, with their captions, in the world."""
+    seen = seen_plan_of(context, plan) if is_visible(plan, context, view) else None
+    if seen is None:
+        return []
+    origin = np.array(plan.matrix_world.translation, dtype=np.float64)
+    return [Side(walk.points + origin, side_text(seen.rim, walk.uid)) for walk in seen.rim.walks]
+
+
 def crown(context: bpy.types.Context, plan: bpy.types.Object, view=None) -> Crown | None:
     """The crown of the shell of a plan, in the world, while it is visible."""
     shell, seen = shown_shell(context), seen_plan_of(context, plan)
@@ -77,6 +90,15 @@ def _crown(plan: bpy.types.Object, shell: bpy.types.Object, seen: Seen, spans: b
     ends = [ends.reshape(-1, 3) for ends in seen.rim.lines.values()]
     rim = np.concatenate([np.zeros((0, 3)), *ends]) + np.array(plan.matrix_world.translation)
     return crown_of(points, rim, spans)
+
+
+def side_text(rim: Rim, uid: int) -> str:
+    """What the shell does along a side, for a caption."""
+    group = rim.group(uid)
+    name, kind = ("Other edges", rim.default_kind) if group is None else (group.name, group.kind)
+    angle = dict(group.parameters).get(ANGLES.get(kind, "")) if group is not None else None
+    text = f"{name}: {KINDS[kind].label[0].lower()}{KINDS[kind].label[1:]}"
+    return f"{text}, {np.degrees(angle):.4g}°" if isinstance(angle, float) else text
 
 
 def size_text(size: str, number: float) -> str:
@@ -137,7 +159,7 @@ class CMC_GT_lever(_Handle, bpy.types.Gizmo):
 
     def track(self, context) -> Array:
         """Foot and tip of the lever on the screen, (2, 2)."""
-        lever, screen = self.held, _screen(context)
+        lever, screen = self.held, screen_of(context)
         angle = lever.angle if self.grabbed is None else self.now
         tip = lever.tips(np.array([angle]), _length(context, screen, lever.at, _LEVER))
         return screen.pixels(np.concatenate([lever.at[None], tip]))
@@ -147,7 +169,7 @@ class CMC_GT_lever(_Handle, bpy.types.Gizmo):
         return self.lever if self.grabbed is None else self.grabbed[0]
 
     def show(self, context, scale: float, is_hot: bool) -> None:
-        lever, screen = self.held, _screen(context)
+        lever, screen = self.held, screen_of(context)
         colour, track = colour_of(lever.uid), self.track(context)
         if is_hot:
             plan = by_uid(self.plan)
@@ -167,7 +189,7 @@ class CMC_GT_lever(_Handle, bpy.types.Gizmo):
 
     def drag(self, context, mouse: Array, tweak) -> None:
         lever, _, offset = self.grabbed
-        screen = _screen(context)
+        screen = screen_of(context)
         length = _length(context, screen, lever.at, _LEVER)
         angle = turned(lever, screen, length, self.now, mouse + offset)
         self.now = angle
@@ -196,7 +218,7 @@ class CMC_GT_crown(_Handle, bpy.types.Gizmo):
 
     def track(self, context) -> Array:
         """Foot and tip of the arrow on the screen, (2, 2): over where the crown is dragged to."""
-        screen = _screen(context)
+        screen = screen_of(context)
         at = self.held.at + (0.0 if self.grabbed is None else self.now) * _UP
         length = _length(context, screen, at, _ARROW)
         return screen.pixels(np.stack([at, at + length * _UP]))
@@ -211,7 +233,7 @@ class CMC_GT_crown(_Handle, bpy.types.Gizmo):
             text = "Drag to set the rise" if name is None else size_text(name, getattr(plan.cmc, name))
             handle_draw.caption(text + _hint(plan, self.grabbed), track[-1], scale)
             if self.grabbed is not None:
-                foot = _screen(context).pixels(np.stack([self.held.at, self.held.at + self.now * _UP]))
+                foot = screen_of(context).pixels(np.stack([self.held.at, self.held.at + self.now * _UP]))
                 handle_draw.line(foot, (*_CROWN, 1.0), 2.0 * scale)
         handle_draw.handle(track, _CROWN, scale, is_hot, is_arrow=True)
 
@@ -225,7 +247,7 @@ class CMC_GT_crown(_Handle, bpy.types.Gizmo):
         plan, (held, before, start) = by_uid(self.plan), self.grabbed
         if plan is None:
             return
-        self.now = lifted(held.at, _UP, _screen(context), start, mouse)
+        self.now = lifted(held.at, _UP, screen_of(context), start, mouse)
         name = SIZE_PROPERTY[before["size"]]
         size, number = number_at(held, before["size"].lower(), before[name] if name else 0.0, self.now, plan.cmc.flip)
         if "SNAP" in tweak:
@@ -258,6 +280,7 @@ class CMC_GGT_handles(bpy.types.GizmoGroup):
     def setup(self, context):
         self.levers = [self.gizmos.new(CMC_GT_lever.bl_idname) for _ in range(_MOST)]
         self.crown = self.gizmos.new(CMC_GT_crown.bl_idname)
+        self.caption = self.gizmos.new(CMC_GT_caption.bl_idname)
         self.draw_prepare(context)
 
     def draw_prepare(self, context):
@@ -269,6 +292,7 @@ class CMC_GGT_handles(bpy.types.GizmoGroup):
             if not gizmo.hide:
                 gizmo.plan, gizmo.lever = plan.session_uid, found[k]
         top = crown(context, plan, view) if plan is not None else None
+        self.caption.sides = [] if plan is None else sides_of(context, plan, view)
         self.crown.hide = top is None
         if top is not None:
             self.crown.plan, self.crown.crown = plan.session_uid, top
@@ -283,16 +307,10 @@ def _hint(plan: bpy.types.Object | None, grabbed: Any) -> str:
     return "; Solve to see it" if grabbed is not None and plan is not None and not plan.cmc.live else ""
 
 
-def _screen(context: bpy.types.Context) -> Screen:
-    region = context.region
-    matrix = np.array(context.region_data.perspective_matrix, dtype=np.float64)
-    return Screen(matrix, float(region.width), float(region.height))
-
-
 def _length(context: bpy.types.Context, screen: Screen, at: Array, pixels: float) -> float:
     """A length in pixels as one in the world, at a point (3,)."""
     return pixels * context.preferences.system.ui_scale * screen.pixel(at)
 
 
-CLASSES = (CMC_GT_lever, CMC_GT_crown, CMC_GGT_handles)
+CLASSES = (CMC_GT_caption, CMC_GT_lever, CMC_GT_crown, CMC_GGT_handles)
 register, unregister = registration(CLASSES)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from .overlay_geometry import unit_vectors
 from .rim import Rim, Walk
 from .rim_strip import GroupState
+from .screen import Screen, nearest
 
 Array = NDArray[np.float64]
 
@@ -101,44 +102,7 @@ def snapped(value: float, step: float) -> float:
     return round(value / step) * step
 
 
-# --- on the screen ---------------------------------------------------------------------------
-
-@dataclass(frozen=True, eq=False)
-class Screen:
-    """What a view shows. matrix (4, 4): from the world to clip space; width, height: pixels of the region."""
-
-    matrix: Array
-    width: float
-    height: float
-
-    def pixels(self, points: Array) -> Array:
-        """Places (n, 2) of points (n, 3) of the world, from the lower left; nan behind the eye."""
-        clip = np.column_stack([points, np.ones(len(points))]) @ self.matrix.T
-        depth = np.where(clip[:, 3] > 0.0, clip[:, 3], np.nan)
-        return 0.5 * (clip[:, :2] / depth[:, None] + 1.0) * [self.width, self.height]
-
-    def pixel(self, point: Array) -> float:
-        """The length in the world of a pixel at a point (3,), parallel to the screen; nan behind the eye."""
-        depth = float(self.matrix[3] @ [*point, 1.0])
-        across = 0.5 * self.width * float(np.linalg.norm(self.matrix[0, :3]))
-        return depth / across if depth > 0.0 else np.nan
-
-
-def nearest(track: Array, values: Array, mouse: Array) -> float | None:
-    """The value at the place of a track, points (n, 2) with values (n,), that is nearest to the mouse (2,).
-
-    Between two points it is interpolated. None where nothing of the track is known.
-    """
-    start, step = track[:-1], np.diff(track, axis=0)
-    size = np.einsum("ij,ij->i", step, step)
-    part = np.divide(np.einsum("ij,ij->i", mouse - start, step), size, out=np.zeros(len(size)), where=size > 0.0)
-    part = part.clip(0.0, 1.0)
-    off = np.linalg.norm(start + part[:, None] * step - mouse, axis=1)
-    if not np.isfinite(off).any():
-        return None
-    best = int(np.nanargmin(off))
-    return float(values[best] + part[best] * (values[best + 1] - values[best]))
-
+# --- dragged by the mouse -------------------------------------------------------------------
 
 def turned(lever: Lever, screen: Screen, length: float, last: float, mouse: Array) -> float:
     """The angle whose tip is nearest to the mouse (2,), in reach of the last one."""

@@ -1,8 +1,18 @@
-"""Redraws 3D views and the sidebar."""
+"""3D views: what they show, and how to draw them again."""
 
 from __future__ import annotations
 
 import bpy
+import numpy as np
+
+from .screen import Screen
+
+
+def screen_of(context: bpy.types.Context) -> Screen:
+    """The screen of the 3D view that is drawn or under the mouse."""
+    region = context.region
+    matrix = np.array(context.region_data.perspective_matrix, dtype=np.float64)
+    return Screen(matrix, float(region.width), float(region.height))
 
 
 def redraw() -> None:

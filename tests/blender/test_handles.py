@@ -18,6 +18,12 @@ def handles():
     return handles
 
 
+def screens():
+    from cmc_formfinding.cmc_addon.drawing import screen
+
+    return screen
+
+
 def gizmos():
     from cmc_formfinding.cmc_addon.drawing import handle_gizmos
 
@@ -37,7 +43,7 @@ def screen(eye=(0.0, -14.0, 9.0), target=(0.0, 0.0, 1.0), lens=1.2, flat=False):
     projection[2, 3], projection[3, 2] = -0.2, -1.0
     if flat:
         projection = np.diag([0.1, 0.1 * 1000 / 800, -0.01, 1.0])
-    return handles().Screen(projection @ view, 1000.0, 800.0)
+    return screens().Screen(projection @ view, 1000.0, 800.0)
 
 
 VIEWS = [
@@ -274,6 +280,29 @@ def test_a_group_in_many_places_has_levers_at_its_longest_sides(addon):
     assert len(found) == 3 and len({lever.uid for lever in found}) == 1
     edges = boundary_edges(plan.data)
     assert len(edges) == 48
+
+
+def test_captions_of_sides_say_what_the_shell_does_there(addon):
+    plan = quad_disc()
+    plan.location.z = 2.0
+    first, second, third = arcs(plan, 0, 90, 180, 270)
+    add_group(plan, "Street", first, "LEAN", angle=np.radians(35))
+    add_group(plan, "Garden", second, "MIRROR")
+    add_group(plan, "Court", third, "BINORMAL", tilt=np.radians(12.5))
+    plan.cmc.default_kind = "LINE"
+    bpy.context.view_layer.update()
+    sides = {side.text: side for side in gizmos().sides_of(bpy.context, plan)}
+    assert set(sides) == {
+        "Street: leans over its line, 35°", "Garden: mirror", "Court: leans, rim free, 12.5°",
+        "Other edges: on the line",
+    }
+    assert_allclose(np.linalg.norm(sides["Garden: mirror"].points - [0, 0, 2], axis=1), 4.0, rtol=1e-6)
+    shown, near = screen(), sides["Court: leans, rim free, 12.5°"].points
+    ends = shown.pixels(near[2:4])
+    place, (x, y) = ends.mean(axis=0), (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
+    assert screens().distance(shown.pixels(near), place) < 1e-6
+    assert screens().distance(shown.pixels(near), place + [5.0 * y, -5.0 * x]) == pytest.approx(5.0)
+    assert screens().distance(np.full((3, 2), np.nan), place) == np.inf
 
 
 def test_captions_are_in_the_units_of_the_scene(addon):

@@ -22,7 +22,7 @@ def region(hands):
 def screen(hands):
     """The projection of the view, in pixels of the window."""
     with bpy.context.temp_override(window=hands.window, area=hands.area, region=region(hands)):
-        return gizmos()._screen(bpy.context)
+        return gizmos().screen_of(bpy.context)
 
 
 def place(hands, point):
@@ -67,6 +67,9 @@ def tell(hands):
     yield from look(hands)
     hands.move(*lever(hands, "Street"))
     yield from hands.picture("lever-hovered")
+
+    hands.move(*place(hands, max((v.co for v in plan().data.vertices), key=lambda p: p.x - 0.1 * abs(p.y))))
+    yield from hands.picture("side-hovered")
 
     yield from lean(hands)
     yield from rise(hands)
