@@ -105,15 +105,18 @@ def arrow_length(rim: Rim, look: Look) -> float:
 
 
 def _groups(rim: Rim, look: Look) -> Iterator[Layer]:
-    for uid, ends in rim.lines.items():
-        if uid == NOBODY:
-            continue
-        width = look.width * (_ACTIVE if uid == look.active else 1.0)
-        if rim.lies_on(uid) and not look.editing:
-            yield from held_lines(ends, look.colour(uid), width)
-        else:
-            yield _edges(ends, look.colour(uid), width, look)
+    for uid in rim.lines:
+        if uid != NOBODY:
+            yield from _side(rim, uid, look.width * (_ACTIVE if uid == look.active else 1.0), look)
     yield from _uprights(rim, look)
+
+
+def _side(rim: Rim, uid: int, width: float, look: Look) -> Iterator[Layer]:
+    """The edges of a group, or of none; those that hold the rim with a core, but in edit mode."""
+    if rim.lies_on(uid) and not look.editing:
+        yield from held_lines(rim.lines[uid], look.colour(uid), width)
+    else:
+        yield _edges(rim.lines[uid], look.colour(uid), width, look)
 
 
 def held_lines(ends: Array, colour: Colour, width: float) -> Iterator[Layer]:
@@ -144,12 +147,14 @@ def _edges(ends: Array, colour: Colour, width: float, look: Look) -> Layer:
 
 
 def _ungrouped(rim: Rim, look: Look) -> Iterator[Layer]:
-    if rim.lies_on(NOBODY) and not look.editing:
-        yield from held_lines(rim.lines.get(NOBODY, shapes.NO_LINES), look.ungrouped, look.width)
+    if NOBODY not in rim.lines:
+        return
+    if rim.lies_on(NOBODY):
+        yield from _side(rim, NOBODY, look.width, look)
         return
     period = max(_DASH * rim.size, rim.length / _DASHES)
     dashed = [shapes.dashes(walk.points, period) for walk in rim.walks if walk.uid == NOBODY]
-    whole = [] if rim.walks else [rim.lines.get(NOBODY, shapes.NO_LINES)]
+    whole = [] if rim.walks else [rim.lines[NOBODY]]
     yield _edges(np.concatenate([shapes.NO_LINES, *dashed, *whole]), look.ungrouped, look.width, look)
 
 

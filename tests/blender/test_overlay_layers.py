@@ -242,7 +242,11 @@ def test_a_line_that_holds_the_rim_has_a_bright_core(addon):
     plan.cmc.default_kind = "LINE"
     outer, core = layers(frame(addon))
     assert core.colour[:3] == (1.0, 1.0, 1.0) and core.width < outer.width
-    assert len(outer.points) == len(core.points) == 2 * (24 - len(first) - len(second) - len(third))
+    count = 2 * (24 - len(first) - len(second) - len(third))
+    assert len(outer.points) == len(core.points) == count
+    bpy.ops.object.mode_set(mode="EDIT")
+    (pale,) = layers(frame(addon))
+    assert len(pale.points) == count and pale.colour[3] < 1.0, "without dashes and core, over the selection"
 
 
 def test_an_upright_wall_stands_over_a_leaning_line(addon):
