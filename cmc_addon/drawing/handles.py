@@ -50,8 +50,7 @@ class Lever:
 
     def tips(self, angles: Array, length: float) -> Array:
         """Points (n, 3) of the tip at angles (n,): a + l (cos δ e - sin δ N), δ from the present angle; since
-        N = cos α ν + sin α u and e = dN/dα, 0 is upright and 90° lies flat over the plan. Where the shell hangs, u
-        points down."""
+        N = cos α ν + sin α u and e = dN/dα, 0 is upright and 90° lies flat over the plan."""
         turn = np.asarray(angles)[:, None] - self.angle
         return self.at + length * (np.cos(turn) * self.along - np.sin(turn) * self.normal)
 
@@ -66,17 +65,16 @@ def levers(rim: Rim) -> list[Lever]:
     for group in rim.groups:
         if group.kind in ANGLES:
             mine = sorted((walk for walk in rim.walks if walk.uid == group.uid), key=lambda walk: -walk.length)
-            found += [lever for walk in mine[:_SIDES] if (lever := _lever(group, walk, rim.hangs)) is not None]
+            found += [lever for walk in mine[:_SIDES] if (lever := _lever(group, walk)) is not None]
     return found
 
 
-def _lever(group: GroupState, walk: Walk, hangs: bool) -> Lever | None:
+def _lever(group: GroupState, walk: Walk) -> Lever | None:
     """At the middle edge of a side; None where nothing is known there."""
     steps = np.diff(walk.points, axis=0)
     at = _front(walk) if walk.closed else _middle(steps)
     normal, tangent = walk.middles[at], unit_vectors(steps[at])
-    turn = np.cross(tangent, normal) if hangs and group.kind == "lean" else np.cross(normal, tangent)
-    along = unit_vectors(np.asarray(turn, dtype=np.float64))
+    along = unit_vectors(np.asarray(np.cross(normal, tangent), dtype=np.float64))
     if not (np.isfinite(along).all() and along.any()):
         return None
     angle, (least, most) = float(dict(group.parameters)[ANGLES[group.kind]]), _RANGE[group.kind]  # type: ignore[arg-type]

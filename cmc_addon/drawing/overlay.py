@@ -23,7 +23,7 @@ from ..properties.group_settings import parameter_values
 from ..properties.links import plan_to_solve, results_of, shown_shell
 from ..properties.overlay_settings import SHOWN
 from ..properties.reports import last_report
-from ..properties.settings import SIDES, SIZE_PROPERTY
+from ..properties.settings import SIDES
 from ..properties.stored import COMPLETED_ROLES, DESIGN_ROLES, ROLES
 from .overlay_cache import kept
 from .overlay_layers import Layer, Look, arrow_length, cut_layer, held_lines, rim_layers
@@ -125,13 +125,7 @@ class Seen:
 
 
 def _leaning(settings) -> Leaning:
-    return Leaning(settings.blend, settings.against.lower(), settings.default_kind.lower(), _hangs(settings))
-
-
-def _hangs(settings) -> bool:
-    """Whether the settings ask for a shell that hangs, if it is one on lines."""
-    name = SIZE_PROPERTY[settings.size]
-    return (name is not None and getattr(settings, name) < 0.0) != settings.flip
+    return Leaning(settings.blend, settings.against.lower(), settings.default_kind.lower())
 
 
 def seen_plan_of(context: bpy.types.Context, plan: bpy.types.Object) -> Seen | None:

@@ -26,8 +26,8 @@ _ACTIVE, _SHAFT, _TICK, _OUTLINE, _BOLD = 1.7, 2.0, 2.0, 1.5, 3.0
 _FILL, _PLATE = 0.12, 0.3
 # Of lines on which the rim lies: factor of the width, and the width of the bright core as a part of it.
 _HELD, _CORE = 1.5, 0.3
-# Height of the upright wall over which a rim leans, in arrows.
-_UPRIGHT = 1.5
+# Half the height of the strip of wall along which a rim leans, in arrows.
+_UPRIGHT = 0.9
 # Lines of groups while the mesh is edited: factor of the width, and alpha.
 _BROAD, _PALE = 2.4, 0.35
 _CORNER: Colour = (0.92, 0.92, 0.92)
@@ -126,17 +126,17 @@ def held_lines(ends: Array, colour: Colour, width: float) -> Iterator[Layer]:
 
 
 def _uprights(rim: Rim, look: Look) -> Iterator[Layer]:
-    """The foot of the wall over the edges of each group that leans over its line, or below it where the shell hangs."""
+    """A strip of the wall through the edges of each group that leans over its line: its rim may rise and fall there."""
     size = np.linalg.norm(rim.up)
     if not size > 0.0:
         return
-    rise = (-_UPRIGHT if rim.hangs else _UPRIGHT) * arrow_length(rim, look) * rim.up / size
+    rise = _UPRIGHT * arrow_length(rim, look) * rim.up / size
     for walk in rim.walks:
         group = rim.group(walk.uid)
         if group is not None and group.kind == "lean":
-            panes = shapes.panes(walk.points, rise)
+            panes = shapes.panes(walk.points - rise, 2.0 * rise)
             yield triangles(shapes.filled(panes), look.colour(walk.uid), _FILL, hides=True)
-            yield replace(lines(panes[:, 2:], look.colour(walk.uid), _OUTLINE, 0.5, hides=True), edged=False)
+            yield replace(lines(panes.reshape(-1, 2, 3), look.colour(walk.uid), _OUTLINE, 0.5, hides=True), edged=False)
 
 
 def _edges(ends: Array, colour: Colour, width: float, look: Look) -> Layer:

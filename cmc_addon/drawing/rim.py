@@ -53,7 +53,7 @@ class Rim:
     """The rim of a plan. lines: uid → ends (n, 2, 3) of boundary edges, known even if nothing else is.
 
     corners, corner_normals (k, 3): vertices between two mirrors, and the normals of the shell there. up (3,): the area
-    vector of the plan. size: diagonal of the bounding box of its boundary. default_kind, hangs: as in `Leaning`.
+    vector of the plan. size: diagonal of the bounding box of its boundary. default_kind: as in `Leaning`.
     """
 
     groups: tuple[GroupState, ...]
@@ -64,7 +64,6 @@ class Rim:
     corner_normals: Array = field(default_factory=lambda: np.zeros((0, 3)))
     up: Array = field(default_factory=lambda: np.zeros(3))
     default_kind: str = "binormal"
-    hangs: bool = False
 
     @property
     def length(self) -> float:
@@ -109,15 +108,11 @@ class Drawn:
 
 @dataclass(frozen=True)
 class Leaning:
-    """How the angles of groups are taken, and the kind of edges in no group: see the solver's `Settings`.
-
-    hangs: a shell on lines hangs from them, so that what leans over its line is upside down.
-    """
+    """How the angles of groups are taken, and the kind of edges in no group: see the solver's `Settings`."""
 
     blend: float = 0.0
     against: str = "horizon"
     default_kind: str = "binormal"
-    hangs: bool = False
 
 
 def prescribed_rim(drawn: Drawn, groups: Sequence[GroupState], leaning: Leaning = Leaning(), side: int = 1) -> Rim:
@@ -125,11 +120,11 @@ def prescribed_rim(drawn: Drawn, groups: Sequence[GroupState], leaning: Leaning 
 
     Groups that are invalid by themselves are left out, then the vertices at which groups contradict each other.
     """
-    bare = Rim(tuple(groups), drawn.lines, drawn.size, default_kind=leaning.default_kind, hangs=leaning.hangs)
+    bare = Rim(tuple(groups), drawn.lines, drawn.size, default_kind=leaning.default_kind)
     strip = drawn.strip
     if strip is None:
         return bare
-    held = _held(strip, [_hanging(group) if leaning.hangs else group for group in groups], leaning, side, drawn.flipped)
+    held = _held(strip, groups, leaning, side, drawn.flipped)
     at = held.corners[held.corners < strip.rim_count]
     return replace(
         bare,
@@ -148,13 +143,6 @@ def _rim_edges(mesh: PlanMesh) -> Int:
 def _diagonal(points: Array) -> float:
     finite = points[np.isfinite(points).all(axis=1)]
     return float(np.linalg.norm(np.ptp(finite, axis=0))) if len(finite) else 0.0
-
-
-def _hanging(group: GroupState) -> GroupState:
-    """A group of a shell that hangs: over its line it leans as the reflection in the plane of the plan does."""
-    if group.kind != "lean":
-        return group
-    return replace(group, parameters=tuple((name, -value) for name, value in group.parameters))  # type: ignore[operator]
 
 
 # --- the prescribed normals -----------------------------------------------------------------------

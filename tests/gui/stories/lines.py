@@ -101,7 +101,7 @@ def dragged_through_zero(hands):
     heights = []
     watch = bpy.app.timers
     watch.register(lambda: heights.append(middle(plan().cmc.f_plus)) or 0.02, first_interval=0.0, persistent=True)
-    yield from hands.drag((x, y), (x - 24, y), steps=24, pause=0.12)
+    yield from hands.drag((x, y), (x - 14, y), steps=14, pause=0.15)
     yield from hands.wait_for(at_rest, "it has come to rest")
     assert plan().cmc.mean_curvature < -0.01, plan().cmc.mean_curvature
     size = max(abs(heights[0]), abs(heights[-1]))
