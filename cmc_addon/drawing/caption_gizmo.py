@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from . import handle_draw
 from .screen import distance
-from .viewport import screen_of
+from .viewport import right_end, screen_of
 
 Array = NDArray[np.float64]
 
@@ -53,4 +53,4 @@ class CMC_GT_caption(bpy.types.Gizmo):
     def draw(self, context) -> None:
         if self.text:
             with handle_draw.blended():
-                handle_draw.caption(self.text, self.at, context.preferences.system.ui_scale)
+                handle_draw.caption(self.text, self.at, context.preferences.system.ui_scale, right_end(context))

@@ -59,14 +59,15 @@ def line(points: Array, colour: tuple[float, ...], width: float) -> None:
     batch_for_shader(shader, "LINE_STRIP", {"pos": _flat(points)}).draw(shader)
 
 
-def caption(text: str, at: Array, scale: float) -> None:
-    """A line of text right of a place (2,), on dark ground."""
+def caption(text: str, at: Array, scale: float, end: float) -> None:
+    """A line of text right of a place (2,), on dark ground; end: of the view on the right, which it does not pass."""
     if not np.isfinite(at).all():
         return
     blf.size(0, _FONT * scale)
     width, height = blf.dimensions(0, text)
     margin = _MARGIN * scale
     x, y = at + [3.0 * _GRIP * scale, 2.0 * _GRIP * scale]
+    x = min(x, end - width - 2.0 * margin)
     left, right, low, high = x - margin, x + width + margin, y - margin, y + height + margin
     corners = [(left, low), (right, low), (right, high), (left, low), (right, high), (left, high)]
     _triangles(np.array(corners), _GROUND)

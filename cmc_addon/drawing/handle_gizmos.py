@@ -31,7 +31,7 @@ from .overlay_cache import kept
 from .palette import colour_of
 from .rim import Rim
 from .screen import Screen
-from .viewport import redraw, screen_of
+from .viewport import redraw, right_end, screen_of
 
 Array = NDArray[np.float64]
 
@@ -177,7 +177,7 @@ class CMC_GT_lever(_Handle, bpy.types.Gizmo):
             way = arc(lever, _length(context, screen, lever.at, _LEVER), angle)
             handle_draw.line(screen.pixels(np.concatenate([lever.at[None], way])), (*colour, 1.0), 2.0 * scale)
             text = f"{lever.name} leans {np.degrees(angle):.4g}°"
-            handle_draw.caption(text + _hint(plan, self.grabbed), track[-1], scale)
+            handle_draw.caption(text + _hint(plan, self.grabbed), track[-1], scale, right_end(context))
         handle_draw.handle(track, colour, scale, is_hot)
 
     def invoke(self, context, event):
@@ -231,7 +231,7 @@ class CMC_GT_crown(_Handle, bpy.types.Gizmo):
         if is_hot and plan is not None:
             name = SIZE_PROPERTY[plan.cmc.size]
             text = "Drag to set the rise" if name is None else size_text(name, getattr(plan.cmc, name))
-            handle_draw.caption(text + _hint(plan, self.grabbed), track[-1], scale)
+            handle_draw.caption(text + _hint(plan, self.grabbed), track[-1], scale, right_end(context))
             if self.grabbed is not None:
                 foot = screen_of(context).pixels(np.stack([self.held.at, self.held.at + self.now * _UP]))
                 handle_draw.line(foot, (*_CROWN, 1.0), 2.0 * scale)

@@ -15,6 +15,12 @@ def screen_of(context: bpy.types.Context) -> Screen:
     return Screen(matrix, float(region.width), float(region.height))
 
 
+def right_end(context: bpy.types.Context) -> float:
+    """Where the sidebar begins that lies over the view, in pixels of the region."""
+    sides = [region.x - context.region.x for region in context.area.regions if region.type == "UI" and region.width > 1]
+    return float(min([context.region.width, *sides]))
+
+
 def redraw() -> None:
     """Redraw every 3D viewport, soon; can be called from a timer."""
     manager = bpy.context.window_manager

@@ -7,7 +7,7 @@ import sys
 
 import bpy
 import numpy as np
-from stories.lines import look, plan, rectangle, side
+from stories.lines import Heights, look, plan, rectangle, side
 from stories.live import at_rest, points
 
 
@@ -79,7 +79,11 @@ def tell(hands):
 def lean(hands):
     before = points(plan().cmc.f_plus)
     start, to = lever(hands, "Street"), lever(hands, "Street", math.radians(70))
+    watch = Heights()
     yield from hands.drag(start, to, steps=15, pause=0.08)
+    shapes = len(watch.stop())
+    print(f"a lean: {shapes} shapes", flush=True)
+    assert shapes > 2, f"the shell has moved {shapes} times only"
     angle = group("Street").angle
     assert abs(math.degrees(angle) - 70) < 2, math.degrees(angle)
     yield from hands.wait_for(at_rest, "it has come to rest")
@@ -101,9 +105,12 @@ def rise(hands):
     (x, y), (_, above) = crown(hands)
     hands.move(x, y)
     yield from hands.picture("crown-hovered")
+    height = gizmos().crown(bpy.context, plan()).height
     yield from hands.drag((x, y), (x, above), steps=15, pause=0.08)
     assert plan().cmc.rise > before + 0.1, plan().cmc.rise
     yield from hands.wait_for(at_rest, "it has come to rest")
+    higher = gizmos().crown(bpy.context, plan()).height
+    assert abs(higher - height - 1.0) < 0.05, f"dragged by a metre it went from {height} to {higher}"
     yield from hands.picture("risen")
     (x, y), (_, above) = crown(hands)
     yield from hands.drag((x, y), (x, y - 4 * (above - y)), steps=25, pause=0.08)

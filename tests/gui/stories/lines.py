@@ -52,6 +52,24 @@ def middle(shell) -> float:
     return float(places[np.linalg.norm(places[:, :2], axis=1).argmin(), 2])
 
 
+class Heights:
+    """The heights of the shell over the middle of the plan, one for each shape that it takes, until `stop`."""
+
+    def __init__(self) -> None:
+        self.seen: list[float] = []
+        bpy.app.timers.register(self)
+
+    def __call__(self) -> float:
+        height = middle(plan().cmc.f_plus)
+        if not self.seen or height != self.seen[-1]:
+            self.seen.append(height)
+        return 0.0
+
+    def stop(self) -> np.ndarray:
+        bpy.app.timers.unregister(self)
+        return np.array(self.seen)
+
+
 def off_line() -> float:
     """How far the shell's rim is off the drawn edges, as a length; its vertices slide along the smooth line through
     them, which is a few millimetres off the edges at rounded corners."""
@@ -98,18 +116,15 @@ def dragged_through_zero(hands):
     yield from look(hands)
     yield from hands.picture("dome")
     x, y = yield from hands.find_field("cmc.mean_curvature")
-    heights = []
-    watch = bpy.app.timers
-    watch.register(lambda: heights.append(middle(plan().cmc.f_plus)) or 0.02, first_interval=0.0, persistent=True)
+    watch = Heights()
     yield from hands.drag((x, y), (x - 14, y), steps=14, pause=0.15)
     yield from hands.wait_for(at_rest, "it has come to rest")
-    assert plan().cmc.mean_curvature < -0.01, plan().cmc.mean_curvature
-    size = max(abs(heights[0]), abs(heights[-1]))
-    jumps = np.abs(np.diff(heights))
-    print(f"H to {plan().cmc.mean_curvature:.3f}: {len(set(heights))} shapes, the largest step {jumps.max():.3f} "
-          f"of {heights[0]:.3f} to {heights[-1]:.3f}", flush=True)
-    assert heights[0] > 0 > heights[-1] and len(set(heights)) > 5
-    assert np.isfinite(heights).all() and jumps.max() < 0.5 * 2 * size
+    heights, H = watch.stop(), plan().cmc.mean_curvature
+    steps = np.abs(np.diff(heights))
+    print(f"H to {H:.3f}: {len(heights)} shapes from {heights[0]:.3f} to {heights[-1]:.3f}, "
+          f"{steps.max():.3f} at most from one to the next", flush=True)
+    assert H < -0.01 and heights[0] > 0 > heights[-1] and len(heights) > 5
+    assert steps.max() < 0.5 * np.ptp(heights), "it has not jumped"
     yield from hands.picture("hanging")
     bpy.ops.ed.undo_push(message="Hanging")
 
