@@ -192,6 +192,22 @@ def test_the_numbers_of_caps_are_exact(height, moved):
     assert number_at(cap(height), "span", 18.0, moved) == ("rise", pytest.approx(new / 4))
 
 
+def test_the_crown_is_inside_where_the_line_is_higher():
+    """A sphere's cap under a rim with two high ends: the crown is the cap's, not the ends'."""
+    from cmc_formfinding.cmc_addon.drawing.crown import crown_of
+
+    turn = np.linspace(0, 2 * np.pi, 40, endpoint=False)
+    rim = np.column_stack([4 * np.cos(turn), 4 * np.sin(turn), 3 * np.cos(2 * turn)])
+    circle = np.column_stack([np.cos(turn), np.sin(turn), 0 * turn])
+    inside = [r * circle + [0, 0, 1 - r * r / 16] for r in (0.0, 1.0, 2.0, 3.0)]
+    crown = crown_of(np.concatenate([rim, *inside]), rim, True)
+    assert_allclose(crown.at, [0.0, 0.0, 1.0], atol=1e-12)
+    assert crown.height == pytest.approx(1.0) and crown.half == pytest.approx(4.0)
+    free = crown_of(np.concatenate([rim, *inside]), rim, False)
+    assert free.at[2] == 3.0 and free.height == pytest.approx(6.0)
+    assert crown_of(np.zeros((3, 3)), np.zeros((0, 3)), True) is None
+
+
 def test_a_rise_has_limits_and_h_a_largest_value():
     assert number_at(cap(1.0), "rise", 0.25, 100.0) == ("rise", 2.0)
     assert number_at(cap(1.0), "mean_curvature", 2 / 17, 100.0)[1] == pytest.approx(0.25)
