@@ -44,7 +44,7 @@ def tell(hands):
     button = yield from hands.find("cmc.fit_outline", (0.5,))
 
     yield from hands.click(*button)
-    yield from hands.wait_for(lambda: preview().shape is not None, "a shape is shown")
+    yield from hands.wait_for(running, "it runs")
     yield from hands.picture("running")
     assert running(), "it ended before anyone could look; use a finer plan"
     yield from hands.press("ESC")
