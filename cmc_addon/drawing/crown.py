@@ -28,8 +28,8 @@ _LOWEST = 0.05
 class Crown:
     """The place that is dragged, and what it is measured by.
 
-    at (3,): the crown. height: over the mean height of the rim, negative where the shell hangs; of a shell with a free
-    rim from its lowest to its highest point. half: half the smaller extent of the outline.
+    at (3,): the crown. height: over the mean height of the outer line, negative where the shell hangs; of a shell with
+    a free rim from its lowest to its highest point. half: half the smaller extent of the outer line.
     """
 
     at: Array
@@ -38,18 +38,20 @@ class Crown:
     is_spanned: bool
 
 
-def crown_of(points: Array, rim: Array, is_spanned: bool) -> Crown | None:
+def crown_of(points: Array, rim: Array, outer: Array, is_spanned: bool) -> Crown | None:
     """The crown of a shell with these points (n, 3) over a plan with these rim points (k, 3); None without an extent.
 
+    outer (m, 2, 3): ends of the edges of its outer line.
     On lines: the point farthest from the height of the rim, well inside, and in the middle where all is flat.
     """
-    half = 0.5 * float(np.ptp(rim[:, :2], axis=0).min()) if len(rim) else 0.0
+    half = 0.5 * float(np.ptp(outer[..., :2], axis=(0, 1)).min()) if len(outer) else 0.0
     known = points[np.isfinite(points).all(axis=1)]
     if not half > 0.0 or not len(known):
         return None
     if not is_spanned:
         return Crown(known[known[:, 2].argmax()], float(np.ptp(known[:, 2])), half, False)
-    base, depth = float(rim[:, 2].mean()), cKDTree(rim[:, :2]).query(known[:, :2])[0]
+    base = float(np.average(outer[..., 2].mean(axis=1), weights=np.linalg.norm(outer[:, 1] - outer[:, 0], axis=1)))
+    depth = cKDTree(rim[:, :2]).query(known[:, :2])[0]
     inside = known[depth >= _INSIDE * depth.max()]
     heights = inside[:, 2] - base
     if np.abs(heights).max() > _FLAT * half:

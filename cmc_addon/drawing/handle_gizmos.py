@@ -87,9 +87,9 @@ def crown(context: bpy.types.Context, plan: bpy.types.Object, view=None) -> Crow
 def _crown(plan: bpy.types.Object, shell: bpy.types.Object, seen: Seen, spans: bool) -> Crown | None:
     matrix = np.array(shell.matrix_world, dtype=np.float64)
     points = points_of(shell.data) @ matrix[:3, :3].T + matrix[:3, 3]
-    ends = [ends.reshape(-1, 3) for ends in seen.rim.lines.values()]
-    rim = np.concatenate([np.zeros((0, 3)), *ends]) + np.array(plan.matrix_world.translation)
-    return crown_of(points, rim, spans)
+    origin = np.array(plan.matrix_world.translation, dtype=np.float64)
+    rim = np.concatenate([np.zeros((0, 2, 3)), *seen.rim.lines.values()]).reshape(-1, 3)
+    return crown_of(points, rim + origin, seen.rim.outer + origin, spans)
 
 
 def side_text(rim: Rim, uid: int) -> str:

@@ -34,7 +34,7 @@ class Walk:
     """A part of a boundary loop in one group, with the plan on its left.
 
     points (m + 1, 3): its vertices, of a closed loop the first one again at the end. normals (m + 1, 3) at the vertices
-    and middles (m, 3) at the edges: nan where nothing is prescribed.
+    and middles (m, 3) at the edges: nan where nothing is prescribed. loop: number of the boundary loop.
     """
 
     uid: int
@@ -42,6 +42,7 @@ class Walk:
     normals: Array
     middles: Array
     closed: bool
+    loop: int = 0
 
     @property
     def length(self) -> float:
@@ -71,6 +72,17 @@ class Rim:
 
     def group(self, uid: int) -> GroupState | None:
         return next((group for group in self.groups if group.uid == uid), None)
+
+    @property
+    def outer(self) -> Array:
+        """Ends (n, 2, 3) of the edges of the outer boundary loop, the widest one; of all where loops are not known."""
+        loops: dict[int, list[Array]] = {}
+        for walk in self.walks:
+            loops.setdefault(walk.loop, []).append(np.stack([walk.points[:-1], walk.points[1:]], axis=1))
+        if not loops:
+            return np.concatenate([np.zeros((0, 2, 3)), *self.lines.values()])
+        found = [np.concatenate(pieces) for pieces in loops.values()]
+        return max(found, key=lambda ends: _diagonal(ends.reshape(-1, 3)))
 
     def lies_on(self, uid: int) -> bool:
         """Whether the shell's rim lies on the edges of this group."""
@@ -177,7 +189,8 @@ def _held(
 def _walks(strip: Strip, held: _Held) -> list[Walk]:
     """The boundary loops of a plan, divided where the group changes."""
     walks = []
-    for loop, edges in zip(strip.domain.boundary_loops, strip.domain.boundary_loop_edges, strict=True):
+    loops = zip(strip.domain.boundary_loops, strip.domain.boundary_loop_edges, strict=True)
+    for number, (loop, edges) in enumerate(loops):
         uids = strip.uids[edges]
         if (uids < 0).any():
             continue
@@ -189,7 +202,7 @@ def _walks(strip: Strip, held: _Held) -> list[Walk]:
             at = np.append(loop, loop[0])[start : end + 1]
             closed = len(starts) == 0
             middles = held.middles[edges[start:end]]
-            walks.append(Walk(int(uids[start]), strip.points[at], held.normals[at], middles, closed))
+            walks.append(Walk(int(uids[start]), strip.points[at], held.normals[at], middles, closed, number))
     return walks
 
 

@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from .overlay_scenes import arcs, disc
-from .scenes import activate, add_group, boundary_edges, positions, quad_disc
+from .scenes import activate, add_group, boundary_edges, positions, quad_disc, quad_ring
 from .solved_plans import solved
 
 
@@ -200,12 +200,13 @@ def test_the_crown_is_inside_where_the_line_is_higher():
     rim = np.column_stack([4 * np.cos(turn), 4 * np.sin(turn), 3 * np.cos(2 * turn)])
     circle = np.column_stack([np.cos(turn), np.sin(turn), 0 * turn])
     inside = [r * circle + [0, 0, 1 - r * r / 16] for r in (0.0, 1.0, 2.0, 3.0)]
-    crown = crown_of(np.concatenate([rim, *inside]), rim, True)
+    outer = np.stack([rim, np.roll(rim, -1, axis=0)], axis=1)
+    crown = crown_of(np.concatenate([rim, *inside]), rim, outer, True)
     assert_allclose(crown.at, [0.0, 0.0, 1.0], atol=1e-12)
     assert crown.height == pytest.approx(1.0) and crown.half == pytest.approx(4.0)
-    free = crown_of(np.concatenate([rim, *inside]), rim, False)
+    free = crown_of(np.concatenate([rim, *inside]), rim, outer, False)
     assert free.at[2] == 3.0 and free.height == pytest.approx(6.0)
-    assert crown_of(np.zeros((3, 3)), np.zeros((0, 3)), True) is None
+    assert crown_of(np.zeros((3, 3)), np.zeros((0, 3)), np.zeros((0, 2, 3)), True) is None
 
 
 def test_a_rise_has_limits_and_h_a_largest_value():
@@ -252,6 +253,22 @@ def test_a_flat_shell_has_its_crown_in_the_middle(addon):
     crown = gizmos().crown(bpy.context, plan)
     assert crown.height == 0.0
     assert_allclose(crown.at, 0.0, atol=0.3)
+
+
+def test_heights_are_over_the_outer_line(addon):
+    """Around a court whose line is higher, as the solver measures them."""
+    plan = quad_ring(rings=6, columns=48, inner=1.5, outer=4.0)
+    for vertex in plan.data.vertices:
+        radius = np.hypot(vertex.co.x - 0.8, vertex.co.y)
+        vertex.co.z = 2.0 if abs(radius - 1.5) < 1e-3 else 1.0
+    plan.location = (3.0, 2.0, 1.0)
+    plan.cmc.default_kind = "LINE"
+    points = solved(plan, size="RISE", rise=0.5)
+    bpy.context.view_layer.update()
+    crown = gizmos().crown(bpy.context, plan)
+    assert crown.half == pytest.approx(4.0, rel=1e-6)
+    assert crown.height == pytest.approx(crown.at[2] - 2.0, abs=1e-5)
+    assert 1.0 < crown.height <= points[:, 2].max() - 2.0 + 1e-5
 
 
 def test_handles_are_shown_when_they_are_wanted(addon):
