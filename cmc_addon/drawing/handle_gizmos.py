@@ -40,6 +40,7 @@ _LEVER, _ARROW, _NEAR = 52.0, 34.0, 11.0
 _MOST = 12  # levers
 # Steps of a drag with Ctrl: of an angle, radians, and of a size, two digits.
 _STEP = np.radians(5.0)
+_SLOW = 0.1  # with Shift
 _CROWN = (0.95, 0.95, 0.95)
 _UP = np.array([0.0, 0.0, 1.0])
 
@@ -113,10 +114,14 @@ def size_text(size: str, number: float) -> str:
 # --- the gizmos ------------------------------------------------------------------------------
 
 class _Handle:
-    """What both gizmos share. `plan`: uid of the plan; `grabbed`: the handle, its values and the mouse at the start."""
+    """What both gizmos share. `plan`: uid of the plan; `grabbed`: the handle, its values and the mouse at the start.
+
+    mouse, moved: the mouse, and the place to which it drags, which moves slowly with Shift.
+    """
 
     def setup(self) -> None:
         self.plan, self.grabbed, self.now = 0, None, 0.0
+        self.mouse = self.moved = np.zeros(2)
         self.use_draw_modal = True
 
     def test_select(self, context, location) -> int:
@@ -133,8 +138,16 @@ class _Handle:
         with handle_draw.blended():
             self.show(context, context.preferences.system.ui_scale, self.is_highlight or self.grabbed is not None)
 
-    def modal(self, context, event, tweak):
-        self.drag(context, np.array([event.mouse_region_x, event.mouse_region_y], dtype=np.float64), tweak)
+    def invoke(self, context, event):
+        self.mouse = self.moved = _mouse(event)
+        self.grab(context, self.mouse)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event, _tweak):
+        mouse = _mouse(event)
+        self.moved = self.moved + (_SLOW if event.shift else 1.0) * (mouse - self.mouse)
+        self.mouse = mouse
+        self.drag(context, self.moved, event.ctrl)
         redraw()
         return {"RUNNING_MODAL"}
 
@@ -155,7 +168,7 @@ class CMC_GT_lever(_Handle, bpy.types.Gizmo):
 
     bl_idname = "CMC_GT_lever"
     bl_label = "Lean"
-    __slots__ = ("grabbed", "lever", "now", "plan")
+    __slots__ = ("grabbed", "lever", "mouse", "moved", "now", "plan")
 
     def track(self, context) -> Array:
         """Foot and tip of the lever on the screen, (2, 2)."""
@@ -180,20 +193,17 @@ class CMC_GT_lever(_Handle, bpy.types.Gizmo):
             handle_draw.caption(text + _hint(plan, self.grabbed), track[-1], scale, right_end(context))
         handle_draw.handle(track, colour, scale, is_hot)
 
-    def invoke(self, context, event):
-        plan, mouse = by_uid(self.plan), np.array([event.mouse_region_x, event.mouse_region_y], dtype=np.float64)
+    def grab(self, context, mouse: Array) -> None:
         self.now = self.lever.angle
-        tip = self.track(context)[-1]
-        self.grabbed = self.lever, self.stored(plan), tip - mouse
-        return {"RUNNING_MODAL"}
+        self.grabbed = self.lever, self.stored(by_uid(self.plan)), self.track(context)[-1] - mouse
 
-    def drag(self, context, mouse: Array, tweak) -> None:
+    def drag(self, context, mouse: Array, snaps: bool) -> None:
         lever, _, offset = self.grabbed
         screen = screen_of(context)
         length = _length(context, screen, lever.at, _LEVER)
         angle = turned(lever, screen, length, self.now, mouse + offset)
         self.now = angle
-        wanted = snapped(angle, _STEP) if "SNAP" in tweak else snapped(angle, np.radians(0.1))
+        wanted = snapped(angle, _STEP) if snaps else snapped(angle, np.radians(0.1))
         self.store(by_uid(self.plan), float(np.clip(wanted, lever.least, lever.most)))
 
     def stored(self, plan) -> float:
@@ -210,7 +220,7 @@ class CMC_GT_crown(_Handle, bpy.types.Gizmo):
 
     bl_idname = "CMC_GT_crown"
     bl_label = "Size"
-    __slots__ = ("crown", "grabbed", "now", "plan")
+    __slots__ = ("crown", "grabbed", "mouse", "moved", "now", "plan")
 
     @property
     def held(self) -> Crown:
@@ -237,20 +247,18 @@ class CMC_GT_crown(_Handle, bpy.types.Gizmo):
                 handle_draw.line(foot, (*_CROWN, 1.0), 2.0 * scale)
         handle_draw.handle(track, _CROWN, scale, is_hot, is_arrow=True)
 
-    def invoke(self, context, event):
-        mouse = np.array([event.mouse_region_x, event.mouse_region_y], dtype=np.float64)
+    def grab(self, context, mouse: Array) -> None:
         self.now = 0.0
         self.grabbed = self.crown, self.stored(by_uid(self.plan)), mouse
-        return {"RUNNING_MODAL"}
 
-    def drag(self, context, mouse: Array, tweak) -> None:
+    def drag(self, context, mouse: Array, snaps: bool) -> None:
         plan, (held, before, start) = by_uid(self.plan), self.grabbed
         if plan is None:
             return
         self.now = lifted(held.at, _UP, screen_of(context), start, mouse)
         name = SIZE_PROPERTY[before["size"]]
         size, number = number_at(held, before["size"].lower(), before[name] if name else 0.0, self.now, plan.cmc.flip)
-        if "SNAP" in tweak:
+        if snaps:
             number = snapped(number, 0.5 * 10.0 ** np.floor(np.log10(max(abs(number), 1e-9))))
         self.store(plan, {**before, SIZE_PROPERTY[size.upper()]: number, "size": size.upper()})
 
@@ -305,6 +313,10 @@ def _group(plan: bpy.types.Object | None, uid: int):
 def _hint(plan: bpy.types.Object | None, grabbed: Any) -> str:
     """What to do to see it, while dragging."""
     return "; Solve to see it" if grabbed is not None and plan is not None and not plan.cmc.live else ""
+
+
+def _mouse(event: bpy.types.Event) -> Array:
+    return np.array([event.mouse_region_x, event.mouse_region_y], dtype=np.float64)
 
 
 def _length(context: bpy.types.Context, screen: Screen, at: Array, pixels: float) -> float:

@@ -112,14 +112,19 @@ def rise(hands):
     higher = gizmos().crown(bpy.context, plan()).height
     assert abs(higher - height - 1.0) < 0.05, f"dragged by a metre it went from {height} to {higher}"
     yield from hands.picture("risen")
+    rise = plan().cmc.rise
+    (x, y), (_, above) = crown(hands)
+    yield from hands.drag((x, y), (x, above), shift=True)
+    assert 0.02 < plan().cmc.rise - rise < 0.05, "with Shift by a tenth of a metre"
+    yield from hands.wait_for(at_rest, "it has come to rest")
     (x, y), (_, above) = crown(hands)
     yield from hands.drag((x, y), (x, y - 4 * (above - y)), steps=25, pause=0.08)
     assert plan().cmc.rise < 0, plan().cmc.rise
     yield from hands.wait_for(at_rest, "it has come to rest below")
     yield from hands.picture("hangs")
-    yield from hands.press("Z", ctrl=True)
-    yield from hands.press("Z", ctrl=True)
-    yield from hands.wait_for(lambda: abs(plan().cmc.rise - before) < 1e-6, "undo has taken back both drags")
+    for _ in range(3):
+        yield from hands.press("Z", ctrl=True)
+    yield from hands.wait_for(lambda: abs(plan().cmc.rise - before) < 1e-6, "undo has taken back the three drags")
     yield from hands.wait_for(at_rest, "it is at rest again")
 
 
