@@ -71,9 +71,29 @@ def tell(hands):
     hands.move(*place(hands, max((v.co for v in plan().data.vertices), key=lambda p: p.x - 0.1 * abs(p.y))))
     yield from hands.picture("side-hovered")
 
+    yield from cancelled(hands)
     yield from lean(hands)
     yield from rise(hands)
     yield from switches(hands)
+
+
+def cancelled(hands):
+    """Esc while the button is down takes the drag back."""
+    before = group("Street").angle
+    (x, y), (to_x, to_y) = lever(hands, "Street"), lever(hands, "Street", math.radians(80))
+    hands.move(x, y)
+    yield 0.3
+    hands.window.event_simulate(type="LEFTMOUSE", value="PRESS", x=x, y=y)
+    for k in range(1, 11):
+        hands.move(x + (to_x - x) * k / 10, y + (to_y - y) * k / 10)
+        yield 0.05
+    assert math.degrees(group("Street").angle - before) > 20, "it is dragged"
+    hands._key("ESC", (to_x, to_y))
+    yield 0.3
+    hands.window.event_simulate(type="LEFTMOUSE", value="RELEASE", x=to_x, y=to_y)
+    yield 0.3
+    assert group("Street").angle == before, "Esc has taken it back"
+    yield from hands.wait_for(at_rest, "it is at rest again")
 
 
 def lean(hands):
