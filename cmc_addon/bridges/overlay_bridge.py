@@ -58,6 +58,18 @@ def _edited_arrays(bm: bmesh.types.BMesh, matrix: Array) -> PlanMesh:
     )
 
 
+def line_of(ob: bpy.types.Object, context: bpy.types.Context) -> Array:
+    """Ends (n, 2, 3) of the edges of a curve, or of the boundary of a mesh, as seen, in its own coordinates."""
+    evaluated = ob.evaluated_get(context.view_layer.depsgraph or context.evaluated_depsgraph_get())
+    try:
+        mesh = evaluated.to_mesh()
+        edges = read(mesh, ".edge_verts", len(mesh.edges), np.int32, 2)
+        faces = np.bincount(read(mesh, ".corner_edge", len(mesh.loops), np.int32), minlength=len(edges))
+        return points_of(mesh)[edges[faces <= (1 if len(mesh.polygons) else 0)]]
+    finally:
+        evaluated.to_mesh_clear()
+
+
 def points_of(mesh: bpy.types.Mesh) -> Array:
     """Positions (V, 3) of a mesh that is not in edit mode, in its own coordinates."""
     return read(mesh, "position", len(mesh.vertices), np.float32, 3).astype(np.float64)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ...solver.errors import CmcError
 from ..bridges.geometry_changes import version
-from ..bridges.overlay_bridge import cut_of, points_of, seen_plan
+from ..bridges.overlay_bridge import cut_of, line_of, points_of, seen_plan
 from ..properties import group_list, preferences
 from ..properties.group_settings import parameter_values
 from ..properties.links import plan_to_solve, results_of, shown_shell
@@ -26,7 +26,7 @@ from ..properties.reports import last_report
 from ..properties.settings import SIDES
 from ..properties.stored import COMPLETED_ROLES, DESIGN_ROLES, ROLES
 from .overlay_cache import kept
-from .overlay_layers import Layer, Look, arrow_length, cut_layer, rim_layers
+from .overlay_layers import Layer, Look, arrow_length, cut_layer, held_lines, rim_layers
 from .palette import colour_of, other_colour
 from .result_layers import gap_layers, measured, plane_layers
 from .rim import Drawn, Leaning, Rim, prescribed_rim
@@ -52,13 +52,14 @@ def frame(context: bpy.types.Context, view: bpy.types.SpaceView3D | None = None)
         return []
     look, report = look_of(context, plan), last_report(context)
     shell = None if report is None else shown_shell(context)
-    planes = _planes(plan, report, shell if _is_visible(shell, context, view) else None, look)
-    seen = _seen(context, plan) if _is_visible(plan, context, view) else None
+    planes = _planes(plan, report, shell if is_visible(shell, context, view) else None, look)
+    seen = seen_plan_of(context, plan) if is_visible(plan, context, view) else None
     parts = []
     if seen is not None:
         parts += _plan_parts(plan, seen, look, frozenset(uid for uid, _, _ in planes))
+        parts += _curve_parts(plan, look, context, view)
     for result in results_of(plan, [role for role in (*ROLES, *DESIGN_ROLES) if role != "GAUSS"]).values():
-        if _is_visible(result, context, view):
+        if is_visible(result, context, view):
             parts += _result_parts(result, look, planes if result == shell else [], seen)
     if shell is not None and shell.cmc.role in COMPLETED_ROLES:  # copies meet at the gaps
         return parts
@@ -74,7 +75,7 @@ def is_plan(ob: bpy.types.Object) -> bool:
     return ob.type == "MESH" and bool(ob.data.cmc.groups or ob.cmc.meshed or ob.cmc.report or ob.cmc.design_report)
 
 
-def _is_visible(ob: bpy.types.Object | None, context, view) -> bool:
+def is_visible(ob: bpy.types.Object | None, context, view) -> bool:
     """Visible in this scene and view: not hidden, nor by its collections, nor outside the local view."""
     if ob is None or not ob.visible_get(view_layer=context.view_layer):
         return False
@@ -101,7 +102,10 @@ def look_of(context: bpy.types.Context, plan: bpy.types.Object) -> Look:
 def group_states(mesh: bpy.types.Mesh) -> tuple[GroupState, ...]:
     """The groups of a mesh as plain values."""
     return tuple(
-        GroupState(group.uid, group.name, group.kind.lower(), tuple(parameter_values(group.kind, group).items()))
+        GroupState(
+            group.uid, group.name, group.kind.lower(), tuple(parameter_values(group.kind, group).items()),
+            is_elsewhere=group.kind == "LINE" and group.curve is not None,
+        )
         for group in mesh.cmc.groups
     )
 
@@ -124,7 +128,7 @@ def _leaning(settings) -> Leaning:
     return Leaning(settings.blend, settings.against.lower(), settings.default_kind.lower())
 
 
-def _seen(context: bpy.types.Context, plan: bpy.types.Object) -> Seen | None:
+def seen_plan_of(context: bpy.types.Context, plan: bpy.types.Object) -> Seen | None:
     """The plan and its rim; None if it cannot be read."""
     settings, groups = plan.cmc, group_states(plan.data)
     matrix = plan.matrix_world.to_3x3().to_4x4()
@@ -150,6 +154,19 @@ def _plan_parts(plan: bpy.types.Object, seen: Seen, look: Look, walls: frozenset
     key = seen.number, look, walls
     layers = kept(("rim", plan.session_uid), key, lambda: rim_layers(seen.rim, look, walls))
     return [Part(Matrix.Translation(plan.matrix_world.translation), layers)]
+
+
+def _curve_parts(plan: bpy.types.Object, look: Look, context, view) -> Iterator[Part]:
+    """The curves on which rims lie in place of drawn edges, in their own coordinates."""
+    for group in plan.data.cmc.groups if "show_groups" in look.shown else ():
+        curve = group.curve if group.kind == "LINE" else None
+        if curve is not None and is_visible(curve, context, view):
+            key, colour = (version(curve), look), look.colour(group.uid)
+            layers = kept(
+                ("curve", plan.session_uid, group.uid), key,
+                lambda curve=curve, colour=colour: list(held_lines(line_of(curve, context), colour, look.width)),
+            )
+            yield Part(curve.matrix_world, layers)
 
 
 # --- its results ----------------------------------------------------------------------------
@@ -198,7 +215,7 @@ def _plan_cut(plan: bpy.types.Object, seen: Seen, shell: bpy.types.Object, look:
 
 def _gap_parts(plan, report: dict, shell, context, view, look: Look) -> list[Part]:
     """The gaps around the holes, on the shell or, without one, in its place."""
-    if shell is not None and not _is_visible(shell, context, view):
+    if shell is not None and not is_visible(shell, context, view):
         return []
     origin = np.zeros(3) if shell is None else np.array(shell.cmc.placed_at, dtype=np.float64)
     matrix = Matrix() if shell is None else shell.matrix_world

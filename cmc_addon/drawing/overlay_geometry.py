@@ -38,7 +38,7 @@ def spread(walk: Walk, spacing: float) -> tuple[Array, Array, Array]:
     if len(steps) == 1:
         return 0.5 * (walk.points[:1] + walk.points[1:]), walk.middles, steps / total
     at = np.concatenate([[0.0], np.cumsum(lengths)])
-    tangents = _unit(_unit(steps) + np.roll(_unit(steps), 1, axis=0))
+    tangents = unit_vectors(unit_vectors(steps) + np.roll(unit_vectors(steps), 1, axis=0))
     values = np.concatenate([walk.points, walk.normals, np.concatenate([tangents, tangents[:1]])], axis=1)
     inside = slice(0, -1) if walk.closed else slice(1, -1)
     places = _even(total, spacing, walk.closed)
@@ -49,7 +49,7 @@ def spread(walk: Walk, spacing: float) -> tuple[Array, Array, Array]:
     else:
         values = values[inside]
     points, normals, tangents = np.split(values, 3, axis=1)
-    return points, _unit(normals), _unit(tangents)
+    return points, unit_vectors(normals), unit_vectors(tangents)
 
 
 def _even(total: float, spacing: float, closed: bool) -> Array:
@@ -101,16 +101,16 @@ def arrows(points: Array, vectors: Array) -> tuple[Array, Array]:
 
 def across(vectors: Array) -> tuple[Array, Array]:
     """Two unit vectors (n, 3) square to vectors (n, 3) and to each other."""
-    along = _unit(vectors)
+    along = unit_vectors(vectors)
     other = np.eye(3)[np.argmin(np.abs(along), axis=1)]
-    first = _unit(np.cross(along, other))
+    first = unit_vectors(np.cross(along, other))
     return first, np.cross(along, first)
 
 
 def ticks(points: Array, directions: Array, length: float) -> Array:
     """Lines of this length through points (n, 3), half on either side; none where a direction is not known."""
     known = np.isfinite(directions).all(axis=1) & (np.linalg.norm(directions, axis=1) > _TINY)
-    half = 0.5 * length * _unit(directions[known])
+    half = 0.5 * length * unit_vectors(directions[known])
     return np.stack([points[known] - half, points[known] + half], axis=1)
 
 
@@ -122,10 +122,16 @@ def plates(points: Array, normals: Array, tangents: Array, width: float, height:
     lost = np.linalg.norm(flat, axis=1) < 1e-3
     if lost.any():
         flat[lost] = across(normals[lost])[0]
-    side = 0.5 * width * _unit(flat)
-    up = 0.5 * height * np.cross(normals, _unit(flat))
+    side = 0.5 * width * unit_vectors(flat)
+    up = 0.5 * height * np.cross(normals, unit_vectors(flat))
     corners = np.stack([points - side - up, points + side - up, points + side + up, points - side + up], axis=1)
     return filled(corners), outlined(corners)
+
+
+def panes(points: Array, rise: Array) -> Array:
+    """Corners (m, 4, 3) of the rectangles over the edges of a polyline (m + 1, 3), from it up by `rise` (3,)."""
+    below, after = points[:-1], points[1:]
+    return np.stack([below, after, after + rise, below + rise], axis=1)
 
 
 def filled(corners: Array) -> Array:
@@ -147,7 +153,7 @@ def wall(points: Array, normal: Array, up: Array, least: float, offset: float | 
     """
     upright = up - (up @ normal) * normal
     stands = np.linalg.norm(upright) > 0.1 * np.linalg.norm(up)
-    second = _unit(upright) if stands else across(normal[None])[1][0]
+    second = unit_vectors(upright) if stands else across(normal[None])[1][0]
     first = np.cross(second, normal)
     offset = float((points @ normal).mean()) if offset is None else offset
     spans = []
@@ -161,7 +167,7 @@ def wall(points: Array, normal: Array, up: Array, least: float, offset: float | 
     return np.array([x * first + y * second + offset * normal for x, y in ((a, c), (b, c), (b, d), (a, d))])
 
 
-def _unit(vectors: Array) -> Array:
+def unit_vectors(vectors: Array) -> Array:
     """Unit vectors along the last axis; zero where there is no direction."""
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return np.divide(vectors, length, out=np.full_like(vectors, 0.0), where=length != 0.0)

@@ -24,9 +24,14 @@ _FLAT = 0.01
 # Line widths: of the active group, relative to the others; in pixels of shafts, ticks, outlines, cuts and gaps.
 _ACTIVE, _SHAFT, _TICK, _OUTLINE, _BOLD = 1.7, 2.0, 2.0, 1.5, 3.0
 _FILL, _PLATE = 0.12, 0.3
+# Of lines on which the rim lies: factor of the width, and the width of the bright core as a part of it.
+_HELD, _CORE = 1.5, 0.3
+# Half the height of the strip of wall along which a rim leans, in arrows.
+_UPRIGHT = 0.9
 # Lines of groups while the mesh is edited: factor of the width, and alpha.
 _BROAD, _PALE = 2.4, 0.35
 _CORNER: Colour = (0.92, 0.92, 0.92)
+_BRIGHT: Colour = (1.0, 1.0, 1.0)
 
 PLANAR = {"mirror", "plane"}
 """Kinds of groups along which the shell lies in planes."""
@@ -100,9 +105,38 @@ def arrow_length(rim: Rim, look: Look) -> float:
 
 
 def _groups(rim: Rim, look: Look) -> Iterator[Layer]:
-    for uid, ends in rim.lines.items():
+    for uid in rim.lines:
         if uid != NOBODY:
-            yield _edges(ends, look.colour(uid), look.width * (_ACTIVE if uid == look.active else 1.0), look)
+            yield from _side(rim, uid, look.width * (_ACTIVE if uid == look.active else 1.0), look)
+    yield from _uprights(rim, look)
+
+
+def _side(rim: Rim, uid: int, width: float, look: Look) -> Iterator[Layer]:
+    """The edges of a group, or of none; those that hold the rim with a core, but in edit mode."""
+    if rim.lies_on(uid) and not look.editing:
+        yield from held_lines(rim.lines[uid], look.colour(uid), width)
+    else:
+        yield _edges(rim.lines[uid], look.colour(uid), width, look)
+
+
+def held_lines(ends: Array, colour: Colour, width: float) -> Iterator[Layer]:
+    """Lines on which the rim of the shell lies, ends (n, 2, 3): broad, with a bright core."""
+    yield lines(ends, colour, _HELD * width)
+    yield replace(lines(ends, _BRIGHT, _CORE * _HELD * width), edged=False)
+
+
+def _uprights(rim: Rim, look: Look) -> Iterator[Layer]:
+    """A strip of the wall through the edges of each group that leans over its line: its rim may rise and fall there."""
+    size = np.linalg.norm(rim.up)
+    if not size > 0.0:
+        return
+    rise = _UPRIGHT * arrow_length(rim, look) * rim.up / size
+    for walk in rim.walks:
+        group = rim.group(walk.uid)
+        if group is not None and group.kind == "lean":
+            panes = shapes.panes(walk.points - rise, 2.0 * rise)
+            yield triangles(shapes.filled(panes), look.colour(walk.uid), _FILL, hides=True)
+            yield replace(lines(panes.reshape(-1, 2, 3), look.colour(walk.uid), _OUTLINE, 0.5, hides=True), edged=False)
 
 
 def _edges(ends: Array, colour: Colour, width: float, look: Look) -> Layer:
@@ -113,9 +147,14 @@ def _edges(ends: Array, colour: Colour, width: float, look: Look) -> Layer:
 
 
 def _ungrouped(rim: Rim, look: Look) -> Iterator[Layer]:
+    if NOBODY not in rim.lines:
+        return
+    if rim.lies_on(NOBODY):
+        yield from _side(rim, NOBODY, look.width, look)
+        return
     period = max(_DASH * rim.size, rim.length / _DASHES)
     dashed = [shapes.dashes(walk.points, period) for walk in rim.walks if walk.uid == NOBODY]
-    whole = [] if rim.walks else [rim.lines.get(NOBODY, shapes.NO_LINES)]
+    whole = [] if rim.walks else [rim.lines[NOBODY]]
     yield _edges(np.concatenate([shapes.NO_LINES, *dashed, *whole]), look.ungrouped, look.width, look)
 
 

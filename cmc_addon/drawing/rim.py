@@ -34,7 +34,7 @@ class Walk:
     """A part of a boundary loop in one group, with the plan on its left.
 
     points (m + 1, 3): its vertices, of a closed loop the first one again at the end. normals (m + 1, 3) at the vertices
-    and middles (m, 3) at the edges: nan where nothing is prescribed.
+    and middles (m, 3) at the edges: nan where nothing is prescribed. loop: number of the boundary loop.
     """
 
     uid: int
@@ -42,6 +42,7 @@ class Walk:
     normals: Array
     middles: Array
     closed: bool
+    loop: int = 0
 
     @property
     def length(self) -> float:
@@ -53,7 +54,7 @@ class Rim:
     """The rim of a plan. lines: uid → ends (n, 2, 3) of boundary edges, known even if nothing else is.
 
     corners, corner_normals (k, 3): vertices between two mirrors, and the normals of the shell there. up (3,): the area
-    vector of the plan. size: diagonal of the bounding box of its boundary.
+    vector of the plan. size: diagonal of the bounding box of its boundary. default_kind: as in `Leaning`.
     """
 
     groups: tuple[GroupState, ...]
@@ -63,6 +64,7 @@ class Rim:
     corners: Array = field(default_factory=lambda: np.zeros((0, 3)))
     corner_normals: Array = field(default_factory=lambda: np.zeros((0, 3)))
     up: Array = field(default_factory=lambda: np.zeros(3))
+    default_kind: str = "binormal"
 
     @property
     def length(self) -> float:
@@ -70,6 +72,22 @@ class Rim:
 
     def group(self, uid: int) -> GroupState | None:
         return next((group for group in self.groups if group.uid == uid), None)
+
+    @property
+    def outer(self) -> Array:
+        """Ends (n, 2, 3) of the edges of the outer boundary loop, the widest one; of all where loops are not known."""
+        loops: dict[int, list[Array]] = {}
+        for walk in self.walks:
+            loops.setdefault(walk.loop, []).append(np.stack([walk.points[:-1], walk.points[1:]], axis=1))
+        if not loops:
+            return np.concatenate([np.zeros((0, 2, 3)), *self.lines.values()])
+        found = [np.concatenate(pieces) for pieces in loops.values()]
+        return max(found, key=lambda ends: _diagonal(ends.reshape(-1, 3)))
+
+    def lies_on(self, uid: int) -> bool:
+        """Whether the shell's rim lies on the edges of this group."""
+        group = self.group(uid)
+        return self.default_kind == "line" if group is None else group.kind == "line" and not group.is_elsewhere
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,7 +132,8 @@ def prescribed_rim(drawn: Drawn, groups: Sequence[GroupState], leaning: Leaning 
 
     Groups that are invalid by themselves are left out, then the vertices at which groups contradict each other.
     """
-    bare, strip = Rim(tuple(groups), drawn.lines, drawn.size), drawn.strip
+    bare = Rim(tuple(groups), drawn.lines, drawn.size, default_kind=leaning.default_kind)
+    strip = drawn.strip
     if strip is None:
         return bare
     held = _held(strip, groups, leaning, side, drawn.flipped)
@@ -170,7 +189,8 @@ def _held(
 def _walks(strip: Strip, held: _Held) -> list[Walk]:
     """The boundary loops of a plan, divided where the group changes."""
     walks = []
-    for loop, edges in zip(strip.domain.boundary_loops, strip.domain.boundary_loop_edges, strict=True):
+    loops = zip(strip.domain.boundary_loops, strip.domain.boundary_loop_edges, strict=True)
+    for number, (loop, edges) in enumerate(loops):
         uids = strip.uids[edges]
         if (uids < 0).any():
             continue
@@ -182,7 +202,7 @@ def _walks(strip: Strip, held: _Held) -> list[Walk]:
             at = np.append(loop, loop[0])[start : end + 1]
             closed = len(starts) == 0
             middles = held.middles[edges[start:end]]
-            walks.append(Walk(int(uids[start]), strip.points[at], held.normals[at], middles, closed))
+            walks.append(Walk(int(uids[start]), strip.points[at], held.normals[at], middles, closed, number))
     return walks
 
 

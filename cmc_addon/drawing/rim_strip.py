@@ -25,12 +25,16 @@ Int = NDArray[np.integer]
 
 @dataclass(frozen=True)
 class GroupState:
-    """A boundary group as plain values that compare; kind: the solver's name; parameters: (name, value) pairs."""
+    """A boundary group as plain values that compare; kind: the solver's name; parameters: (name, value) pairs.
+
+    is_elsewhere: its rim lies on a chosen curve, not on its edges.
+    """
 
     uid: int
     name: str
     kind: str
     parameters: tuple[tuple[str, object], ...] = ()
+    is_elsewhere: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -28,6 +28,10 @@ _SHOWN = {
         BoolProperty, name="Mirrors and Planes", default=False,
         description="Draw the planes of mirrors and constant planes: before a solve at the plan's edges, after it "
         "where the shell meets them"),
+    "show_handles": partial(
+        BoolProperty, name="Handles", default=True,
+        description="Levers at the sides that lean and an arrow at the crown of the shell, to drag with the mouse in "
+        "object mode"),
     "show_gaps": partial(
         BoolProperty, name="Gaps", default=True,
         description="Draw the gap around each hole of the active plan as an arrow"),

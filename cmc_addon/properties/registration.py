@@ -24,7 +24,7 @@ def registration(
 
     def register() -> None:
         for cls in known:
-            if not cls.is_registered:
+            if not _is_registered(cls):
                 bpy.utils.register_class(cls)
         for name, handler in lists.items():
             if handler not in getattr(bpy.app.handlers, name):
@@ -35,7 +35,12 @@ def registration(
             if handler in getattr(bpy.app.handlers, name):
                 getattr(bpy.app.handlers, name).remove(handler)
         for cls in reversed(known):
-            if cls.is_registered:
+            if _is_registered(cls):
                 bpy.utils.unregister_class(cls)
 
     return register, unregister
+
+
+def _is_registered(cls: type) -> bool:
+    """As `cls.is_registered` says, which gizmos and their groups do not have."""
+    return "bl_rna" in cls.__dict__

@@ -212,3 +212,65 @@ def test_hidden_objects_and_other_meshes_are_not_drawn(addon):
     assert not frame(addon)
     bpy.ops.object.camera_add()
     assert not frame(addon)
+
+
+def test_a_line_that_holds_the_rim_has_a_bright_core(addon):
+    """Of a group on its line, and of edges in no group where these are on theirs; not of a group on a chosen curve."""
+    plan = quad_disc()
+    first, second, third = arcs(plan, 0, 90, 180, 270)
+    add_group(plan, "a", first, "LINE")
+    group = add_group(plan, "b", second, "LINE")
+    add_group(plan, "c", third, "BINORMAL")
+    only("show_groups")
+    cores = [layer for layer in layers(frame(addon)) if layer.colour[:3] == (1.0, 1.0, 1.0)]
+    assert [len(core.points) for core in cores] == [2 * len(first), 2 * len(second)]
+    curve = bpy.data.objects.new("Curve", circle_curve(5.0))
+    bpy.context.scene.collection.objects.link(curve)
+    curve.location.z = 3.0
+    group.curve = curve
+    parts = frame(addon)
+    held = [part for part in parts if tuple(part.matrix.translation) == (0.0, 0.0, 3.0)]
+    assert len(held) == 1 and len(held[0].layers) == 2
+    assert_allclose(np.linalg.norm(held[0].layers[0].points[:, :2], axis=1), 5.0, rtol=1e-3)
+    assert_allclose(held[0].layers[0].colour[:3], addon.cmc_addon.drawing.palette.colour_of(group.uid))
+    cores = [layer for layer in layers(frame(addon)) if layer.colour[:3] == (1.0, 1.0, 1.0)]
+    assert len(cores) == 2
+    curve.hide_set(True)
+    assert len(frame(addon)) == 1
+    only("show_ungrouped")
+    assert len(layers(frame(addon))) == 1
+    plan.cmc.default_kind = "LINE"
+    outer, core = layers(frame(addon))
+    assert core.colour[:3] == (1.0, 1.0, 1.0) and core.width < outer.width
+    count = 2 * (24 - len(first) - len(second) - len(third))
+    assert len(outer.points) == len(core.points) == count
+    bpy.ops.object.mode_set(mode="EDIT")
+    (pale,) = layers(frame(addon))
+    assert len(pale.points) == count and pale.colour[3] < 1.0, "without dashes and core, over the selection"
+
+
+def test_an_upright_wall_stands_over_a_leaning_line(addon):
+    plan = quad_disc()
+    first, _ = arcs(plan, 0, 90, 180)
+    add_group(plan, "a", first, "LEAN", angle=np.radians(50))
+    only("show_groups")
+    _, fill, edges = layers(frame(addon))
+    assert (fill.kind, edges.kind, fill.hides) == ("TRIS", "LINES", True)
+    assert_allclose(np.linalg.norm(fill.points[:, :2], axis=1), 4.0, rtol=1e-5)
+    height = fill.points[:, 2].max()
+    assert height > 0.3
+    for layer in (fill, edges):
+        assert_allclose(np.abs(layer.points[:, 2]), height)
+    assert len(fill.points) == 6 * len(first)
+
+
+def circle_curve(radius: float):
+    data = bpy.data.curves.new("Circle", "CURVE")
+    data.dimensions = "3D"
+    spline = data.splines.new("POLY")
+    angles = np.linspace(0, 2 * np.pi, 90, endpoint=False)
+    spline.points.add(len(angles) - 1)
+    for point, t in zip(spline.points, angles.tolist(), strict=True):
+        point.co = (radius * np.cos(t), radius * np.sin(t), 0.0, 1.0)
+    spline.use_cyclic_u = True
+    return data

@@ -17,7 +17,7 @@ def rim(addon):
 
     def look(plan):
         bpy.context.view_layer.update()
-        return addon.cmc_addon.drawing.overlay._seen(bpy.context, plan).rim
+        return addon.cmc_addon.drawing.overlay.seen_plan_of(bpy.context, plan).rim
 
     return look
 

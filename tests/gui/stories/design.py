@@ -33,7 +33,7 @@ def following() -> bool:
 def tell(hands):
     bpy.ops.mesh.primitive_circle_add(vertices=48, radius=4, fill_type="NGON")
     bpy.context.object.scale = (1.6, 1.0, 1.0)
-    bpy.ops.cmc.mesh_plan(edge_length=0.1)
+    bpy.ops.cmc.mesh_plan(edge_length=0.06)
     plan = bpy.context.object
     bpy.ops.ed.undo_push(message="Plan")
     yield 0.5
@@ -44,7 +44,7 @@ def tell(hands):
     button = yield from hands.find("cmc.fit_outline", (0.5,))
 
     yield from hands.click(*button)
-    yield from hands.wait_for(lambda: preview().shape is not None, "a shape is shown")
+    yield from hands.wait_for(running, "it runs")
     yield from hands.picture("running")
     assert running(), "it ended before anyone could look; use a finer plan"
     yield from hands.press("ESC")
