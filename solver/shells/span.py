@@ -75,7 +75,7 @@ def spanned(
         domain,
         plan.positions,
         curves_of(domain, conditions),
-        leans=leans_of(conditions),
+        leans=_leans(conditions, settings.flip),
         mirrors=_mirrors(conditions),
         holes=settings.holes,
         corners=settings.corners,
@@ -139,9 +139,9 @@ def _usual(plan: Plan, domain: Domain, soap_films: bool) -> tuple[str, float]:
     return "height", usual_height(plan.positions, rim) + float(rim[:, 2].max() - rim[:, 2].mean())
 
 
-def leans_of(conditions: Conditions) -> list[tuple[NDArray[np.integer], float]]:
-    """Edges of each lean, and its angle."""
-    angles = conditions.lean_angles
+def _leans(conditions: Conditions, hangs: bool) -> list[tuple[NDArray[np.integer], float]]:
+    """Edges of each lean, and its angle; a flipped shell is the mirror image, whose normals point up all the same."""
+    angles = np.pi - conditions.lean_angles if hangs else conditions.lean_angles
     return [(conditions.leans[angles == angle], float(angle)) for angle in np.unique(angles)]
 
 

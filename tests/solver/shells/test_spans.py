@@ -93,6 +93,12 @@ def test_a_span_is_that_of_span_outline(hall):
     assert shell.report.shown.mean_curvature.left_out > 0 and "away from corners" in shell.message
 
 
+def test_a_flipped_shell_with_a_lean_is_the_mirror_image(hall):
+    plan = Plan.from_shape(hall, {"side2": ("lean", {"angle": np.radians(60)})})
+    up, down = (form(plan, Settings(default_kind="line", flip=flip)).points() for flip in (False, True))
+    assert_allclose(down, up * [1, 1, -1], atol=1e-5)
+
+
 def test_edges_in_no_group_may_lie_on_their_line(hall):
     by_group = form(Plan.from_shape(hall, {"outer": "line"}))
     by_default = form(Plan.from_shape(hall), Settings(default_kind="line"))
