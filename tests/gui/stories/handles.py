@@ -130,7 +130,7 @@ def rise(hands):
     assert plan().cmc.rise > before + 0.1, plan().cmc.rise
     yield from hands.wait_for(at_rest, "it has come to rest")
     higher = gizmos().crown(bpy.context, plan()).height
-    assert abs(higher - height - 1.0) < 0.05, f"dragged by a metre it went from {height} to {higher}"
+    assert abs(higher - height - 1.0) < 0.1, f"dragged by a metre it went from {height} to {higher}"
     yield from hands.picture("risen")
     rise = plan().cmc.rise
     (x, y), (_, above) = crown(hands)

@@ -41,7 +41,6 @@ def rectangle():
     bpy.ops.cmc.add_plan(shape="RECTANGLE")
     bpy.ops.cmc.mesh_plan(edge_length=0.6)
     bpy.context.object.name = "Rectangle"
-    bpy.ops.cmc.group_remove(all=True)
     plan().cmc.default_kind = "LINE"
     bpy.ops.ed.undo_push(message="Plan")
 
