@@ -173,7 +173,7 @@ class CMC_PT_solver(ResultPanel, bpy.types.Panel):
             ("Closing Error", percent(report["closure_error"] / (shown_sheet(report)["span"] or 1.0))),
         ]
         numbers(self.layout, rows)
-        if report["converged"] and report.get("index") is None and not is_design(report):
+        if report["converged"] and report.get("index") is None and not is_design(report) and "span" not in report:
             self.layout.operator("cmc.count_modes")
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 
 import bpy
 
@@ -71,6 +72,11 @@ def two_shells(hands):
     for ob in list(bpy.data.objects):
         bpy.data.objects.remove(ob)
     bpy.ops.cmc.add_plan(shape="ROUND")
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.region_to_loop()
+    bpy.ops.cmc.group_add(name="Rim", kind="BINORMAL", tilt=0.25 * math.pi, assign=True)
+    bpy.ops.object.mode_set(mode="OBJECT")
     bpy.ops.ed.undo_push(message="Plan")
     yield from framed(hands, 26.0)
     plan = bpy.data.objects["Round"].cmc

@@ -24,7 +24,7 @@ def shading(hands) -> str:
 
 def tell(hands):
     bpy.ops.cmc.add_plan(shape="RECTANGLE")
-    plan().data.cmc.groups[0].tilt = 0.4
+    plan().cmc.default_kind = "BINORMAL"
     bpy.ops.cmc.solve("EXEC_DEFAULT")
     bpy.ops.ed.undo_push(message="Solved")
     hands.area.spaces.active.region_3d.view_distance = 22.0

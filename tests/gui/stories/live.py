@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import time
 
@@ -58,7 +59,7 @@ def tell(hands):
     bpy.ops.object.mode_set(mode="EDIT")
     bpy.ops.mesh.select_all(action="SELECT")
     bpy.ops.mesh.region_to_loop()
-    bpy.ops.cmc.group_assign()
+    bpy.ops.cmc.group_add(name="Rim", kind="BINORMAL", tilt=0.25 * math.pi, assign=True)
     bpy.ops.object.mode_set(mode="OBJECT")
     bpy.ops.ed.undo_push(message="Plan")
     yield 0.5
