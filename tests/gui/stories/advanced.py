@@ -16,6 +16,7 @@ def choice() -> tuple[str, str]:
 def tell(hands):
     bpy.ops.mesh.primitive_circle_add(vertices=48, radius=4.0, fill_type="NGON")
     bpy.ops.cmc.mesh_plan(edge_length=0.5)
+    bpy.context.object.cmc.default_kind = "BINORMAL"
     bpy.ops.ed.undo_push(message="Plan")
     yield from hands.click_button("cmc.solve")
     yield from hands.wait_for(lambda: plan().cmc.f_plus is not None, "the shell is there")
