@@ -34,7 +34,7 @@ def check_paths(job: Path, reads: Iterable[Named], writes: Iterable[Named]) -> N
     read = set(taken)
     for name, path in writes:
         key = _key(path)
-        if path.is_dir():
+        if os.path.isdir(path):  # False, too, for a name that is too long, which writing then says
             raise JobError(f"{job}: {name} is a folder, {path}; name a file in it.")
         if key in read:
             raise JobError(f"{job}: {name} would overwrite {taken[key]}, {path}; choose another file.")

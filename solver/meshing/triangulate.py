@@ -57,11 +57,11 @@ def _put_back(points: np.ndarray, triangles: np.ndarray, a: int, b: int) -> np.n
     with np.errstate(all="ignore"):
         t = along[tail] + (along[head] - along[tail]) * side_tail / (side_tail - side_head)
     crossed &= (t > 0) & (t < u @ u)
-    if not crossed.any() or (np.abs(t[crossed]) <= 1e-12 * (u @ u)).any():
+    once = crossed & (side_tail > 0)
+    if not once.any() or (np.abs(t[crossed]) <= 1e-12 * (u @ u)).any():
         raise MeshError(
             f"Another boundary point lies on the boundary edge from {points[a]} to {points[b]}.", vertices=(a, b)
         )
-    once = crossed & (side_tail > 0)
     order = np.argsort(t[once], kind="stable")
     new: list[tuple[int, int, int]] = []
     _fill(points, a, b, _without_repeats(tail[once][order][::-1]), new)

@@ -144,7 +144,7 @@ def drag(hands):
 
 def call_off(hands):
     """A finer plan keeps its group; Fit to Outline on it takes long, and Esc leaves everything as it was."""
-    yield from hands.set_field("cmc.edge_length", "0.12")
+    yield from hands.set_field("cmc.edge_length", "0.08")
     yield from hands.click_button("cmc.mesh_plan")
     yield from hands.wait_for(lambda: len(plan().data.polygons) > 10000, "the plan is finer")
     assert len(plan().data.cmc.groups) == 2 and members(2) > 60
@@ -154,7 +154,7 @@ def call_off(hands):
     before = shell()
     yield from hands.click_button("cmc.fit_outline", (0.5,))
     yield from hands.wait_for(running, "the fit runs")
-    yield 1.0
+    yield 0.3
     yield from hands.picture("fitting")
     assert running(), "the fit ended before anyone could call it off; use a finer plan"
     yield from hands.press("ESC")
