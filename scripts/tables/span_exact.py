@@ -48,7 +48,7 @@ def cap(H: float, bar: float | None = None) -> Exact:
 
 
 def cap_of_volume(part: float, bar: float | None = None) -> Exact:
-    """Of so many half spheres."""
+    """Of this number of half spheres."""
     roots = np.roots([np.pi / 6.0, 0.0, np.pi / 2.0, -part * HALF_SPHERE])
     height = float(roots[np.abs(roots.imag) < 1e-9].real[0])
     radius = (1.0 + height**2) / (2.0 * height)

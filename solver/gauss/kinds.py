@@ -33,8 +33,7 @@ class Parameter:
 class Kind:
     """A kind of boundary condition, as a user interface offers it.
 
-    leans: whether `make` takes `against` and `up`; curve: whether it takes a closed `curve` (m, 3). spans: whether a
-    surface can be spanned that meets it.
+    leans: whether `make` takes `against` and `up`; curve: whether it takes a closed `curve` (m, 3).
     """
 
     label: str
@@ -42,7 +41,6 @@ class Kind:
     parameters: tuple[Parameter, ...]
     make: Callable[..., Conditions] = field(repr=False)
     leans: bool = False
-    spans: bool = False
     curve: bool = False
 
 
@@ -54,7 +52,6 @@ KINDS: dict[str, Kind] = {
         "The rim lies on the drawn edges, with their heights, or on a chosen curve",
         (),
         lambda domain, positions, edges, curve=None: line(domain, edges, curve),
-        spans=True,
         curve=True,
     ),
     "lean": Kind(
@@ -70,7 +67,6 @@ KINDS: dict[str, Kind] = {
             ),
         ),
         lambda domain, positions, edges, angle=_HALF_WAY: lean(domain, edges, angle),
-        spans=True,
     ),
     "binormal": Kind(
         "Leans, rim free",
@@ -105,7 +101,6 @@ KINDS: dict[str, Kind] = {
             Parameter("winding", "Extra Turns", "Extra full turns of the tangent plane along a mirror", 0.0, "", TURNS),
         ),
         lambda domain, positions, edges, normal=(0.0, 0.0, 1.0), winding=0: mirror(domain, edges, normal, winding),
-        spans=True,
     ),
     "free": Kind(
         "Free",

@@ -25,7 +25,7 @@ _NO_PULL = 1e-3
 
 
 def upright_vertices(descent: Descent) -> tuple[int, ...]:
-    """The rim vertices that shall stand at the ends of their sides, given those that do in a surface that was found."""
+    """The rim vertices to be stood at the ends of their sides, given those that stand in the last surface."""
     problem, state = descent.problem, descent.state
     stands: list[int] = []
     here = None

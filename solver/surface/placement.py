@@ -35,9 +35,10 @@ FREE_SIZES = ("match_plan", "span", "height", "rise", "radius", "mean_curvature"
 """Of shells that find their rim by themselves."""
 SPANNED_SIZES = ("match_plan", "rise", "height", "volume", "mean_curvature")
 """Of shells on lines."""
-_USUAL = 0.35
 RISES = Range(-2.0, 2.0)
 """Parts of half the outline's smaller extent; a length is a height."""
+# Height of shells without a size, by the radius of the largest circle in the plan.
+_USUAL = 0.35
 GROUNDS = {"lowest": "Lowest Point", "rim": "Rim"}
 
 _UP = np.array([0.0, 0.0, 1.0])
