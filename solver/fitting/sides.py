@@ -255,14 +255,21 @@ def _runs(labels: Int) -> list[Int]:
 
 
 def _walls(points: Array, side: Side) -> Array:
-    """(k, 3) the level normals, out of the plan, of the wall over a side; the plan is on the left."""
+    """(k, 3) the level normals, out of the plan, of the wall over a side; the plan is on the left. Zero where the side
+    stands upright, or turns back on itself: there is no wall."""
     way = points[side.vertices]
     ahead = np.roll(way, -1, axis=0) - way
     behind = np.roll(ahead, 1, axis=0)
     if not side.closed:
         ahead[-1], behind[0] = behind[-1], ahead[0]
-    along = normalize(ahead * [1.0, 1.0, 0.0]) + normalize(behind * [1.0, 1.0, 0.0])
-    return normalize(np.column_stack([along[:, 1], -along[:, 0], np.zeros(len(along))]))
+    along = _level(ahead) + _level(behind)
+    return _level(np.column_stack([along[:, 1], -along[:, 0], np.zeros(len(along))]))
+
+
+def _level(X: Array) -> Array:
+    """The level directions of X, row by row; zero where it has none."""
+    level = X * [1.0, 1.0, 0.0]
+    return level / np.maximum(np.sqrt(dot(level, level)), 1e-300)
 
 
 def _zoned(side: Side, all_sides: Sequence[Side], points: Array, zone: float) -> Side:

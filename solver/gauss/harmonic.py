@@ -215,7 +215,7 @@ class HarmonicSolver:
         """What a minimiser reached, as a result; wanted: the degree asked for."""
         normals = admissible.pin(minimum.N)  # steps of length zero leave rounding
         degree = sphere.degree(normals, self.graph.triangles)
-        status = self._status(normals, problem.dirichlet, minimum.status)
+        status = self._status(normals, problem.dirichlet, minimum)
         if wanted is not None and status is Status.CONVERGED and abs(degree - wanted) > _OTHER_CLASS:
             status = Status.OTHER_DEGREE
         return HarmonicMap(
@@ -285,8 +285,9 @@ class HarmonicSolver:
             "prescribe normals along some edges, or give an initial map."
         )
 
-    def _status(self, normals: Array, dirichlet: Dirichlet, status: Status) -> Status:
+    def _status(self, normals: Array, dirichlet: Dirichlet, minimum: Minimum) -> Status:
         """The status of the minimiser, unless the map collapsed or is under-resolved."""
+        status = minimum.status
         if status is Status.CANCELLED:
             return status
         is_fixed = np.zeros(self.graph.count, dtype=bool)
@@ -295,8 +296,8 @@ class HarmonicSolver:
         c = np.einsum("ij,ij->i", normals[i], normals[j])
         if float(np.abs(self._weights * (1.0 - c)).sum()) < 4.0 * np.pi * _COLLAPSED:
             return Status.COLLAPSED
-        # More than 90° apart, where a link does not join two prescribed normals.
-        torn = c[~(is_fixed[i] & is_fixed[j])].min(initial=1.0) < 0.0
+        # More than 90° apart, where a link does not join two prescribed normals; those may be so, but not opposite.
+        torn = c[~(is_fixed[i] & is_fixed[j])].min(initial=1.0) < 0.0 or np.isinf(minimum.history[-1].energy)
         return Status.UNDER_RESOLVED if torn else status
 
 

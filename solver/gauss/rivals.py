@@ -44,6 +44,8 @@ _ALIKE = 0.01
 # Eigenvalue in the H¹ product below which a direction leads down.
 _UNSTABLE = -5e-3
 _ESCAPES = 4
+# Ends of a descent at which the map is critical, as far as its mesh tells.
+_CRITICAL = (Status.CONVERGED, Status.STALLED)
 _LEAP = 0.5
 # Steps of Lanczos' method, checked every few; the lowest value has converged when it changes by less than this.
 _LOOKS, _EVERY, _SETTLED = 40, 4, 2e-3
@@ -104,12 +106,11 @@ def escaped(problem: EnergyProblem, minimum: Minimum, up: Array, side: int, **li
         way = falling_direction(problem, problem.at(minimum.N))
         if way is None:
             return Minimum(minimum.N, minimum.residual, minimum.status, history)
-        step = _LEAP * way / longest(way)
-        facing = inner(problem.graph.areas[:, None] * step, np.broadcast_to(up, step.shape))
-        start = exp(minimum.N, step if side * facing >= 0.0 else -step)
+        facing = inner(problem.graph.areas[:, None] * way, np.broadcast_to(up, way.shape))
+        start = _away(problem, minimum.N, way if side * facing >= 0.0 else -way)
         minimum = newton(problem, start, **limits)  # pyright: ignore[reportArgumentType]
         history += minimum.history
-        if minimum.status is Status.CANCELLED:
+        if minimum.status not in _CRITICAL:  # cancelled, say, or normals of neighbours have become opposite
             break
     else:
         if falling_direction(problem, problem.at(minimum.N)) is not None:
@@ -180,14 +181,21 @@ def _lowest(problem: EnergyProblem, data: Array, up: Array, side: int) -> Array 
 def _descended(problem: EnergyProblem, minimum: Minimum) -> Minimum | None:
     """The same, or a lower one where it is a saddle; None where it has not converged."""
     for _ in range(_ESCAPES):
-        if minimum.status not in (Status.CONVERGED, Status.STALLED):
+        if minimum.status not in _CRITICAL:
             return None
         way = falling_direction(problem, problem.at(minimum.N))
         if way is None:
             return minimum
-        start = exp(minimum.N, _LEAP * way / longest(way))
-        minimum = newton(problem, start, tolerance=_TOLERANCE, max_iterations=_STEPS)
+        minimum = newton(problem, _away(problem, minimum.N, way), tolerance=_TOLERANCE, max_iterations=_STEPS)
     return None
+
+
+def _away(problem: EnergyProblem, N: Array, way: Array) -> Array:
+    """The map a leap from N along `way`, shorter where neighbours would become opposite: energies may be infinite."""
+    leap = _LEAP * way / longest(way)
+    while not np.isfinite(problem.at(exp(N, leap)).energy):
+        leap = 0.5 * leap
+    return exp(N, leap)
 
 
 def _smoothed(

@@ -22,6 +22,9 @@ Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 Complex = NDArray[np.complex128]
 
+# A face is nearly flat with this part of the area that it had.
+_FLAT = 1e-3
+
 
 @dataclass(frozen=True, eq=False)
 class Motions:
@@ -41,17 +44,20 @@ class Motions:
         return self.positions + np.einsum("k,kvi->vi", q, self.fields)
 
     def turned(self, q: Array) -> bool:
-        """Whether a face is flat or turned over at q."""
+        """Whether a face is turned over at q, or nearly flat: D is a difference of huge numbers there."""
         if not self.count:
             return False
-        a = self._at(q)
-        return bool((a[0].conj() * _behind(a)[0]).imag.min(initial=np.inf) <= 0.0)
+        return bool((_twice_areas(self._at(q)) <= _FLAT * self._twice_areas).any())
 
     def moved(self, q: Array) -> Domain:
         """The domain at q; raises `MeshError` where a face is flat."""
         i, j = self.domain.edges.T
         points = self.at(q)
         return self.domain.with_lengths(np.linalg.norm(points[j] - points[i], axis=1))
+
+    @cached_property
+    def _twice_areas(self) -> Array:
+        return _twice_areas(self._sides[0])
 
     @cached_property
     def _sides(self) -> tuple[Complex, Complex, Complex]:
@@ -121,3 +127,8 @@ def _behind(sides: Complex) -> Complex:
 def _pairs(a: NDArray[Any], b: NDArray[Any]) -> NDArray[Any]:
     """(m, m) sums of the products of a (m, 3, F) and b (m, 3, F)."""
     return np.asarray(a.reshape(len(a), -1) @ b.reshape(len(b), -1).T)
+
+
+def _twice_areas(sides: Complex) -> Array:
+    """Twice the signed areas (F,) of faces with these sides (3, F)."""
+    return (sides[0].conj() * _behind(sides)[0]).imag
