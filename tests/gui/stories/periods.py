@@ -21,7 +21,7 @@ def tell(hands):
     yield from hands.click_button("cmc.solve")
     yield from hands.wait_for(lambda: plan().cmc.f_plus is not None, "the shell is there")
     assert report()["closing"]["closed"]
-    for panel in ("Plan", "Boundary"):
+    for panel in ("Plan", "Sides"):
         yield from hands.panel(panel, False)
     yield from hands.picture("closed")
     yield from hands.click_field("object.cmc.keep_closed")
