@@ -24,7 +24,7 @@ def tell(hands):
     for panel in ("Plan", "Sides"):
         yield from hands.panel(panel, False)
     yield from hands.picture("closed")
-    yield from hands.click_field("object.cmc.keep_closed")
+    yield from hands.click_field("cmc.keep_closed")
     yield from hands.click_button("cmc.solve")
     yield from hands.wait_for(lambda: report()["is_open"], "it is left open")
     yield from hands.picture("gap")
