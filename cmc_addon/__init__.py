@@ -29,7 +29,7 @@ MODULES = (
     "live.follow", "background.solve_cache", "tasks.complete", "panels.tab", "panels.overlay_panel",
     "panels.boundary_panel", "panels.design_panel", "panels.symmetry_panel", "panels.results_panel",
     "drawing.legend", "drawing.curvature_lines_overlay", "panels.colours_panel", "live.live", "panels.live_panel",
-    "tasks.close_periods", "panels.periods_panel", "panels.export_panel", "panels.menus", "properties.preferences",
+    "panels.periods_panel", "panels.export_panel", "panels.menus", "properties.preferences",
     "panels.sidebar", "operators.manual", "headless.cli",
 )
 """Sub-modules with register() and unregister(), each after those it needs."""

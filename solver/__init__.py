@@ -52,6 +52,7 @@ from .nets.moulds import moulds
 from .nets.net import Net
 from .nets.panel_net import panel_net
 from .nets.planarise import planarise
+from .shells.closing_options import ClosingOptions
 from .shells.form import form
 from .shells.plan import Group, Plan, Settings, read_plan
 from .shells.shell import Shell
@@ -67,6 +68,7 @@ from .symmetry.sides import Side, side_plane
 from .version import __version__ as __version__
 
 __all__ = [
+    "ClosingOptions",
     "ClosingResult",
     "CmcError",
     "CmcSolver",

@@ -52,8 +52,8 @@ def run(job_file: str, *, resume: bool = False, verbose: bool = False) -> Iterat
 
 
 def _shown_steps(job: Job) -> Progress:
-    """A progress that prints each step: the residual of a solve, the value of a fit, the gap of a closing."""
-    what = "distance" if job.fit is not None else "residual" if job.close is None else "gap"
+    """A progress that prints each step: the residual of a solve, then the gap of a closing, or the value of a fit."""
+    what = "distance" if job.fit is not None else "residual" if job.settings.close is None else "residual or gap"
     return lambda step, value: print(f"step {step}: {what} {value:.2e}", file=sys.stderr)
 
 

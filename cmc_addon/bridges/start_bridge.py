@@ -1,4 +1,4 @@
-"""Writes own edge lengths and a start map to the mesh of a plan; `mesh_bridge` reads them."""
+"""Writes own edge lengths, a start map and seams to the mesh of a plan; `mesh_bridge` reads the first two."""
 
 from __future__ import annotations
 
@@ -51,3 +51,13 @@ def clear_start(mesh: bpy.types.Mesh) -> None:
     """Remove both."""
     for name in (LENGTH_ATTRIBUTE, START_ATTRIBUTE):
         remove_attribute(mesh, name)
+
+
+def mark_seams(mesh: bpy.types.Mesh, pairs: NDArray[np.integer]) -> None:
+    """Mark edges, given as vertex pairs (n, 2), as seams."""
+    if not len(pairs):
+        return
+    wanted = set(map(tuple, np.sort(pairs, axis=1).tolist()))
+    ends = np.sort(read(mesh, ".edge_verts", len(mesh.edges), np.int32, 2), axis=1)
+    for edge, pair in zip(mesh.edges, map(tuple, ends.tolist()), strict=True):
+        edge.use_seam = pair in wanted

@@ -14,6 +14,7 @@ from ...solver.io.mesh_files import FORMATS
 from ...solver.jobs.job import Job, load_job, make_job
 from ...solver.jobs.job_files import job_inputs
 from ...solver.jobs.provenance import hash_of
+from ...solver.shells.closing_options import ClosingOptions
 from ...solver.shells.plan import Group, Settings, plan_domain
 from ..bridges.corner_bridge import flip
 from ..bridges.import_bridge import import_plan
@@ -61,7 +62,7 @@ def input_hashes(path: Path, job: Job | None) -> dict[str, str]:
 
 
 def _mesh_job(path: Path, conditions: Sequence[Mapping[str, object]], up: str | None) -> Job:
-    tables: dict[str, object] = {"mesh": path.name, "conditions": [dict(table) for table in conditions]}
+    tables: dict[str, object] = {"mesh": path.name, "conditions": [dict(table) for table in conditions], "close": {}}
     if up:
         tables["up"] = up
     return make_job(tables, path)
@@ -103,6 +104,7 @@ def _object_settings(settings: Settings) -> dict[str, object]:
         "default_kind": "LINE" if settings.default_kind == "line" else "BINORMAL",
         "holes": settings.holes.upper(),
         "corners": settings.corners.upper(),
+        **_closing(settings.close),
         "blend": settings.blend,
         "against": settings.against.upper(),
         "ground": settings.ground.upper(),
@@ -122,3 +124,24 @@ def _object_settings(settings: Settings) -> dict[str, object]:
         values["degree"] = settings.degree
     value_name = SIZE_PROPERTY[settings.size.upper()]
     return values | ({value_name: settings.value} if value_name else {})
+
+
+def _closing(options: ClosingOptions | None) -> dict[str, object]:
+    """How a job keeps its shell closed. Raises `JobError` on what is chosen for each hole, since they move alike here.
+    """
+    if options is None:
+        return {"keep_closed": False}
+    usual = ClosingOptions(options.by, options.weight)
+    if isinstance(options.move, Mapping) or options.holes is not None or options.max_steps != usual.max_steps:
+        raise JobError(
+            'In Blender all holes of a plan move alike; take "holes", "max_steps" and motions of single holes out of '
+            "[close], or run the job with python -m solver."
+        )
+    return {
+        "keep_closed": True,
+        "close_by": options.by.upper(),
+        "close_weight": options.weight,
+        "close_shift": "x" in options.move,
+        "close_twist": "twist" in options.move,
+        "close_size": "size" in options.move,
+    }

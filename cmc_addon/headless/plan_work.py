@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
-from types import SimpleNamespace
 
 import bpy
 
@@ -16,13 +15,11 @@ from ...solver import interrupts
 from ...solver.errors import JobError
 from ...solver.jobs.job import Job
 from ...solver.notes import Note
-from ...solver.shells.close import closing_input
 from ...solver.shells.complete import CopySelection
 from ...solver.shells.form import check_plan
 from ..background import plan_cache
 from ..properties.design_settings import APPROXIMATE_SETTINGS, FIT_SETTINGS, POINTERS, stored_settings
 from ..properties.links import copies_of, result_of, results_of, wanted_roles
-from ..properties.periods_settings import CLOSE_SETTINGS
 from ..properties.reports import complete_report, design_report, solve_report
 from ..properties.settings import SETTINGS, fitted_settings
 from ..properties.stored import COMPLETED_ROLES, DESIGN_ROLES, ROLES
@@ -30,7 +27,6 @@ from ..properties.symmetry_settings import COMPLETE_SETTINGS
 from ..results.instances import delete_instances
 from ..results.objects import check_writable, delete_result
 from ..tasks.approximate import ApproximateTask
-from ..tasks.close_periods import CloseTask
 from ..tasks.complete import CompleteTask
 from ..tasks.design import DesignTask
 from ..tasks.fit_job import JobFitTask
@@ -47,17 +43,16 @@ TASKS: dict[str, str] = {
     "solve": "the shell over the plan",
     "fit": "the shell whose rim lies on an outline",
     "approximate": "the shell nearest to the plan, a surface in space",
-    "close": "the shell that closes around the holes",
     "complete": "the shell and its copies by symmetry",
 }
 """What to do with a plan, for `--task`."""
 
-GIVEN = (*SETTINGS, *FIT_SETTINGS, *APPROXIMATE_SETTINGS, *CLOSE_SETTINGS, *COMPLETE_SETTINGS)
+GIVEN = (*SETTINGS, *FIT_SETTINGS, *APPROXIMATE_SETTINGS, *COMPLETE_SETTINGS)
 """The settings of a plan that the command line can override."""
 
 # The settings of each task beside those of a solve.
 _OWN = {
-    "fit": FIT_SETTINGS, "approximate": APPROXIMATE_SETTINGS, "close": CLOSE_SETTINGS, "complete": COMPLETE_SETTINGS,
+    "fit": FIT_SETTINGS, "approximate": APPROXIMATE_SETTINGS, "complete": COMPLETE_SETTINGS,
 }  # fmt: skip
 
 
@@ -130,22 +125,18 @@ def _shown(plan: bpy.types.Object) -> str:
         return "fit"
     if "NEAREST" in seen and not results_of(plan):
         return "approximate"
-    return "close" if "closing" in (solve_report(plan) or {}) else "solve"
+    return "solve"
 
 
 def check(task: Task) -> None:
-    """Raise `CmcError` where the conditions of a solve contradict each other, or nothing can be closed, before it
-    begins."""
+    """Raise `CmcError` where the conditions of a solve contradict each other, before it begins."""
     solve = task.solve if isinstance(task, ShellTask) else task
     if isinstance(solve, SolveTask):
         settings = solver_settings(solve.settings)
         prepared = plan_cache.prepare(solve.mesh, settings.solver_choice)
         plan, domain = solve.plan(prepared), prepared.solver.domain
         with prepared.plan_numbers(solve.mesh):
-            if isinstance(task, CloseTask):
-                closing_input(plan, settings, task.closing, domain)
-            else:
-                check_plan(plan, settings, domain)
+            check_plan(plan, settings, domain)
 
 
 def run_step(context: bpy.types.Context, plan: bpy.types.Object, step: str, task: Task) -> Formed:
@@ -193,10 +184,6 @@ def _approximate(context: bpy.types.Context, plan: bpy.types.Object) -> Task:
     return ApproximateTask.read(context, plan, settings, stored=APPROXIMATE_SETTINGS)
 
 
-def _close(context: bpy.types.Context, plan: bpy.types.Object) -> Task:
-    return CloseTask.read(context, plan, stored_settings(plan.cmc, CLOSE_SETTINGS))
-
-
 def _complete(context: bpy.types.Context, plan: bpy.types.Object) -> Task:
     wanted = stored_settings(plan.cmc, COMPLETE_SETTINGS)
     wanted.complete_repeat = tuple(wanted.complete_repeat)
@@ -205,30 +192,17 @@ def _complete(context: bpy.types.Context, plan: bpy.types.Object) -> Task:
 
 
 _READ: dict[str, Read] = {
-    "solve": _solve, "fit": _fit, "approximate": _approximate, "close": _close, "complete": _complete,
+    "solve": _solve, "fit": _fit, "approximate": _approximate, "complete": _complete,
 }  # fmt: skip
 
 
 def _of_job(job: Job) -> dict[str, Read]:
     """The tasks of a job's tables, with their options."""
-    fit, close, complete = job.fit, job.close, job.complete
+    fit, complete = job.fit, job.complete
     if fit is not None:
         name = "approximate" if "regularisation" in vars(fit) else "fit"
         return {name: lambda context, plan: JobFitTask.read(context, plan, fit)}
     reads: dict[str, Read] = {}
-    if close is not None:
-
-        def read_close(context: bpy.types.Context, plan: bpy.types.Object) -> Task:
-            wanted = SimpleNamespace(
-                close_by=close.by.upper(),
-                close_weight=close.weight,
-                close_shift="x" in close.motions or "y" in close.motions,
-                close_twist="twist" in close.motions,
-                close_size="size" in close.motions,
-            )
-            return replace(CloseTask.read(context, plan, wanted), options=close)
-
-        reads["close"] = read_close
     if complete is not None:
         copies = complete.copies
         named = lambda names: [short_name(name) for name in names]  # noqa: E731

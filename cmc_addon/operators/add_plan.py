@@ -9,8 +9,7 @@ from ...solver.catalogue.start_plans import court, l_shape, rectangle, round_pla
 from ...solver.errors import CmcError
 from ..bridges.mesh_bridge import build_polygons, set_attribute, set_positions
 from ..bridges.outline_bridge import write_boundary_groups
-from ..bridges.periods_bridge import mark_seams
-from ..bridges.start_bridge import write_lengths, write_normals
+from ..bridges.start_bridge import mark_seams, write_lengths, write_normals
 from ..properties import group_list
 from ..properties.units import metres
 from .activate import activate

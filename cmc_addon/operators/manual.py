@@ -23,7 +23,7 @@ PAGES = {
     "look": ("gauss_image",),
     "design": ("fit_outline", "approximate_surface"),
     "symmetry": ("complete",),
-    "periods": ("close_periods", "tile_periods"),
+    "periods": ("tile_periods",),
     "export": ("export",),
 }
 """Page in docs/reference/operators/ → the operators on it."""

@@ -4,6 +4,7 @@ import bpy
 
 from ...solver.errors import CmcError
 from ..background import worker
+from ..properties.closing_settings import draw_closing
 from ..properties.group_settings import condition_annotations, kind_parameters, parameter_values
 from ..properties.links import by_uid, plan_of
 from ..properties.settings import SETTINGS, SIZE_PROPERTY, energies_on, fitted_settings, setting_annotations
@@ -99,6 +100,9 @@ def draw_settings(layout: bpy.types.UILayout, owner) -> None:
     for name in ("blend", "against", "ground"):
         layout.prop(owner, name)
     draw_shell(layout, owner)
+    layout.prop(owner, "keep_closed")
+    if owner.keep_closed:
+        draw_closing(layout, owner)
     for name in ("corners", "holes", "sheet", "flip", "apply_modifiers"):
         layout.prop(owner, name)
     column = layout.column(heading="Also Make")

@@ -52,7 +52,7 @@ class CMC_MT_object(bpy.types.Menu):
         for name in ("cmc.solve", "cmc.live", "cmc.flip", "cmc.fit_outline", "cmc.approximate_surface"):
             layout.operator(name)
         layout.separator()
-        for name in ("cmc.complete", "cmc.close_periods", "cmc.tile_periods"):
+        for name in ("cmc.complete", "cmc.tile_periods"):
             layout.operator(name)
         layout.separator()
         for name in ("cmc.gauss_image", "cmc.count_modes", "cmc.start_from_shell", "cmc.start_clear"):

@@ -1,20 +1,20 @@
-"""Gaps, under Repeat: the gaps around the holes of a plan, to close them or to repeat the shell across them."""
+"""Gaps, under Repeat: the gaps around the holes of a plan, and the copies of its shell across them."""
 
 import bpy
 
 from ...solver.errors import CmcError
 from ..operators import add_bubble
 from ..operators.add_plan import first_in_add_menu, in_add_menu
+from ..properties.closing_settings import draw_tile
 from ..properties.libraries import keeps_changes
 from ..properties.links import plan_to_solve
-from ..properties.periods_settings import draw_close, draw_tile
 from ..properties.registration import registration
 from ..properties.reports import complete_report
-from ..tasks.close_periods import tile_counts
+from ..tasks.tile import tile_counts
 from .periods_text import closing_rows, gap_rows
 from .results_panel import ResultPanel, numbers, paragraph
-from .symmetry_panel import completed_rows, has_holes
-from .tab import TALL, hint, properties_column
+from .symmetry_panel import completed_rows, has_gaps
+from .tab import TALL, properties_column
 
 
 class CMC_PT_periods(ResultPanel, bpy.types.Panel):
@@ -25,7 +25,7 @@ class CMC_PT_periods(ResultPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return has_holes(context)
+        return has_gaps(context)
 
     def draw_header_preset(self, context):
         self.layout.prop(context.scene.cmc, "show_gaps", text="", icon="OVERLAY")
@@ -36,14 +36,6 @@ class CMC_PT_periods(ResultPanel, bpy.types.Panel):
             return
         numbers(layout, gap_rows(report))
         numbers(layout, closing_rows(report))
-        column = properties_column(layout)
-        column.enabled = keeps_changes(plan) and not context.window_manager.cmc.running
-        draw_close(column, plan.cmc)
-        self._button(layout, "cmc.close_periods")
-        if not report.get("is_open"):
-            hint(layout, "The shell is closed: it has", "no gap to repeat across")
-            return
-        layout.separator()
         column = properties_column(layout)
         column.enabled = keeps_changes(plan) and not context.window_manager.cmc.running
         draw_tile(column, plan.cmc, len(report["holes"]))

@@ -9,7 +9,7 @@ from ..properties.units import length_text, vector_text
 
 
 def gap_sentence(report: Mapping) -> str:
-    """The size of the gap and the operators to press; empty if the shell is closed."""
+    """The size of the gap and why it is there; empty if the shell is closed."""
     holes = report.get("holes") or []
     if not report.get("is_open") or not holes:
         return ""
@@ -19,7 +19,7 @@ def gap_sentence(report: Mapping) -> str:
     if report.get("closing"):
         words.insert(0, report["message"])  # that of the closing
     else:
-        words.append("Close Gaps, below, closes it; Repeat by Gaps repeats the shell across the gap.")
+        words.append("Keep Closed Around Courts closes it.")
     return " ".join(words)
 
 
@@ -42,7 +42,7 @@ def gap_rows(report: Mapping) -> list[tuple[str, str]]:
 
 
 def closing_rows(report: Mapping) -> list[tuple[str, str]]:
-    """The changes that Close Gaps made."""
+    """What has changed to keep the shell closed."""
     closing = report.get("closing")
     if not closing:
         return []

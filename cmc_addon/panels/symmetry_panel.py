@@ -77,7 +77,7 @@ class CMC_PT_complete(Tab, bpy.types.Panel):
         plan = plan_to_solve(context)
         if plan is None:
             hint(self.layout, "Select a plan or its shell", "to repeat it")
-        elif not _repeats(plan) and not has_holes(context):
+        elif not _repeats(plan) and not has_gaps(context):
             hint(self.layout, "A shell repeats across mirrors,", "planes and free edges, and by gaps")
 
 
@@ -86,10 +86,10 @@ def _repeats(plan: bpy.types.Object) -> bool:
     return any(group.kind in (*PLANAR_KINDS, "FREE") and group.across != "OFF" for group in plan.data.cmc.groups)
 
 
-def has_holes(context: bpy.types.Context) -> bool:
-    """Whether the solved plan has holes, around which the shell may have a gap."""
+def has_gaps(context: bpy.types.Context) -> bool:
+    """Whether the shell has a gap around a hole of its plan, or would have one if it were not kept closed."""
     report = last_report(context)
-    return report is not None and bool(report.get("holes"))
+    return report is not None and bool(report.get("holes") and (report.get("is_open") or report.get("closing")))
 
 
 class CMC_PT_symmetry(Tab, bpy.types.Panel):

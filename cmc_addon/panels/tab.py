@@ -23,6 +23,7 @@ from ..operators.add_plan import ORDINARY, draw_shapes
 from ..operators.go_to import target
 from ..operators.plan import is_ready_made, outline_of, plan_of
 from ..operators.solve import draw_advanced, draw_shell
+from ..properties.closing_settings import draw_closing
 from ..properties.libraries import keeps_changes
 from ..properties.links import plan_to_solve
 from ..properties.preferences import CATEGORY
@@ -241,6 +242,7 @@ class CMC_PT_shell(Tab, bpy.types.Panel):
             column.prop(settings, value)
         if not on_lines:
             column.prop(settings, "ground")
+            column.prop(settings, "keep_closed")
 
 
 class CMC_PT_options(PlanPart, bpy.types.Panel):
@@ -261,6 +263,8 @@ class CMC_PT_options(PlanPart, bpy.types.Panel):
         else:
             draw_shell(column, settings)
             column.prop(settings, "sheet")
+            if settings.keep_closed:
+                draw_closing(column, settings)
         checks = column.column(heading="Also Make")
         for name in ("want_twin", "want_g", "want_gauss"):
             checks.prop(settings, name)

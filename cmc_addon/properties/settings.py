@@ -22,6 +22,7 @@ from ...solver.surface.averaging import AVERAGINGS
 from ...solver.surface.cmc_surface import COMBINATORICS
 from ...solver.surface.placement import GROUNDS, RISES, SIZES
 from .changes import notifying
+from .closing_settings import CLOSING
 from .group_settings import kind_items
 
 SIZE_PROPERTY = {name.upper(): None if name == "match_plan" else name for name in SIZES}
@@ -151,6 +152,7 @@ _SETTINGS = {
     "corners": partial(
         EnumProperty, name="Corners", description="Of a shell on lines: what becomes of corners",
         items=[(name.upper(), *texts) for name, texts in CORNERS.items()], default="SHARP"),
+    **CLOSING,
     "blend": partial(
         FloatProperty, name="Blend Angles",
         description="Length of rim over which the angles of neighbouring groups blend; at 0 they jump, and the "

@@ -28,6 +28,7 @@ from bpy.props import (
 )
 
 from .changes import notify
+from .closing_settings import stored_tile_annotations
 from .colour_settings import stored_colour_annotations
 from .design_settings import stored_design_annotations
 from .export_settings import stored_export_annotations
@@ -35,7 +36,6 @@ from .group_list import free_name
 from .group_settings import condition_annotations
 from .live_settings import live_annotations
 from .overlay_settings import overlay_annotations
-from .periods_settings import stored_period_annotations
 from .plan_settings import plan_annotations
 from .registration import registration
 from .settings import stored_setting_annotations
@@ -114,7 +114,7 @@ class CmcObject(bpy.types.PropertyGroup):
         **live_annotations(),
         **stored_design_annotations(),
         **stored_complete_annotations(),
-        **stored_period_annotations(),
+        **stored_tile_annotations(),
         **stored_colour_annotations(),
         **stored_export_annotations(),
         # On a plan. A link counts only while the result's `source` points back (see `links`).

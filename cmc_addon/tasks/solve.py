@@ -16,7 +16,7 @@ from ...solver.errors import CmcError, Progress
 from ...solver.gauss.conditions import KINDS
 from ...solver.notes import Note, notes_data
 from ...solver.shells import form
-from ...solver.shells.gaps import hole_gaps
+from ...solver.shells.close import closing_report
 from ...solver.shells.mixed import sides_report
 from ...solver.shells.plan import Group, Plan, Settings
 from ...solver.shells.polygon_sheets import PolygonSheet, polygon_sheet
@@ -29,6 +29,7 @@ from ..bridges.mesh_bridge import PlanMesh, read_plan
 from ..bridges.outline_bridge import WAY_OUT, closed_lines
 from ..bridges.result_bridge import Cut, find_cut, put_plan_layer
 from ..properties.attributes import ATTRIBUTES, USUAL
+from ..properties.closing_settings import closing_of
 from ..properties.group_settings import parameter_values
 from ..properties.links import result_of, results_of, wanted_roles
 from ..properties.made import made_here
@@ -150,7 +151,7 @@ class SolveTask(Task[SolveResult]):
                 progress=progress,
                 intersections=self.settings.intersections and still_wanted(progress),
             )
-        result = self.result(shell, prepared, _side_tables(shell, self.groups))
+        result = self.result(shell, prepared, _tables(shell, self.groups))
         for name in self.sheets(shell):
             result.measures(name, self)
         solve_cache.remember(self, result)
@@ -215,7 +216,7 @@ class SolveTask(Task[SolveResult]):
         if polygons is None:
             result_object = writer.write(role, shell.placed[sheet], shell.normals[sheet], measures)
             if shell.adapted_plan is not None:
-                put_plan_layer(result_object.data, shell.adapted_plan)
+                put_plan_layer(result_object.data, shell.adapted_plan[shell.source])
             return
         if measures is not None:
             measures = polygon_measures(measures, polygons, shell.source, len(self.mesh.positions))
@@ -254,7 +255,7 @@ def write_reports(
         "unit_scale": context.scene.unit_settings.scale_length,
         "message": result.message,
         **result.shell.report.to_dict(),
-        "holes": [gap.to_dict() for gap in hole_gaps(result.shell)],
+        "holes": [gap.to_dict() for gap in result.shell.gaps],
         **result.more,
         "warnings": notes_data(warnings),
         "made": made,
@@ -264,8 +265,11 @@ def write_reports(
     plan.cmc.report = json.dumps(report, ensure_ascii=False)
 
 
-def _side_tables(shell: Shell, groups: list[Group]) -> dict[str, object]:
-    """Of a shell on lines: the search for its span, or how far its sides are from what was asked of them."""
+def _tables(shell: Shell, groups: list[Group]) -> dict[str, object]:
+    """How a shell was closed; of a shell on lines the search for its span, or how far its sides are from what was asked
+    of them."""
+    if shell.closing is not None:
+        return {"closing": closing_report(shell.closing)}
     if shell.span is not None:
         return {"span": span_report(shell.span)}
     return {"sides": sides_report(groups, shell.fit)} if shell.fit is not None and shell.fit.sides else {}
@@ -317,6 +321,7 @@ def solver_settings(settings: SimpleNamespace) -> Settings:
         default_kind=settings.default_kind.lower(),
         holes=settings.holes.lower(),
         corners=settings.corners.lower(),
+        close=closing_of(settings),
         ground=settings.ground.lower(),
         blend=settings.blend,
         against=settings.against.lower(),

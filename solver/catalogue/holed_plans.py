@@ -76,6 +76,7 @@ def cylinder(size: float, height: float, columns: int) -> StartPlan:
     sides = {"Bottom": shape.sides["bottom"], "Top": shape.sides["top"]}
     kinds = {name: ("twisted", {"m": 1.0}) for name in sides}
     settings = {"size": "SPAN", "span": 2.0 * size}  # its ends are no outline to match
+    settings["keep_closed"] = False  # it is a strip along its axis
     return StartPlan("Cylinder Strip", domain, points, uvs, sides, kinds, seams_of(domain, uvs), settings)
 
 

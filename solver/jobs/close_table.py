@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..closing.holes import MOTIONS
 from ..errors import CmcError, suggestion
-from ..shells.close import MOVING, WAYS, ClosingOptions
+from ..shells.closing_options import MOVING, WAYS, ClosingOptions
 from .tables import Table
 
 KEYS = ("by", "weight", "move", "holes", "max_steps")

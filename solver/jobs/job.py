@@ -23,11 +23,10 @@ from ..gauss.conditions import KINDS, Parameter
 from ..io.mesh_files import FORMATS, read_mesh
 from ..io.obj import MeshData, decoded
 from ..notes import Note
-from ..shells.close import ClosingOptions, close_plan, closing_input, closing_report
+from ..shells.close import closing_report
 from ..shells.complete import Completed, complete_plan
 from ..shells.fit import FitOptions, fit_plan
 from ..shells.form import check_plan, form
-from ..shells.gaps import hole_gaps
 from ..shells.mixed import sides_report
 from ..shells.numbering import drawn_numbers
 from ..shells.plan import Group, Plan, Settings, plan_domain
@@ -84,9 +83,8 @@ class Job:
     """A job file, read and checked: a plan, its settings, and the files to write.
 
     mesh: the drawn mesh, with its UVs, groups and materials. outputs: sheet ("f+", "f-", "g", "gauss") or "report" →
-    file. up: the up axis of the mesh files, None for each format's own. fit, close, complete: the options of these
-    tables, None without the table. warnings: likely mistakes in the file; they join the shell's. data: the tables as
-    written.
+    file. up: the up axis of the mesh files, None for each format's own. fit, complete: the options of these tables,
+    None without the table. warnings: likely mistakes in the file; they join the shell's. data: the tables as written.
     """
 
     path: Path
@@ -96,13 +94,12 @@ class Job:
     outputs: dict[str, Path]
     up: str | None = None
     fit: FitOptions | None = None
-    close: ClosingOptions | None = None
     complete: CompleteOptions | None = None
     warnings: list[Note] = field(default_factory=list)
     data: Mapping[str, object] = field(default_factory=dict)
 
     def __repr__(self) -> str:
-        tables = "".join(f", [{name}]" for name in ("fit", "close", "complete") if getattr(self, name) is not None)
+        tables = "".join(f", [{name}]" for name in ("fit", "complete") if getattr(self, name) is not None)
         return f"Job({self.path.name}: {self.plan!r}, {self.settings!r}{tables})"
 
     @property
@@ -138,57 +135,54 @@ def make_job(data: Mapping[str, object], file: Path) -> Job:
     settings = read_settings(root, output.text("combinatorics", "primal", among=list(COMBINATORICS)), made.settings)
     outputs = _outputs(output, file.parent)
     complete = read_complete(root, plan.groups, file.parent) if "complete" in root else None
-    close = read_close(root) if "close" in root else None
-    job = Job(file, plan, settings, mesh, outputs, up, fit, close, complete, [*mesh.notes, *root.notes], data)
+    if "close" in root:
+        settings = replace(settings, close=read_close(root))
+    job = Job(file, plan, settings, mesh, outputs, up, fit, complete, [*mesh.notes, *root.notes], data)
     check_paths(file, _reads(root, mesh, file.parent), _writes(job))
     with drawn_numbers(plan):
-        if close is not None:
-            closing_input(plan, settings, close, domain)
-        elif fit is None:
+        if fit is None:
             check_plan(plan, settings, domain)
     return job
 
 
 def run_job(job: Job, progress: Progress | None = None) -> Shell:
-    """Solve, close or fit the shell of a job, and write its files; raises `CmcError` where that fails."""
+    """Solve or fit the shell of a job, and write its files; raises `CmcError` where that fails."""
     started = time.time()
-    shell, plan, more = _shell(job, progress)
-    completed, failure = _completed(job, plan, shell)
+    shell, more = _shell(job, progress)
+    completed, failure = _completed(job, shell)
     if completed is not None:
         more["completed"] = completed_report(completed)
-    written = write_job(job, shell, plan, completed, more, started)
+    written = write_job(job, shell, job.plan, completed, more, started)
     failure = failure or next(iter(written), None)
     if failure is not None:
         raise failure
     return shell
 
 
-def _shell(job: Job, progress: Progress | None) -> tuple[Shell, Plan, dict[str, Any]]:
-    """The shell, its plan, whose holes may have moved, and further tables of the report."""
+def _shell(job: Job, progress: Progress | None) -> tuple[Shell, dict[str, Any]]:
+    """The shell, and further tables of the report."""
     plan, more = job.plan, {}
     if job.fit is not None:
         shell = fit_plan(plan, job.fit, progress=progress)
-    elif job.close is not None:
-        closed = close_plan(plan, job.settings, job.close, progress=progress)
-        shell, plan = closed.shell, closed.plan
-        more["closing"] = closing_report(closed)
     else:
         shell = form(plan, job.settings, progress=progress)
+    if shell.closing is not None:
+        more["closing"] = closing_report(shell.closing)
     if shell.fit is not None and shell.fit.sides and job.fit is None:
         more["sides"] = sides_report(plan.groups, shell.fit)
     if shell.span is not None:
         more["span"] = span_report(shell.span)
     if len(shell.surface.periods):
-        more["holes"] = [gap.to_dict() for gap in hole_gaps(shell)]
-    return replace(shell, warnings=[*job.warnings, *shell.warnings]), plan, more
+        more["holes"] = [gap.to_dict() for gap in shell.gaps]
+    return replace(shell, warnings=[*job.warnings, *shell.warnings]), more
 
 
-def _completed(job: Job, plan: Plan, shell: Shell) -> tuple[Completed | None, CmcError | None]:
+def _completed(job: Job, shell: Shell) -> tuple[Completed | None, CmcError | None]:
     """The completed shell of a [complete], welded; or the error to raise once the shell itself is written."""
     if job.complete is None:
         return None, None
     try:
-        completed = complete_plan(plan, shell, job.complete.copies, job.settings.sheet)
+        completed = complete_plan(job.plan, shell, job.complete.copies, job.settings.sheet)
         len(completed.points)  # welds
     except CmcError as error:
         return None, error

@@ -2,8 +2,8 @@
 
 A `Plan` is a mesh with `Group`s of boundary edges, each with a kind of condition; `Settings` say how to solve it and
 how to size and place the result. `form` goes the whole way to a `Shell`: domain, conditions, surface, size and place,
-measures. `close_plan` does the same for shells that close around holes, `fit_plan` for shells near an outline or a
-mesh, `complete_plan` and `tile_plan` add the copies by symmetry and by periods, and `update` follows a plan while it is
+measures; `Settings.close` keeps it closed around holes. `fit_plan` does the same for shells near an outline or a mesh,
+`complete_plan` and `tile_plan` add the copies by symmetry and by periods, and `update` follows a plan while it is
 drawn. What the user of a shell should know is in `shell_notes`. A polygon mesh of the shell (`polygon_sheet`) and its
 measures (`vertex_measures`) serve files and pictures::
 

@@ -1,43 +1,31 @@
-"""From a plan with holes to a shell that closes around them, placed and measured: `form` for closed shells."""
+"""Keeping a shell closed: the normals along its boundary, or the holes of its plan, change until no gap is left."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..closing.close import ClosingResult, check_closing, close_periods
-from ..closing.holes import MOTIONS, MovingHoles
+from ..closing.close import ClosingResult, close_periods
+from ..closing.holes import MovingHoles
 from ..domain.domain import Domain
-from ..errors import ConditionError, JobError, Progress, check_choice
-from ..gauss.boundary_data import Conditions
-from ..limits import COUNT, POSITIVE, check_number
+from ..errors import JobError, Progress, Status
 from ..measure.report import to_plain
 from ..measure.summary import percent
-from ..notes import Note, Sentence
-from ..signatures import check_fields
+from ..notes import Sentence
 from ..surface.cmc_surface import CmcSurface
 from ..surface.placement import plan_plane, rim_weights
-from ..surface.solve import CmcSolver
-from .form import place_and_measure, solve_plan
+from .closing_options import MOVING, ClosingOptions
 from .gaps import hole_loops, relative_lengths
-from .plan import Plan, Settings, plan_domain
+from .plan import COUNTED, Plan, Settings
 from .plan_conditions import plan_conditions
-from .shell import Shell
 
 Array = NDArray[np.float64]
 
-WAYS = {
-    "normals": "the normals along the boundary change, as little as possible",
-    "tilts": "the normals turn about the boundary only: the tilts change",
-    "hole": "the holes move",
-    "both": "normals and holes",
-}
-"""The parts of a plan that may change to close its shell."""
-MOVING = ("hole", "both")
 _BY = {"normals": "normals", "tilts": "normals", "hole": "moduli", "both": "both"}
 
 # Degrees below which a turn is rounding; digits of moduli to report.
@@ -47,66 +35,28 @@ _DIGITS = 7
 _LEVEL = 0.9
 
 
-@dataclass(frozen=True, eq=False)
-class ClosingOptions:
-    """How to close the gaps around the holes of a plan.
-
-    by: of `WAYS`. weight: with "both", of the motions of holes (see `close_periods`): the larger, the less they move.
-    move: with "hole" and "both", of `holes.MOTIONS`, or a number of a hole → its own ones. holes: numbers of the moving
-    ones, 1 has the longest rim; None: all, or those in `move`. max_steps: of Newton's method. Raises `JobError` on
-    unknown ways and motions, and on numbers out of range.
-    """
-
-    by: str = "normals"
-    weight: float = 1.0
-    move: tuple[str, ...] | Mapping[int, tuple[str, ...]] = ("x", "y", "twist")
-    holes: tuple[int, ...] | None = None
-    max_steps: int = 12
-
-    def __post_init__(self) -> None:
-        check_choice(self.by, WAYS, "way to close", JobError)
-        for name in self.motions:
-            check_choice(name, MOTIONS, "motion of a hole", JobError)
-        if isinstance(self.move, Mapping) and self.holes is not None:
-            raise JobError("The motions of each hole name the holes already; leave the numbers of holes out.")
-        if self.by in MOVING and not (self._each and all(self._each)):
-            raise JobError(f"The holes need a motion: one or more of {', '.join(MOTIONS)}.")
-        check_number(self.weight, "weight", POSITIVE, JobError)
-        check_number(self.max_steps, "limit of steps", COUNT, JobError)
-        check_fields(self)
-
-    @property
-    def motions(self) -> tuple[str, ...]:
-        """The motions of any hole."""
-        return tuple(name for names in self._each for name in names)
-
-    @property
-    def _each(self) -> list[tuple[str, ...]]:
-        return list(self.move.values()) if isinstance(self.move, Mapping) else [self.move]
-
-
 @dataclass(frozen=True, eq=False, repr=False)
-class ClosedShell:
-    """shell: the last one. plan: with other positions where its holes moved. moving: those holes, None where they
-    stay. gap_before, gap: the longest gap around a hole as a part of the size of f+, see `HoleGap`."""
+class Closing:
+    """How a shell was closed. plan: with other positions where its holes moved. moving: those holes, None where they
+    stay. gap_before: the longest gap around a hole before, as a part of the size of f+, see `HoleGap`."""
 
-    shell: Shell
+    result: ClosingResult
     plan: Plan
-    closing: ClosingResult
     moving: MovingHoles | None
     gap_before: float
 
     @property
-    def gap(self) -> float:
-        return _longest_gap(self.shell.surface)
-
-    @property
     def ok(self) -> bool:
         """Whether the shell closes."""
-        return self.closing.ok and self.shell.ok
+        return self.result.ok
+
+    @cached_property
+    def gap(self) -> float:
+        """The longest gap that is left, as a part of the size of f+."""
+        return float(relative_lengths(self.result.surface).max(initial=0.0))
 
     def __repr__(self) -> str:
-        return f"ClosedShell({self.shell!r}, {self.closing!r})"
+        return f"Closing({self.result!r})"
 
     @property
     def moved(self) -> dict[str, float]:
@@ -115,13 +65,13 @@ class ClosedShell:
             return {}
         units = {"x": lambda q: q * self.moving.size, "y": lambda q: q * self.moving.size}  # type: ignore[union-attr]
         units |= {"twist": np.degrees, "size": np.exp}
-        numbers = zip(self.closing.names, np.round(self.closing.moduli, _DIGITS).tolist(), strict=True)
+        numbers = zip(self.result.names, np.round(self.result.moduli, _DIGITS).tolist(), strict=True)
         return {name: float(units[name.rpartition(" ")[2]](q)) for name, q in numbers}
 
     @property
     def message(self) -> str:
         """How closing ended, and the changes of the boundary."""
-        closing, turned = self.closing, np.degrees(self.closing.turned)
+        closing, turned = self.result, np.degrees(self.result.turned)
         words = [closing.status.sentence, f"The gap was {percent(self.gap_before)} of the shell's size."]
         if not closing.closed:
             words[-1] = f"{words[-1][:-1]} and is {percent(self.gap)}."
@@ -140,86 +90,66 @@ class ClosedShell:
         return Sentence(" ".join(words), *lengths)
 
 
-def close_plan(
-    plan: Plan,
-    settings: Settings,
-    options: ClosingOptions,
-    *,
-    solver: CmcSolver | None = None,
-    start: CmcSurface | None = None,
-    progress: Progress | None = None,
-    intersections: bool = True,
-) -> ClosedShell:
-    """Change normals or holes until the shell over a plan closes, then place and measure it as `form` does.
+def closed(
+    plan: Plan, settings: Settings, surface: CmcSurface, options: ClosingOptions, progress: Progress | None = None
+) -> Closing | None:
+    """The surface nearest to `surface`, the one over this plan, that closes; None where that has no gap.
 
-    solver: one for the plan's domain. start: the surface of `solve_plan`, if it is known. progress(step, gap)
-    is called at every step of Newton's method; False cancels. The groups of the plan stay as they are.
-    Raises `CmcError` on plans without holes and on unusable input; not closing is a status: see `ok` and `message`.
+    A plan without prescribed normals, and whose holes stay, has nothing that could change: None too, the gap stays.
+    progress(step, gap) is called at every step of Newton's method; False cancels. Raises `CmcError` as
+    `check_closing`; not closing is a status.
     """
-    domain = plan_domain(plan) if solver is None else solver.domain
-    conditions, moving = closing_input(plan, settings, options, domain)
-    solver = solver or CmcSolver(domain)
-    start = start or solve_plan(plan, settings, solver)
-    closing = close_periods(
-        domain,
+    conditions = plan_conditions(plan, settings, surface.domain)
+    if surface.status is not Status.GAP or not (conditions.vertices.size or options.by in MOVING):
+        return None
+    moving = check_closing(plan, settings, surface.domain)
+    result = close_periods(
+        surface.domain,
         conditions,
         by=_BY[options.by],
         moduli=None if moving is None else moving.moduli(),
         weight=options.weight,
         positions=plan.positions if options.by == "tilts" else None,
-        initial=start.harmonic.normals,
+        initial=surface.harmonic.normals,
+        method="critical" if settings.method in COUNTED else "newton",
         max_steps=options.max_steps,
         progress=progress,
     )
-    if moving is not None and closing.moduli.any():
-        plan, solver = replace(plan, positions=moving.positions(closing.moduli)), CmcSolver(closing.domain)
-    shell = place_and_measure(plan, settings, closing.surface, solver, intersections=intersections)
-    closed = ClosedShell(shell, plan, closing, moving, _longest_gap(start))
-    return replace(closed, shell=_with_message(shell, closed))
+    if moving is not None and result.moduli.any():
+        plan = replace(plan, positions=moving.positions(result.moduli))
+    return Closing(result, plan, moving, float(relative_lengths(surface).max(initial=0.0)))
 
 
-def closing_input(
-    plan: Plan, settings: Settings, options: ClosingOptions, domain: Domain
-) -> tuple[Conditions, MovingHoles | None]:
-    """The conditions of a plan and the holes that move; raises `CmcError` on what no solve could close."""
-    _check_sites(settings)
-    moving = _moving(plan, domain, options)
-    conditions = plan_conditions(plan, settings, domain)
-    if conditions.is_spanned:
-        raise ConditionError("A shell on lines closes around its holes by itself; form it without closing.")
-    check_closing(domain, conditions, _BY[options.by])
-    return conditions, moving
-
-
-def closing_report(closed: ClosedShell) -> dict[str, Any]:
-    """The report on the closing as plain data; angles in degrees."""
-    closing = closed.closing
-    turned = np.degrees(closing.turned)
-    return {
-        "closed": closing.closed,
-        "status": closing.status.value,
-        "message": closed.message,
-        "steps": len(closing.gaps) - 1,
-        "gap_before": closed.gap_before,
-        "gap": closed.gap,
-        "left": to_plain(closing.left),
-        "largest_turn": float(turned.max(initial=0.0)),
-        "rms_turn": float(np.sqrt(np.mean(turned**2))) if turned.size else 0.0,
-        "moved": to_plain(closed.moved),
-        "area_ratio": float(closing.area_ratio),
-    }
-
-
-def _longest_gap(surface: CmcSurface) -> float:
-    return float(relative_lengths(surface).max(initial=0.0))
-
-
-def _check_sites(settings: Settings) -> None:
+def check_closing(plan: Plan, settings: Settings, domain: Domain) -> MovingHoles | None:
+    """The holes that may move to close a plan; raises `CmcError` where its settings cannot close a shell."""
+    options = settings.close
+    if options is None or domain.euler_characteristic > 0:
+        return None
     if settings.solver_choice != Settings().solver_choice:
         raise JobError(
             "Closing needs normals on vertices and the triangles of the plan; leave out other sites, energies and the "
             "Delaunay triangulation."
         )
+    return _moving(plan, domain, options)
+
+
+def closing_report(closing: Closing) -> dict[str, Any]:
+    """How a shell was closed as plain data; angles in degrees."""
+    result = closing.result
+    turned = np.degrees(result.turned)
+    return {
+        "closed": result.closed,
+        "status": result.status.value,
+        "message": closing.message,
+        "steps": len(result.gaps) - 1,
+        "gap_before": closing.gap_before,
+        "gap": closing.gap,
+        "left": to_plain(result.left),
+        "largest_turn": float(turned.max(initial=0.0)),
+        "rms_turn": float(np.sqrt(np.mean(turned**2))) if turned.size else 0.0,
+        "moved": to_plain(closing.moved),
+        "area_ratio": float(result.area_ratio),
+    }
 
 
 def _moving(plan: Plan, domain: Domain, options: ClosingOptions) -> MovingHoles | None:
@@ -240,11 +170,3 @@ def _moving(plan: Plan, domain: Domain, options: ClosingOptions) -> MovingHoles 
     if abs(plan_plane(plan.positions, domain.faces, vertices, weights).normal[2]) < _LEVEL:
         raise JobError("Holes can only move horizontally, and this plan is too steep; close by the normals.")
     return MovingHoles(domain, plan.positions, [loops[n - 1] for n in numbers], motions, numbers)
-
-
-def _with_message(shell: Shell, closed: ClosedShell) -> Shell:
-    """The shell with the closing's message, which is also its first warning where it does not close."""
-    if not closed.closing.closed:
-        others = [note for note in shell.warnings if note != shell.report.sentence]
-        return replace(shell, message=closed.message, warnings=[Note("gap", closed.message), *others])
-    return replace(shell, message=closed.message) if shell.ok else shell

@@ -20,6 +20,7 @@ from ..spanning.span import Span
 from ..surface.cmc_surface import CmcSurface
 from ..surface.placement import ALIKE, FREE_SIZES, Plane, Similarity, check_size, place, plan_frame
 from ..surface.solve import CmcSolver
+from .close import Closing, check_closing, closed
 from .measured import check_shown, measure_shell
 from .mixed import mixed_plan
 from .plan import Group, Plan, Settings, matches, plan_domain
@@ -51,7 +52,8 @@ def form(
 
     Where its sides are on lines, lean over them or are mirrors, it is spanned (`span_outline`) and stands on the
     drawing; where other sides have given normals, or none, it is fitted to both (`fit_outline`); without lines and
-    leans it is solved for its normals, sized and placed by the settings.
+    leans it is solved for its normals, sized and placed by the settings, and with `Settings.close` then closed around
+    its holes, as the least change of normals or places of holes allows.
 
     solver: the `Shell.solver` of an earlier call. It is used again if it belongs to this plan and to the sites, energy
     and triangulation of the settings, which saves factoring. initial (S, 3), one normal per site: a map to start from,
@@ -78,7 +80,8 @@ def form(
     if isinstance(initial, (Span, Fit)):
         initial = initial.normals if isinstance(initial, Span) else initial.surface.harmonic.normals
     surface = solve_plan(plan, settings, solver, initial=initial, progress=progress)
-    shell = place_and_measure(plan, settings, surface, solver, intersections=intersections)
+    closing = None if settings.close is None else closed(plan, settings, surface, settings.close, progress)
+    shell = place_and_measure(plan, settings, surface, solver, closing=closing, intersections=intersections)
     if settings.counts_modes and surface.harmonic.status is Status.CONVERGED:
         return count_modes(plan, settings, shell)
     return shell
@@ -91,6 +94,7 @@ def check_plan(plan: Plan, settings: Settings, domain: Domain) -> Conditions:
         check_spanned(plan, settings)
     else:
         check_size(settings.rule(), FREE_SIZES, "free")
+        check_closing(plan, settings, domain)
     return conditions
 
 
@@ -157,13 +161,24 @@ def place_and_measure(
     surface: CmcSurface,
     solver: CmcSolver,
     *,
+    closing: Closing | None = None,
     intersections: bool | Callable[[], bool] = True,
 ) -> Shell:
-    """Size, place and measure a surface over its plan: the second half of `form`."""
+    """Size, place and measure a surface over its plan, or the one that closes: the second half of `form`."""
+    if closing is not None:
+        plan, surface = closing.plan, closing.result.surface
     check_shown(surface, settings.sheet)
     plane, similarity = place_over(plan, settings, surface)
     return measure_shell(
-        plan, settings, surface, plane, similarity, solver, outline=plan.positions, intersections=intersections
+        plan,
+        settings,
+        surface,
+        plane,
+        similarity,
+        solver,
+        outline=plan.positions,
+        closing=closing,
+        intersections=intersections,
     )
 
 
@@ -200,9 +215,11 @@ def count_modes(plan: Plan, settings: Settings, shell: Shell) -> Shell:
         raise ConditionError(
             "Unstable modes are counted at a converged map; let the solve reach its tolerance first."
         )
-    conditions = plan_conditions(plan, settings, shell.solver.domain)
+    solver, conditions = shell.solver, plan_conditions(plan, settings, shell.solver.domain)
+    if shell.closing is not None:
+        solver, conditions = CmcSolver(shell.surface.domain), shell.closing.result.conditions
     try:
-        index, nullity = shell.solver.index(conditions, shell.surface.harmonic.normals)
+        index, nullity = solver.index(conditions, shell.surface.harmonic.normals)
     except ArithmeticError as error:
         raise ConditionError(
             "The modes of this map cannot be counted: one lies between the unstable and the null ones; refine the plan."

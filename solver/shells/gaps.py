@@ -11,7 +11,6 @@ from ..domain.domain import Domain
 from ..domain.topology import Homology
 from ..surface.cmc_surface import CmcSurface
 from ..surface.placement import Similarity
-from .shell import Shell
 
 Array = NDArray[np.float64]
 
@@ -47,13 +46,11 @@ class HoleGap:
         }
 
 
-def hole_gaps(shell: Shell) -> list[HoleGap]:
-    """One per hole; on a plan with handles one per period, since not every period belongs to a hole."""
-    return surface_gaps(shell.surface, shell.similarity, shell.placed[shell.report.sheet])
-
-
 def surface_gaps(surface: CmcSurface, similarity: Similarity, points: Array) -> list[HoleGap]:
-    """The same for a surface whose shown sheet has these points (n, 3) in its place."""
+    """One per hole; on a plan with handles one per period, since not every period belongs to a hole.
+
+    points (n, 3): of the shown sheet in its place.
+    """
     domain = surface.domain
     if not len(surface.periods):
         return []

@@ -20,6 +20,7 @@ from ..surface.cmc_surface import SHEETS, CmcSurface
 from ..surface.placement import PlacementError, Plane, Similarity
 from ..surface.solve import CmcSolver
 from ..symmetry.sides import side_cut_vertices
+from .close import Closing
 from .plan import Plan, Settings
 from .plan_sides import group_sides
 from .shell import Shell
@@ -82,6 +83,7 @@ def measure_shell(
     outline: Array | list[Array] | None,
     fit: Fit | None = None,
     span: Span | None = None,
+    closing: Closing | None = None,
     intersections: bool | Callable[[], bool] = True,
 ) -> Shell:
     """The placed and measured shell. plane: its normal is the vertical. outline: see `report`. span: the surface's."""
@@ -105,6 +107,11 @@ def measure_shell(
     notes = shell_notes(plan, settings, surface, similarity, measured, placed[sheet], N)
     if span is not None:
         notes += _span_notes(span, bool(intersections))
+    message = measured.sentence if fit is None else fit.message
+    if closing is not None and not closing.ok:
+        notes = [Note("gap", closing.message), *(note for note in notes if note != measured.sentence)]
+    if closing is not None and (surface.status is Status.CONVERGED or not closing.ok):
+        message = closing.message
     if fit is not None and not fit.is_met:
         notes.insert(0, Note("goal-missed", fit.message))
     return Shell(
@@ -116,11 +123,12 @@ def measure_shell(
         faces=surface.faces,
         mean_curvature=np.where(np.isfinite(H), H, measured.mean_curvature),  # the target beside degenerate faces
         report=measured,
-        message=measured.sentence if fit is None else fit.message,
+        message=message,
         warnings=notes,
         solver=solver,
         fit=fit,
         span=span,
+        closing=closing,
     )
 
 

@@ -27,6 +27,7 @@ from ..spanning.outline import CORNERS, HOLES
 from ..surface.cmc_surface import COMBINATORICS, SHEETS
 from ..surface.options import SolveOptions
 from ..surface.placement import PlacementError, Rule
+from .closing_options import ClosingOptions
 from .numbering import drawn_numbers, renumbered, rules
 from .plan_metric import metric_domain, start_map
 from .t_junctions import check_junctions, rim_of
@@ -171,6 +172,8 @@ class Settings:
     size, value, ground, rotate, flip: see `placement.Rule`; they apply to `sheet`, "f+" or "f-".
     combinatorics: of `COMBINATORICS`, the polygons of the written sheets; they are measured on triangles.
     holes, corners: of shells on lines, see `span_outline`.
+    close: how a shell with given normals is kept closed around holes and handles, None to leave its gaps; shells on
+        lines close by themselves.
     shell: of `SHELLS`; degree and "bubble" exclude each other. A bubble is f- as a rule (see `usual_sheet`); its rim
         appears on the other side of the centre, and so it may always rotate.
     count_modes: report how many unstable modes the map has; always with the methods of `COUNTED`.
@@ -200,6 +203,7 @@ class Settings:
     combinatorics: str = "primal"
     holes: str = "adapt"
     corners: str = "sharp"
+    close: ClosingOptions | None = None
     shell: str = "first"
     count_modes: bool = False
 

@@ -20,6 +20,8 @@ from ..surface import convert, notebook
 from ..surface.cmc_surface import CmcSurface
 from ..surface.placement import Similarity
 from ..surface.solve import CmcSolver
+from .close import Closing
+from .gaps import HoleGap, surface_gaps
 
 if TYPE_CHECKING:
     import trimesh
@@ -45,6 +47,7 @@ class Shell:
     message: the status in a sentence. warnings: what else the user should know, each with a code (`solver.notes`).
     solver: for the next call of `form`.
     fit: of a fitted shell (`fit_plan`), how near it came. span: of a shell on lines, the surface as it was found.
+    closing: of a shell that `Settings.close` closed, what changed for that.
     """
 
     surface: CmcSurface
@@ -60,6 +63,7 @@ class Shell:
     solver: CmcSolver | None = None
     fit: Fit | None = None
     span: Span | None = None
+    closing: Closing | None = None
 
     @property
     def ok(self) -> bool:
@@ -67,9 +71,21 @@ class Shell:
         return self.surface.status is Status.CONVERGED and (self.fit is None or self.fit.is_met)
 
     @property
+    def closed(self) -> bool:
+        """Whether there is no gap around a hole or handle of the plan."""
+        return not self.surface.is_open
+
+    @property
+    def gaps(self) -> list[HoleGap]:
+        """The gap around each hole, or of each period of a plan with handles; of length 0 where the shell closes."""
+        return surface_gaps(self.surface, self.similarity, self.points())
+
+    @property
     def adapted_plan(self) -> Array | None:
-        """Where a shell on lines has moved its plan, to corners and holes: positions (V, 2) of that plan, to which the
-        shell is conformal; None where it is conformal to the drawn one."""
+        """Where the shell has moved its plan, a shell on lines to corners and holes, another to close: positions (V, 2)
+        of that plan, to which the shell is conformal; None where it is conformal to the drawn one."""
+        if self.closing is not None and self.closing.moved:
+            return self.closing.plan.positions[:, :2]
         if self.span is None or self.solver is None:
             return None
         lengths, drawn = self.span.domain.edge_lengths, self.solver.domain.edge_lengths

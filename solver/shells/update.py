@@ -13,6 +13,7 @@ from ..spanning.span import Span
 from ..surface.cmc_surface import CmcSurface
 from ..surface.placement import Similarity
 from ..surface.solve import CmcSolver
+from .close import Closing, closed
 from .form import place_over, solve_plan
 from .measured import check_shown, placed_sheets
 from .mixed import fit_plane, fit_similarity, fitted
@@ -33,7 +34,8 @@ _UPHILL = ("saddle", "critical")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Update:
-    """A surface, its similarity, points and normals (n, 3) of the placed sheets, and its span or fit: as in `Shell`."""
+    """A surface, its similarity, points and normals (n, 3) of the placed sheets, and its span, fit or closing: as in
+    `Shell`."""
 
     surface: CmcSurface
     similarity: Similarity
@@ -41,6 +43,7 @@ class Update:
     normals: dict[str, Array]
     span: Span | None = None
     fit: Fit | None = None
+    closing: Closing | None = None
 
     @property
     def ok(self) -> bool:
@@ -50,7 +53,7 @@ class Update:
 
     @property
     def message(self) -> str:
-        found = self.span or self.fit or self.surface
+        found = self.span or self.fit or self.closing or self.surface
         return found.message
 
     @property
@@ -94,9 +97,12 @@ def update(
     )
     if surface.harmonic.status in _LOST:
         surface = solve_plan(plan, rough, solver, progress=progress)
+    closing = None if rough.close is None else closed(plan, rough, surface, rough.close, progress)
+    if closing is not None:
+        plan, surface = closing.plan, closing.result.surface
     sheets = check_shown(surface, rough.sheet)
     plane, similarity = place_over(plan, rough, surface)
-    return Update(surface, similarity, *placed_sheets(surface, similarity, plane, sheets))
+    return Update(surface, similarity, *placed_sheets(surface, similarity, plane, sheets), closing=closing)
 
 
 def _of_fit(fit: Fit, solver: CmcSolver, settings: Settings) -> Update:

@@ -58,7 +58,7 @@ def jittered(plan: bpy.types.Object, amount: float = 0.12) -> bpy.types.Object:
 
 
 def quad_ring(name: str = "Ring", rings: int = 5, columns: int = 24, inner: float = 1.5, outer: float = 4.0):
-    """A plan of quads with a hole off its centre, so that its surface does not close."""
+    """A plan of quads with a hole off its centre, whose surface is left open."""
     points, faces = [], []
     for k in range(rings + 1):
         part = k / rings
@@ -68,7 +68,9 @@ def quad_ring(name: str = "Ring", rings: int = 5, columns: int = 24, inner: floa
     for k in range(rings):
         a, b = k * columns, (k + 1) * columns
         faces += [(a + j, b + j, b + (j + 1) % columns, a + (j + 1) % columns) for j in range(columns)]
-    return mesh_object(name, points, faces)
+    plan = mesh_object(name, points, faces)
+    plan.cmc.keep_closed = False
+    return plan
 
 
 def boundary_edges(mesh: bpy.types.Mesh) -> np.ndarray:

@@ -18,7 +18,7 @@ from numpy.testing import assert_allclose
 
 from .batches import DISC, files, job, plans, report
 from .conftest import ROOT
-from .scenes import activate, positions, quad_disc
+from .scenes import activate, positions, quad_disc, quad_ring
 
 COURT = """\
 [shape]
@@ -52,8 +52,7 @@ mesh = "tube.obj"
     ("name", "text", "role", "task"),
     [
         ("fit", DISC + "[fit]\nrise = 0.3\n", "FIT", "fit"),
-        ("close", COURT, "F_PLUS", "close"),
-        ("each", COURT + 'by = "both"\nmove = { 1 = ["x", "y"] }\n', "F_PLUS", "close"),
+        ("close", COURT + 'by = "both"\nmove = ["x", "y"]\n', "F_PLUS", "solve"),
         ("complete", UNDULOID, "COMPLETED", "complete"),
     ],
 )
@@ -107,11 +106,20 @@ def test_settings_of_another_task_are_refused(tmp_path, capsys):
     assert "--fit-rise goes with --task fit, not with solve" in capsys.readouterr().err
 
 
-def test_what_cannot_be_closed_is_unusable_before_it_is_solved(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("cmc_formfinding.cmc_addon.headless.batch.run_step", None)
-    path = job(tmp_path, "disc.toml", DISC)
-    assert cli.run([str(path), "-o", str(tmp_path / "out"), "-f", "obj", "--task", "close"]) == 2
-    assert "neither holes nor handles" in capsys.readouterr().err
+def test_what_is_chosen_for_single_holes_is_refused(tmp_path, capsys):
+    path = job(tmp_path, "each.toml", COURT + 'by = "both"\nmove = { 1 = ["x", "y"] }\n')
+    assert cli.run([str(path), "-o", str(tmp_path / "out"), "-f", "obj"]) == 2
+    assert "In Blender all holes of a plan move alike" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("given", "closed"), [([], True), (["--no-keep-closed"], False)])
+def test_a_mesh_file_is_kept_closed_as_a_new_plan_is(tmp_path, given, closed):
+    quad_ring("Ring", rings=4, columns=24)
+    bpy.ops.wm.obj_export(filepath=str(tmp_path / "ring.obj"), forward_axis="Y", up_axis="Z")
+    condition = ["--condition", "loop = 0, tilt = 40"]
+    code = cli.run([str(tmp_path / "ring.obj"), "-o", str(tmp_path / "out"), "-f", "obj", *condition, *given])
+    found = report(tmp_path / "out/ring/ring")
+    assert (code == 0) == closed and found["is_open"] != closed and ("closing" in found) == closed
 
 
 def test_all_formats_and_metres(tmp_path):

@@ -84,11 +84,11 @@ def test_mesh_plan_twice():
     assert bpy.context.object.dimensions.x == pytest.approx(12.0, rel=1e-5)
 
 
-def test_close_and_repeat_gaps():
+def test_shells_with_and_without_gaps():
     plan = quad_ring("Court", rings=5, columns=32)
-    assert bpy.ops.cmc.solve() == FINISHED
+    assert bpy.ops.cmc.solve(keep_closed=False) == FINISHED
     check_bounds()
-    assert bpy.ops.cmc.close_periods() == FINISHED
+    assert bpy.ops.cmc.solve(keep_closed=True) == FINISHED
     check_bounds()
     activate(plan)
 

@@ -104,8 +104,8 @@ def test_edit_mode(solved):
 
 def test_while_something_runs(solved):
     bpy.context.window_manager.cmc.running = True
-    for name in ("solve", "flip", "mesh_plan", "fit_outline", "approximate_surface", "complete", "close_periods",
-                 "tile_periods", "export"):
+    for name in ("solve", "flip", "mesh_plan", "fit_outline", "approximate_surface", "complete", "tile_periods",
+                 "export"):
         assert "wait for it, or cancel it (Esc)" in reasons()[name]
     assert draw("CMC_PT_shell").operators == ["cmc.cancel"], "the bar is where the button was"
     assert draw().operators.count("cmc.cancel") == 1, "the progress is drawn once"

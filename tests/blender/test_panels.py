@@ -142,7 +142,7 @@ def test_every_setting_of_a_solve_can_be_reached(plan) -> None:
     from cmc_formfinding.cmc_addon.properties.settings import SETTINGS, SIZE_PROPERTY
 
     bpy.ops.cmc.group_add(name="rim")
-    plan.cmc.shell = "DEGREE"
+    plan.cmc.shell, plan.cmc.close_by = "DEGREE", "BOTH"
     drawn = set()
     for kind in ("BINORMAL", "LINE"):
         plan.cmc.default_kind = kind

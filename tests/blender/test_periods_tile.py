@@ -52,10 +52,9 @@ def hand_for(operators):
     """Stands for the operator that Blender makes."""
     operator = operators.CMC_OT_tile_periods
 
-    class Made(operators.PeriodsOperator):
-        bl_label, names, read_task, progress_of = (
-            operator.bl_label, operator.names, operator.read_task, operator.progress_of
-        )
+    class Made(operators.ShellOperator):
+        bl_label, read_task = operator.bl_label, operator.read_task
+        tile_as, tile_repeat = "MESH", (3, 1, 1)
         properties = SimpleNamespace(is_property_set=lambda name: False)
 
         def __init__(self):
@@ -93,7 +92,7 @@ def test_instances_lie_where_the_mesh_does(plan):
 
 
 def test_counts_before_it_runs(plan, addon):
-    counts = addon.cmc_addon.tasks.close_periods.tile_counts
+    counts = addon.cmc_addon.tasks.tile.tile_counts
     assert counts(plan, 1, (5, 9, 9)) == (5, 5 * len(plan.data.polygons)), "there is one hole"
     assert counts(plan, 2, (5, 3, 9))[0] == 15 and counts(plan, 5, (2, 2, 2))[0] == 8
     with pytest.raises(Exception, match="That makes 1000000 copies"):
@@ -102,7 +101,7 @@ def test_counts_before_it_runs(plan, addon):
 
 def test_a_range_of_the_lattice_of_two_holes():
     made = two_courts()
-    assert bpy.ops.cmc.solve() == FINISHED
+    assert bpy.ops.cmc.solve(keep_closed=False) == FINISHED
     holes = report(made)["holes"]
     assert [hole["name"] for hole in holes] == ["hole 1", "hole 2"]
     assert bpy.ops.cmc.tile_periods(tile_repeat=(2, 3, 1), tile_as="INSTANCES") == FINISHED
@@ -137,11 +136,15 @@ def refused(message: str, **options) -> None:
     assert snapshot() == before
 
 
-def test_a_shell_that_closes_is_not_tiled(plan):
-    assert bpy.ops.cmc.close_periods() == FINISHED
-    refused("so it has no periods to repeat by")
-    assert bpy.ops.cmc.solve() == FINISHED
+def test_a_shell_that_is_kept_closed_is_opened_and_tiled(plan):
+    opened = positions(plan.cmc.f_plus)
+    assert bpy.ops.cmc.solve(keep_closed=True) == FINISHED
     assert bpy.ops.cmc.tile_periods() == FINISHED
+    assert not plan.cmc.keep_closed and completion_report(plan)["copies"] == 3
+    assert_allclose(positions(plan.cmc.f_plus), opened, atol=1e-6)
+
+
+def test_a_shell_that_closes_by_itself_is_not_tiled():
     quad_disc()
     bpy.context.object.data.cmc.groups.clear()
     refused("so it has no periods to repeat by")
@@ -178,9 +181,7 @@ def test_an_annulus_is_solved_and_closed():
     plan = bpy.context.object
     assert {group.name for group in plan.data.cmc.groups} == {"Outer", "Inner"}
     assert bpy.ops.cmc.solve() == FINISHED
-    assert report(plan)["is_open"] and report(plan)["holes"][0]["relative"] > 0.02
-    assert bpy.ops.cmc.close_periods() == FINISHED
-    assert report(plan)["closing"]["closed"]
+    assert report(plan)["closing"]["closed"] and report(plan)["closing"]["gap_before"] > 0.02
     place, drawn = positions(plan), np.array(values(plan.data.attributes["Plan"]))
     corners = [loop.vertex_index for loop in plan.data.loops]
     assert_allclose(drawn, place[corners][:, :2], atol=1e-5)

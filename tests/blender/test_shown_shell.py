@@ -111,20 +111,12 @@ def test_gap_and_cut_are_those_of_the_fit(addon):
     assert layers(frame(addon))
     assert bpy.ops.cmc.fit_outline(fit_rise=0.3) == FINISHED
     assert not json.loads(plan.cmc.design_report)["is_open"]
-    assert "open by" not in text_of(draw("CMC_PT_results")) and "Closed" in draw("CMC_PT_periods").texts
+    assert "open by" not in text_of(draw("CMC_PT_results"))
     assert not layers(frame(addon))
     only("show_cut")
     assert not layers(frame(addon))
     bpy.ops.cmc.solve()
     assert layers(frame(addon))
-
-
-def test_after_closing():
-    plan = quad_ring(rings=4, columns=20)
-    bpy.ops.cmc.solve()
-    bpy.ops.cmc.fit_outline(fit_rise=0.3)
-    assert bpy.ops.cmc.close_periods() == FINISHED
-    assert header() == f"{plan.name} f+" and "Gap Now" in draw("CMC_PT_periods").texts
 
 
 def test_undo_takes_it_back(plan):

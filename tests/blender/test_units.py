@@ -185,6 +185,6 @@ def test_noise_is_none():
 def test_motions_of_holes_are_lengths(capfd):
     set_units("METRIC", 0.001)
     annulus()
-    assert bpy.ops.cmc.close_periods(close_by="HOLE") == FINISHED
+    assert bpy.ops.cmc.solve(close_by="HOLE") == FINISHED
     moved = capfd.readouterr().out.partition("Holes moved: ")[2]
     assert re.match(r"\S*( \d)? ?x -?[\d.]+ (m|cm|mm)\b", moved), moved

@@ -93,7 +93,7 @@ def job_keys() -> set[str]:
     parameters = {parameter.name for kind in KINDS.values() for parameter in kind.parameters}
     shapes = {name for make in SHAPES.values() for name in inspect.signature(make).parameters}
     placing = {"rotate", "flip", "ground", "sheet", "side"} | set(SIZES) - {"match_plan"} | set(GROUNDS)
-    elsewhere = {"default_kind", "default_tilt", "size", "value"}
+    elsewhere = {"default_kind", "default_tilt", "size", "value", "close"}
     solving = {field.name for field in fields(plan.Settings)} - elsewhere
     tables = {"[shape]", "[[conditions]]", "[default]", "[size]", "[solver]", "[output]", "[fit]", "[complete]"}
     files = {*SHEET_KEYS, "report", "mesh", "up", "start"} | tables | {"[close]", *CLOSE_KEYS}

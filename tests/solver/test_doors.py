@@ -68,6 +68,13 @@ CALLS: dict[str, list[Callable]] = {
         lambda x: solver.Settings(tolerance=x),
         lambda x: solver.Settings(default_tilt=x),
     ],
+    "ClosingOptions": [
+        solver.ClosingOptions,
+        lambda x: solver.ClosingOptions("both", x),
+        lambda x: solver.ClosingOptions("hole", move=x),
+        lambda x: solver.ClosingOptions("hole", holes=x),
+        lambda x: solver.Settings(close=x),
+    ],
     "Shell": [SHELL.points, SHELL.save, SHELL.summary],
     "Side": [lambda x: solver.complete(SURFACE, [solver.Side("a", x)])],
     "Span": [SPAN.harmonic, SPAN.distance, SPAN.sheet, SPAN.save],

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from solver import ClosingOptions
 from solver.__main__ import main
 from solver.domain.topology import Homology
 from solver.errors import CmcError, JobError
 from solver.io.mesh_files import read_mesh
 from solver.jobs.job import load_job, run_job
 from solver.jobs.outcomes import FAILED, OK, UNUSABLE
-from solver.shells.close import ClosingOptions, close_plan
 from solver.shells.form import form
-from solver.shells.gaps import hole_gaps, hole_loops, turns_of_loops
+from solver.shells.gaps import hole_loops, turns_of_loops
 from solver.shells.plan import plan_domain
 
 COURT = """
@@ -51,7 +52,7 @@ def test_a_court_closes_and_what_changed_is_told(tmp_path, way, capsys):
     path = job_file(tmp_path, f'[close]\nby = "{way}"\n')
     assert main(["-v", str(path)]) == OK
     shown = capsys.readouterr()
-    assert "step 1: gap" in shown.err
+    assert "step 1: residual or gap" in shown.err
     report, plan = written(tmp_path), load_job(path).plan
     closing = report["closing"]
     assert closing["closed"] and closing["gap_before"] > 0.1 and closing["gap"] < 1e-8 and closing["steps"] <= 10
@@ -110,7 +111,7 @@ def test_gaps_are_those_around_each_hole(tmp_path):
     N, (i, j) = surface.harmonic.normals, domain.edges.T
     tau = domain.cotan_weights[:, None] * np.cross(N[i], N[j])
     tau[domain.boundary_edges] = 0.0
-    gaps, ends = hole_gaps(shell), []
+    gaps, ends = shell.gaps, []
     assert [gap.name for gap in gaps] == ["hole 1", "hole 2"]
     for gap, loop in zip(gaps, hole_loops(domain), strict=True):
         on = np.isin(np.arange(domain.vertex_count), domain.boundary_loops[loop])
@@ -127,7 +128,7 @@ def test_gaps_are_those_around_each_hole(tmp_path):
 def test_one_hole_of_two_moves(tmp_path):
     path = job_file(tmp_path, '[close]\nby = "both"\nholes = [1]\nweight = 0.5\n', TWO)
     job = load_job(path)
-    assert job.close is not None and job.close.holes == (1,) and job.close.weight == 0.5
+    assert job.settings.close == ClosingOptions("both", 0.5, holes=(1,))
     assert main([str(path)]) == OK
     assert set(written(tmp_path)["closing"]["moved"]) == {"x", "y", "twist"}
     each = job_file(tmp_path, '[close]\nby = "both"\nmove = { 2 = ["x"], 1 = ["y", "size"] }\n', TWO)
@@ -142,14 +143,14 @@ def test_the_plan_with_the_moved_hole_gives_the_closed_shell(tmp_path):
     """Shifted, not turned, a hole's rim has the normals that it had."""
     symmetric = COURT.replace("[3, 3], [6, 3], [6, 6], [3, 6]", "[3, 3.5], [6, 3.5], [6, 6.5], [3, 6.5]")
     job = load_job(job_file(tmp_path, '[close]\nby = "hole"\nmove = ["x", "y", "twist"]\n', symmetric))
-    assert job.close is not None
-    closed = close_plan(job.plan, job.settings, job.close)
-    assert closed.closing.closed and abs(closed.moved["twist"]) < 0.2
+    shell = form(job.plan, job.settings)
+    assert shell.closing is not None and shell.closed and abs(shell.closing.moved["twist"]) < 0.2
     loop = plan_domain(job.plan).boundary_loops[hole_loops(plan_domain(job.plan))[0]]
-    shift = (closed.plan.positions - job.plan.positions)[loop].mean(axis=0)
-    assert_allclose(shift, [closed.moved["x"], closed.moved["y"], 0.0], atol=2e-6)
-    again = form(closed.plan, job.settings, intersections=False)
-    assert hole_gaps(again)[0].relative < 2e-3
+    assert shell.adapted_plan is not None
+    shift = (shell.adapted_plan - job.plan.positions[:, :2])[loop].mean(axis=0)
+    assert_allclose(shift, [shell.closing.moved["x"], shell.closing.moved["y"]], atol=2e-6)
+    again = form(shell.closing.plan, replace(job.settings, close=None), intersections=False)
+    assert again.closing is None and again.gaps[0].relative < 2e-3
 
 
 @pytest.mark.parametrize(("table", "message"), [
@@ -176,8 +177,6 @@ def test_what_cannot_be_closed_is_an_unusable_job(tmp_path):
     """Exit code 2, and nothing is solved for it."""
     disc = '[shape]\nkind = "disc"\nn = 60\n'
     for plan, close, message in (
-        (disc, "[close]\n", "neither holes nor handles"),
-        (disc, '[close]\nby = "hole"\n', "The plan has no hole that could move"),
         (COURT, '[close]\nby = "hole"\nholes = [3]\n', "The plan has 1 hole; there is no hole 3"),
         (COURT, '[close]\n[solver]\nsites = "faces"\n', "Closing needs normals on vertices"),
         (disc, "[fit]\nrise = 0.2\n[close]\n", "a fit closes its shell by itself"),
@@ -187,6 +186,5 @@ def test_what_cannot_be_closed_is_an_unusable_job(tmp_path):
             load_job(path)
         assert main([str(path)]) == UNUSABLE
 
-    job = load_job(job_file(tmp_path, "", disc))
-    with pytest.raises(CmcError, match="neither holes nor handles"):
-        close_plan(job.plan, job.settings, ClosingOptions(), solver=None)
+    assert main([str(job_file(tmp_path, '[close]\nby = "hole"\n', disc))]) == OK
+    assert "closing" not in written(tmp_path), "nothing is open"

@@ -7,7 +7,6 @@ import pytest
 from numpy.testing import assert_allclose
 
 from solver import CmcError, ConditionError, Plan, Settings, conditions, form, shapes, span_outline
-from solver.shells.close import ClosingOptions, close_plan
 from solver.shells.plan import plan_domain
 from solver.shells.update import update
 from solver.surface.solve import CmcSolver
@@ -188,8 +187,6 @@ def test_plans_on_lines_that_cannot_be_spanned_are_refused(hall):
         form(Plan.from_shape(hall), Settings(size="volume", value=3.0))
     with pytest.raises(CmcError, match="height must be a positive number"):
         form(Plan.from_shape(hall), Settings(size="height", value=-3.0))
-    with pytest.raises(ConditionError, match="closes around its holes by itself"):
-        close_plan(Plan.from_shape(hall), Settings(default_kind="line"), ClosingOptions())
 
 
 def test_conditions_add_up(hall):

@@ -1,4 +1,4 @@
-"""Settings of Close Gaps and Repeat by Gaps, for `Object.cmc` and for the operators."""
+"""Settings that keep a shell closed around holes, a part of those of a solve, and of Repeat by Gaps."""
 
 from collections.abc import Iterable
 from functools import partial
@@ -6,7 +6,7 @@ from functools import partial
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntVectorProperty
 
-from ...solver.shells.close import MOVING, ClosingOptions
+from ...solver.shells.closing_options import MOVING, ClosingOptions
 
 _BY = [
     ("NORMALS", "Normals", "Change the normals along the rim, as little as possible"),
@@ -19,8 +19,12 @@ _AS = [
     ("INSTANCES", "Instances", "One object for each copy, all with the same mesh"),
 ]
 
-_CLOSE = {
-    "close_by": partial(EnumProperty, name="By", description="What may change to close the shell", items=_BY),
+CLOSING = {
+    "keep_closed": partial(
+        BoolProperty, name="Keep Closed Around Courts", description="Where the shell would be open around a hole of "
+        "the plan, change it as little as needed until it closes; shells on lines close by themselves", default=True),
+    "close_by": partial(
+        EnumProperty, name="Close By", description="What may change to keep the shell closed", items=_BY),
     "close_weight": partial(
         FloatProperty, name="Keep Holes", description="Weight of moving holes against turning normals; the larger, the "
         "less the holes move", default=1.0, min=1e-4, soft_min=0.01, soft_max=100.0),
@@ -31,8 +35,7 @@ _CLOSE = {
         "them", default=True),
     "close_size": partial(BoolProperty, name="Size", description="Let holes grow and shrink", default=False),
 }
-CLOSE_SETTINGS = tuple(_CLOSE)
-"""Names of the settings of Close Gaps."""
+"""Name of a setting → its property."""
 
 _TILE = {
     "tile_as": partial(EnumProperty, name="As", description="Kind of the copies", items=_AS),
@@ -44,35 +47,29 @@ TILE_SETTINGS = tuple(_TILE)
 """Names of the settings of Repeat by Gaps."""
 
 
-def close_annotations(options: Iterable[str] = ()) -> dict:
-    return {name: make(options=set(options)) for name, make in _CLOSE.items()}
-
-
 def tile_annotations(options: Iterable[str] = ()) -> dict:
     return {name: make(options=set(options)) for name, make in _TILE.items()}
 
 
-def stored_period_annotations() -> dict:
+def stored_tile_annotations() -> dict:
     """For `Object.cmc`."""
-    return {name: make() for name, make in (_CLOSE | _TILE).items()}
+    return {name: make() for name, make in _TILE.items()}
 
 
-def closure_of(wanted) -> ClosingOptions:
-    """The settings as the solver takes them. Raises `CmcError` if nothing may move."""
+def closing_of(wanted) -> ClosingOptions | None:
+    """The settings of a solve as the solver takes them: None where the shell is left open, or its normals are where
+    nothing closes it. Raises `CmcError` if nothing may move."""
+    if not wanted.keep_closed or wanted.sites != "VERTICES" or wanted.delaunay:
+        return None
     moves = {"close_shift": ("x", "y"), "close_twist": ("twist",), "close_size": ("size",)}
     motions = tuple(motion for name, names in moves.items() if getattr(wanted, name) for motion in names)
     return ClosingOptions(by=wanted.close_by.lower(), weight=wanted.close_weight, move=motions)
 
 
-def may_move(wanted) -> bool:
-    """Whether the plan may change."""
-    return wanted.close_by.lower() in MOVING
-
-
-def draw_close(layout: bpy.types.UILayout, owner) -> None:
-    """Rows for the settings of Close Gaps, of an object or of the operator; only those in use."""
+def draw_closing(layout: bpy.types.UILayout, owner) -> None:
+    """Rows for how the shell of an object or an operator is kept closed; only those in use."""
     layout.prop(owner, "close_by")
-    if may_move(owner):
+    if owner.close_by.lower() in MOVING:
         column = layout.column(heading="Holes May")
         for name in ("close_shift", "close_twist", "close_size"):
             column.prop(owner, name)

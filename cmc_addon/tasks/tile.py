@@ -1,0 +1,61 @@
+"""Repeat by Gaps: the copies of a shell that is left open around the holes of its plan."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from types import SimpleNamespace
+
+import bpy
+import numpy as np
+
+from ...solver.errors import Progress
+from ...solver.shells.complete import Completed, CopySelection
+from ...solver.shells.plan import Plan
+from ...solver.shells.tile import tile_plan, tile_times
+from ..background import solve_cache
+from ..properties.closing_settings import TILE_SETTINGS
+from ..properties.stored import ROLES
+from .complete import CompleteResult, CompleteTask
+from .solve import SolveResult, SolveTask, settings_of
+
+
+class TileResult(CompleteResult):
+    """Copies across the gap; the gap itself is no reason for a warning."""
+
+    @property
+    def converged(self) -> bool:
+        return self.solved.shell.report.converged
+
+
+@dataclass(frozen=True, eq=False)
+class TileTask(CompleteTask):
+    """Copies by periods of the shell with its gaps. wanted: `TILE_SETTINGS`."""
+
+    @classmethod
+    def read(cls, context: bpy.types.Context, plan: bpy.types.Object, wanted: SimpleNamespace) -> TileTask:
+        """Read the plan. Raises `CmcError` where it cannot be read."""
+        wanted.complete_as = wanted.tile_as
+        settings = settings_of(plan.cmc)
+        settings.keep_closed = False
+        solve = SolveTask.read(context, plan, settings)
+        return cls(solve, solve_cache.recall(solve), CopySelection(), wanted)
+
+    def is_shown(self, plan: bpy.types.Object) -> bool:
+        return not plan.cmc.keep_closed and super().is_shown(plan)
+
+    def work(self, progress: Progress) -> TileResult:
+        result = super().work(progress)
+        return TileResult(result.solved, result.completed, result.report, result.cut)
+
+    def completed(self, plan: Plan, solved: SolveResult) -> Completed:
+        return tile_plan(solved.shell, self.wanted.tile_repeat, ROLES[self.solve.settings.sheet])
+
+    def store(self, plan: bpy.types.Object) -> None:
+        for name in TILE_SETTINGS:
+            setattr(plan.cmc, name, getattr(self.wanted, name))
+
+
+def tile_counts(plan: bpy.types.Object, holes: int, repeat) -> tuple[int, int]:
+    """Copies and faces that a tiling would have now. Raises `CmcError` if there are too many."""
+    copies = int(np.prod(tile_times(holes, list(repeat))))
+    return copies, copies * len(plan.data.polygons)
