@@ -26,8 +26,8 @@ import bpy
 MODULES = (
     "properties.stored", "background.worker", "operators", "bridges.group_history", "bridges.geometry_changes",
     "drawing.overlay_draw", "drawing.handle_gizmos", "drawing.shading", "results.colours", "drawing.preview",
-    "live.follow", "background.solve_cache", "tasks.complete", "panels.tab", "panels.overlay_panel",
-    "panels.boundary_panel", "panels.design_panel", "panels.symmetry_panel", "panels.results_panel",
+    "background.solve_cache", "tasks.complete", "panels.tab", "panels.overlay_panel",
+    "panels.boundary_panel", "panels.approximate_panel", "panels.symmetry_panel", "panels.results_panel",
     "drawing.legend", "drawing.curvature_lines_overlay", "panels.colours_panel", "live.live", "panels.live_panel",
     "panels.periods_panel", "panels.export_panel", "panels.menus", "properties.preferences",
     "panels.sidebar", "operators.manual", "headless.cli",

@@ -1,4 +1,4 @@
-"""Background tasks that start by themselves: the common part of Follow and Live.
+"""Background tasks that start by themselves, as those of Live.
 
 A task runs in a thread; a tick of Blender's timer looks after it and writes its result.
 """

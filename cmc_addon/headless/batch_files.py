@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 
 from ...solver.errors import JobError
+from ...solver.fitting.goals import OutlineOptions
 from ...solver.io.mesh_files import FORMATS
 from ...solver.jobs.job import Job, load_job, make_job
 from ...solver.jobs.job_files import job_inputs
@@ -42,6 +43,11 @@ def open_input(path: Path, conditions: Sequence[Mapping[str, object]] = (), up: 
         call(bpy.ops.wm.open_mainfile, f"{path} cannot be opened", filepath=str(path), load_ui=False)
         return None
     job = load_job(path) if suffix == ".toml" else _mesh_job(path, conditions, up)
+    if isinstance(job.fit, OutlineOptions):
+        raise JobError(
+            f'{path}: [fit] to an outline is for python -m solver; in Blender give the sides kind = "line" and a size '
+            "in [size] in its place."
+        )
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True, load_ui=False)
     plan = import_plan(bpy.context, path.stem, job.mesh, _all_groups(job))
     for vertex in job.plan.flipped_corners:

@@ -8,17 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 
 import bpy
 
 from ...solver import interrupts
 from ...solver.errors import JobError
+from ...solver.fitting.gauss_map import GaussMapOptions
 from ...solver.jobs.job import Job
 from ...solver.notes import Note
 from ...solver.shells.complete import CopySelection
 from ...solver.shells.form import check_plan
 from ..background import plan_cache
-from ..properties.design_settings import APPROXIMATE_SETTINGS, FIT_SETTINGS, POINTERS, stored_settings
+from ..properties.approximate_settings import APPROXIMATE_SETTINGS, stored_settings
 from ..properties.links import copies_of, result_of, results_of, wanted_roles
 from ..properties.reports import complete_report, design_report, solve_report
 from ..properties.settings import SETTINGS, fitted_settings
@@ -28,9 +30,6 @@ from ..results.instances import delete_instances
 from ..results.objects import check_writable, delete_result
 from ..tasks.approximate import ApproximateTask
 from ..tasks.complete import CompleteTask
-from ..tasks.design import DesignTask
-from ..tasks.fit_job import JobFitTask
-from ..tasks.fit_outline import FitTask
 from ..tasks.shell_task import ShellTask, read_solve
 from ..tasks.solve import SolveTask, settings_of, solver_settings
 from ..tasks.task import Task
@@ -41,19 +40,16 @@ Read = Callable[[bpy.types.Context, bpy.types.Object], Task]
 TASKS: dict[str, str] = {
     "auto": "what the job says, or what made the shell that the plan shows",
     "solve": "the shell over the plan",
-    "fit": "the shell whose rim lies on an outline",
     "approximate": "the shell nearest to the plan, a surface in space",
     "complete": "the shell and its copies by symmetry",
 }
 """What to do with a plan, for `--task`."""
 
-GIVEN = (*SETTINGS, *FIT_SETTINGS, *APPROXIMATE_SETTINGS, *COMPLETE_SETTINGS)
+GIVEN = (*SETTINGS, *APPROXIMATE_SETTINGS, *COMPLETE_SETTINGS)
 """The settings of a plan that the command line can override."""
 
 # The settings of each task beside those of a solve.
-_OWN = {
-    "fit": FIT_SETTINGS, "approximate": APPROXIMATE_SETTINGS, "complete": COMPLETE_SETTINGS,
-}  # fmt: skip
+_OWN = {"approximate": APPROXIMATE_SETTINGS, "complete": COMPLETE_SETTINGS}
 
 
 @dataclass(frozen=True)
@@ -121,8 +117,6 @@ def _shown(plan: bpy.types.Object) -> str:
     seen = {role for role, ob in results.items() if not ob.hide_viewport}
     if "COMPLETED" in seen or (copies is not None and any(not ob.hide_viewport for ob in copies.objects)):
         return "complete"
-    if "FIT" in seen:
-        return "fit"
     if "NEAREST" in seen and not results_of(plan):
         return "approximate"
     return "solve"
@@ -145,8 +139,8 @@ def run_step(context: bpy.types.Context, plan: bpy.types.Object, step: str, task
     interrupts.check()
     warnings = task.write(context, plan, result)
     interrupts.check()
-    if isinstance(task, DesignTask):
-        shown = result_of(plan, task.role)
+    if isinstance(task, ApproximateTask):
+        shown = result_of(plan, "NEAREST")
         report = design_report(plan) or {}
         return Formed(result.message, warnings, result.converged, [] if shown is None else [shown], report)
     report, shell = solve_report(plan) or {}, result.solved.shell if step != "solve" else result.shell
@@ -174,14 +168,8 @@ def _solve(context: bpy.types.Context, plan: bpy.types.Object) -> Task:
     return SolveTask.read(context, plan, settings_of(plan.cmc))
 
 
-def _fit(context: bpy.types.Context, plan: bpy.types.Object) -> Task:
-    curve, anchors = (getattr(plan.cmc, name) for name in POINTERS.values())
-    return FitTask.read(context, plan, stored_settings(plan.cmc, FIT_SETTINGS), curve, anchors, stored=FIT_SETTINGS)
-
-
 def _approximate(context: bpy.types.Context, plan: bpy.types.Object) -> Task:
-    settings = stored_settings(plan.cmc, APPROXIMATE_SETTINGS)
-    return ApproximateTask.read(context, plan, settings, stored=APPROXIMATE_SETTINGS)
+    return ApproximateTask.read(context, plan, stored_settings(plan.cmc, APPROXIMATE_SETTINGS))
 
 
 def _complete(context: bpy.types.Context, plan: bpy.types.Object) -> Task:
@@ -191,17 +179,15 @@ def _complete(context: bpy.types.Context, plan: bpy.types.Object) -> Task:
     return CompleteTask.read(context, plan, wanted)
 
 
-_READ: dict[str, Read] = {
-    "solve": _solve, "fit": _fit, "approximate": _approximate, "complete": _complete,
-}  # fmt: skip
+_READ: dict[str, Read] = {"solve": _solve, "approximate": _approximate, "complete": _complete}
 
 
 def _of_job(job: Job) -> dict[str, Read]:
     """The tasks of a job's tables, with their options."""
     fit, complete = job.fit, job.complete
-    if fit is not None:
-        name = "approximate" if "regularisation" in vars(fit) else "fit"
-        return {name: lambda context, plan: JobFitTask.read(context, plan, fit)}
+    if isinstance(fit, GaussMapOptions):
+        stored = partial(stored_settings, names=APPROXIMATE_SETTINGS)
+        return {"approximate": lambda context, plan: ApproximateTask.read(context, plan, stored(plan.cmc), fit)}
     reads: dict[str, Read] = {}
     if complete is not None:
         copies = complete.copies

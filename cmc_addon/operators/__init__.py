@@ -11,8 +11,8 @@ from . import (
     add,
     add_bubble,
     add_plan,
+    approximate,
     boundary,
-    design,
     export,
     go_to,
     group_presets,
@@ -27,7 +27,7 @@ from . import (
 )
 
 MODULES = (
-    boundary, plan, go_to, solve, design, symmetry, add, add_plan, add_bubble, modes, periods, look, export,
+    boundary, plan, go_to, solve, approximate, symmetry, add, add_plan, add_bubble, modes, periods, look, export,
     group_presets, weld, live,
 )
 """Files with a tuple CLASSES of operator classes."""

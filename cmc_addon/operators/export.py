@@ -31,7 +31,7 @@ def why_not_export(context: bpy.types.Context) -> str:
 
 def file_name(plan: bpy.types.Object, result: bpy.types.Object) -> str:
     """The default name of a file: the plan's, and which of its shells it is."""
-    what = {"FIT": "fitted", "NEAREST": "nearest", "COMPLETED": "completed"}.get(result.cmc.role, "shell")
+    what = {"NEAREST": "nearest", "COMPLETED": "completed"}.get(result.cmc.role, "shell")
     return re.sub(r'[\\/:*?"<>|\x00-\x1f]', "_", f"{plan.name} {what}")
 
 

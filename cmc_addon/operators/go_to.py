@@ -39,19 +39,17 @@ class CMC_OT_go_to(bpy.types.Operator):
             ("OUTLINE", "Outline", "The drawn outline of the plan, shown if it was hidden"),
             ("PLAN", "Plan", "The plan of the shell, or the plan meshed from the outline"),
             ("SHELL", "Shell", "The shell over the plan, shown if it was hidden"),
-            ("FIT", "Fit", "The shell fitted to the outline"),
         ],
     )
 
     @classmethod
     def description(cls, context, properties):
-        what = {"FIT": "fitted shell"}.get(properties.target, properties.target.lower())
-        return f"Make the {what} of this object the active object"
+        return f"Make the {properties.target.lower()} of this object the active object"
 
     @classmethod
     def poll(cls, context):
         ob = context.object
-        if ob is None or all(target(ob, which) is None for which in ("OUTLINE", "PLAN", "SHELL", "FIT")):
+        if ob is None or all(target(ob, which) is None for which in ("OUTLINE", "PLAN", "SHELL")):
             cls.poll_message_set("Select an outline that has a plan, a plan that has a shell, or a shell")
             return False
         return True

@@ -49,7 +49,7 @@ class CMC_MT_object(bpy.types.Menu):
         layout.operator("cmc.mesh_plan")
         layout.operator("cmc.weld")
         layout.separator()
-        for name in ("cmc.solve", "cmc.live", "cmc.flip", "cmc.fit_outline", "cmc.approximate_surface"):
+        for name in ("cmc.solve", "cmc.live", "cmc.flip", "cmc.approximate_surface"):
             layout.operator(name)
         layout.separator()
         for name in ("cmc.complete", "cmc.tile_periods"):
@@ -78,7 +78,7 @@ class CMC_MT_mesh(bpy.types.Menu):
             layout.operator(name)
         layout.menu("CMC_MT_group_presets")
         layout.separator()
-        for name in ("cmc.solve", "cmc.solve_selection", "cmc.flip", "cmc.fit_outline", "cmc.mesh_plan", "cmc.weld"):
+        for name in ("cmc.solve", "cmc.solve_selection", "cmc.flip", "cmc.mesh_plan", "cmc.weld"):
             layout.operator(name)
 
 
@@ -91,7 +91,7 @@ class CMC_MT_pie(bpy.types.Menu):
     def draw(self, context):
         pie = self.layout.menu_pie()
         editing = context.mode == "EDIT_MESH"
-        pie.operator("cmc.group_assign" if editing else "cmc.fit_outline")
+        pie.operator("cmc.group_assign" if editing else "cmc.mesh_plan")
         pie.operator("cmc.solve_selection" if editing else "cmc.complete")
         pie.operator("cmc.solve")
         pie.operator("cmc.flip")

@@ -5,7 +5,6 @@ import textwrap
 
 import bpy
 
-from ...solver.fitting.targets import RimOnCurve
 from ...solver.measure.summary import percent
 from ...solver.notes import NOT_AS_ASKED
 from ..properties.links import shown_shell
@@ -14,7 +13,7 @@ from ..properties.reports import complete_report, is_design, last_report, shown_
 from ..properties.stored import COMPLETED_ROLES
 from ..properties.units import in_units, length_text, per_length
 from .periods_text import gap_sentence
-from .tab import BESIDE_SOLVE, Tab
+from .tab import Tab
 
 _LETTER = 7.0  # pixels, of the interface font at scale 1
 _UNIT = r"(?<=\d) (?=%|[a-zµ]{1,2}[²³]?\b)"
@@ -142,7 +141,7 @@ def check_rows(report: dict) -> list[tuple[str, str]]:
             rows.append((name, f"{side['angle']:.2g}° off, rim {length_text(side['distance'], digits=2)} away"))
     for lean in report.get("span", {}).get("leans", []):
         rows.append(("Leans By", f"{lean['measured']:.1f}° for {lean['asked']:.1f}°"))
-    if shown["outline"] and not is_design(report):  # Design has the distances of a fit
+    if shown["outline"] and not is_design(report):
         mean, most = (length_text(shown["outline"][name], digits=2) for name in ("mean", "max"))
         rows.append(("Off Outline", f"{mean}, at most {most}"))
     if shown["overhang"]:
@@ -186,47 +185,5 @@ def map_rows(report: dict) -> list[tuple[str, str]]:
     return rows
 
 
-def draw_nearness(layout: bpy.types.UILayout, context: bpy.types.Context, plan: bpy.types.Object) -> None:
-    """The distance of the rim of the shell that is shown from the outline, and the button to fit it."""
-    report = last_report(context)
-    rows = fitted_rows(report) if report is not None and is_design(report) else outline_rows(report)
-    if rows:
-        numbers(layout, rows)
-        layout.operator("cmc.fit_outline", icon="SNAP_ON")
-
-
-def outline_rows(report: dict | None) -> list[tuple[str, str]]:
-    """Mean and largest distance between rim and outline, in the unit of the scene and as a part of the span."""
-    shown = None if report is None else shown_sheet(report)
-    if shown is None or not shown.get("outline"):
-        return []
-    return [
-        (name, distance_text(shown["outline"][key], shown["span"]))
-        for name, key in (("Off Outline", "mean"), ("At Most", "max"))
-    ]
-
-
-def fitted_rows(report: dict) -> list[tuple[str, str]]:
-    """The largest distance of a fitted shell from its line; none where it has no line."""
-    off = report["distances"].get(RimOnCurve.label)
-    return [] if off is None else [("Fitted", distance_text(off, shown_sheet(report)["span"]))]
-
-
-def distance_text(length: float, span: float) -> str:
-    """For example "7.5 m (150 % of span)"."""
-    return f"{length_text(length, digits=2)} ({percent(length / (span or 1.0))} of span)"
-
-
 CLASSES = (CMC_PT_results, CMC_PT_checks, CMC_PT_solver)
-_register, _unregister = registration(CLASSES)
-
-
-def register() -> None:
-    _register()
-    BESIDE_SOLVE.append(draw_nearness)
-
-
-def unregister() -> None:
-    if draw_nearness in BESIDE_SOLVE:
-        BESIDE_SOLVE.remove(draw_nearness)
-    _unregister()
+register, unregister = registration(CLASSES)

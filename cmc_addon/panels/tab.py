@@ -2,7 +2,8 @@
 
 The `bl_order` of the panels:
 
-    Plan 0, Boundary 1, Shell 2 (Options, Advanced, Design), Results 3, Look 4, Overlay 5, Repeat 50, Export 60
+    Plan 0, Boundary 1, Shell 2 (Options, Advanced, Approximate a Surface), Results 3, Look 4, Overlay 5, Repeat 50,
+    Export 60
 
 The panels depend on the active object alone, and no state raises. Grey is what has no effect now; texts are not, since
 Blender's light theme makes grey ones hard to read. A button that cannot be pressed is disabled by
@@ -85,7 +86,7 @@ def go_to_row(layout: bpy.types.UILayout, ob: bpy.types.Object, which: str) -> N
         split.operator("cmc.go_to", text=other.name, icon=_ICONS[which]).target = which
 
 
-_ICONS = {"OUTLINE": "CURVE_DATA", "PLAN": "MESH_GRID", "SHELL": "SURFACE_NSURFACE", "FIT": "SNAP_ON"}
+_ICONS = {"OUTLINE": "CURVE_DATA", "PLAN": "MESH_GRID", "SHELL": "SURFACE_NSURFACE"}
 
 
 # --- Mesh Plan -----------------------------------------------------------------------------
@@ -223,7 +224,6 @@ class CMC_PT_shell(Tab, bpy.types.Panel):
         for draw in BESIDE_SOLVE:
             draw(layout, context, plan)
         go_to_row(layout, ob, "SHELL")
-        go_to_row(layout, ob, "FIT")
 
     def _solve(self, layout):
         row = layout.split(factor=0.75, align=True)

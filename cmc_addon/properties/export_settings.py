@@ -21,7 +21,6 @@ _FORMATS = [
 _WHAT = [
     ("AUTO", "Automatic", "The active result; for a plan the first it has of: repeated, fitted, shell"),
     ("SHELL", "Shell", "The shell made by Solve"),
-    ("FIT", "Fitted Shell", "The shell made by Fit to Outline"),
     ("COMPLETED", "Repeated", "The copies made by Repeat by Symmetry or Repeat by Gaps, as one mesh"),
     ("SELECTED", "Selected", "All selected results, as one mesh"),
 ]

@@ -75,7 +75,7 @@ def seen_results(context: bpy.types.Context, plan: bpy.types.Object) -> Iterator
     active = context.object
     if active is not None and active.cmc.role != "NONE" and active.cmc.source == plan and _is_seen(context, active):
         yield active
-    roles = (plan.cmc.latest, *COMPLETED_ROLES, "FIT", plan.cmc.sheet, *DESIGN_ROLES, *ROLES)
+    roles = (plan.cmc.latest, *COMPLETED_ROLES, plan.cmc.sheet, *DESIGN_ROLES, *ROLES)
     for role in dict.fromkeys(role for role in roles if role):
         ob = _first_copy(plan, role) or _linked(plan, role)
         if ob is not None and ob != active and _is_seen(context, ob):

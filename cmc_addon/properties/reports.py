@@ -1,4 +1,4 @@
-"""The reports that a solve, a fit and a completion leave with their plan, parsed once for everyone who shows them."""
+"""The reports that a solve, an approximation and a completion leave with their plan, parsed once for all panels."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ def shell_report(shell: bpy.types.Object) -> dict | None:
 
 
 def is_design(report: dict) -> bool:
-    """Whether a report is of Fit to Outline or Approximate Surface."""
+    """Whether a report is of Approximate Surface."""
     return "met" in report and "distances" in report
 
 
 def last_design(context: bpy.types.Context) -> dict | None:
-    """The report of the last fit of the active plan or result; None without one."""
+    """The report of the last approximation of the active surface or its result; None without one."""
     plan = plan_to_solve(context)
     return None if plan is None else design_report(plan)
 
@@ -41,7 +41,7 @@ def solve_report(plan: bpy.types.Object) -> dict | None:
 
 
 def design_report(plan: bpy.types.Object) -> dict | None:
-    """The report of the last fit of this plan; None without one."""
+    """The report of the last approximation of this surface; None without one."""
     return _of_shell(plan.cmc.design_report, ("met", "distances"))
 
 

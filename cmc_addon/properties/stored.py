@@ -27,10 +27,10 @@ from bpy.props import (
     StringProperty,
 )
 
+from .approximate_settings import approximate_annotations
 from .changes import notify
 from .closing_settings import stored_tile_annotations
 from .colour_settings import stored_colour_annotations
-from .design_settings import stored_design_annotations
 from .export_settings import stored_export_annotations
 from .group_list import free_name
 from .group_settings import condition_annotations
@@ -46,8 +46,8 @@ GROUP_ATTRIBUTE = "cmc_group"
 ROLES = {"F_PLUS": "f+", "F_MINUS": "f-", "G": "g", "GAUSS": "gauss"}
 """Role of a result of Solve -> the solver's name of that sheet."""
 
-DESIGN_ROLES = {"NEAREST": "nearest CMC surface", "FIT": "shell fitted to an outline"}
-"""Role of a result of Approximate Surface or Fit to Outline -> description."""
+DESIGN_ROLES = {"NEAREST": "nearest CMC surface"}
+"""Role of a result of Approximate Surface -> description."""
 
 COMPLETED_ROLES = {"COMPLETED": "shell repeated by symmetry or by gaps"}
 """Role of a result of Repeat by Symmetry or Repeat by Gaps -> description."""
@@ -112,7 +112,7 @@ class CmcObject(bpy.types.PropertyGroup):
     __annotations__ = {
         **stored_setting_annotations(),
         **live_annotations(),
-        **stored_design_annotations(),
+        **approximate_annotations(),
         **stored_complete_annotations(),
         **stored_tile_annotations(),
         **stored_colour_annotations(),
@@ -131,8 +131,6 @@ class CmcObject(bpy.types.PropertyGroup):
         "nearest": PointerProperty(
             name="Nearest CMC Surface", description="Result of Approximate Surface",
             type=bpy.types.Object, poll=_is_mesh_object),
-        "fit": PointerProperty(
-            name="Fit", description="Result of Fit to Outline", type=bpy.types.Object, poll=_is_mesh_object),
         "completed": PointerProperty(
             name="Repeated", description="Result of Repeat by Symmetry or Repeat by Gaps",
             type=bpy.types.Object, poll=_is_mesh_object),
@@ -142,7 +140,7 @@ class CmcObject(bpy.types.PropertyGroup):
         "complete_report": StringProperty(name="Copies Report", description="Report of the last repetition, as JSON"),
         "collection": PointerProperty(
             name="Results", description="Collection of the results", type=bpy.types.Collection),
-        "design_report": StringProperty(name="Design Report", description="Report of the last fit, as JSON"),
+        "design_report": StringProperty(name="Design Report", description="Report of the last approximation, as JSON"),
         "report": StringProperty(name="Report", description="Report of the last solve, as JSON"),
         "message": StringProperty(name="Message", description="Message of the last solve"),
         "latest": StringProperty(name="Latest", description="Role of the shell that was written last"),
@@ -160,10 +158,6 @@ class CmcObject(bpy.types.PropertyGroup):
             name="Placed At", description="Position of the plan when this result was written",
             size=3, subtype="TRANSLATION"),
         "parked": BoolProperty(name="Parked", description="Hidden by Solve, since its role is switched off"),
-        # On an empty.
-        "anchor_weight": FloatProperty(
-            name="Weight", description="Weight of this anchor in Fit to Outline; 0 leaves it out",
-            default=1.0, min=0.0, soft_max=10.0),
     }
 
 

@@ -20,8 +20,8 @@ moved since (a parented result not even that).
 **No longer wanted.** A result that exists but is not wanted now is updated and hidden, and shown again when it is
 wanted. A sheet that has become a single point is deleted.
 
-**Of a design.** Approximate Surface makes "Hall nearest CMC" and Fit to Outline "Hall fit": results of their own
-role, which Solve neither changes nor hides; everything else here applies to them.
+**Nearest.** Approximate Surface makes "Hall nearest CMC", a result of its own role, which Solve neither
+changes nor hides; everything else here applies to it.
 
 **Completed.** Repeat by Symmetry makes "Hall completed", or instances in a collection "Hall copies", and hides the
 shell, which is one of the copies. The next solve shows the shell again and hides the copies of the older one.
@@ -55,7 +55,7 @@ from ..properties.libraries import why_not_kept
 from ..properties.links import _is_own, copies_of, result_of, results_of
 from ..properties.stored import COMPLETED_ROLES, DESIGN_ROLES, ROLES
 
-_SUFFIX = {"F_PLUS": "f+", "F_MINUS": "f-", "G": "g", "GAUSS": "Gauss image", "NEAREST": "nearest CMC", "FIT": "fit"}
+_SUFFIX = {"F_PLUS": "f+", "F_MINUS": "f-", "G": "g", "GAUSS": "Gauss image", "NEAREST": "nearest CMC"}
 _SUFFIX["COMPLETED"] = "completed"
 
 

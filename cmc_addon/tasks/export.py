@@ -20,7 +20,7 @@ from ..properties.reports import complete_report, shell_report, solve_report
 from ..properties.stored import COMPLETED_ROLES, DESIGN_ROLES
 from .task import Task
 
-_MADE_BY = {"SHELL": "Solve", "FIT": "Fit to Outline", "COMPLETED": "Repeat by Symmetry"}
+_MADE_BY = {"SHELL": "Solve", "COMPLETED": "Repeat by Symmetry"}
 
 
 @dataclass(frozen=True, eq=False)

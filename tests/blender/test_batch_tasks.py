@@ -51,7 +51,6 @@ mesh = "tube.obj"
 @pytest.mark.parametrize(
     ("name", "text", "role", "task"),
     [
-        ("fit", DISC + "[fit]\nrise = 0.3\n", "FIT", "fit"),
         ("close", COURT + 'by = "both"\nmove = ["x", "y"]\n', "F_PLUS", "solve"),
         ("complete", UNDULOID, "COMPLETED", "complete"),
     ],
@@ -90,20 +89,28 @@ def test_a_job_approximates(tmp_path):
 def test_a_stored_plan_does_what_made_its_shell_or_what_is_asked(tmp_path):
     path = plans(tmp_path / "in.blend", "A", "B")
     activate(bpy.data.objects["A"])
-    bpy.ops.cmc.fit_outline(fit_rise=0.3)
+    for vertex in bpy.data.objects["A"].data.vertices:
+        vertex.co.z = -0.03 * (vertex.co.x**2 + vertex.co.y**2)
+    bpy.ops.cmc.approximate_surface()
     bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True)
     assert cli.run([str(path), "-o", str(tmp_path / "1"), "-f", "ply"]) == 0
-    assert [report(tmp_path / "1/in" / name)["task"] for name in "AB"] == ["fit", "solve"]
-    assert cli.run([str(path), "-o", str(tmp_path / "2"), "-f", "ply", "--fit-rise", "0.6"]) == 0
-    rises = [report(tmp_path / "2/in" / name)["sheets"]["f+"]["rise"] for name in "AB"]
-    assert_allclose(rises, 0.6 * 4.0, rtol=1e-3)
+    assert [report(tmp_path / "1/in" / name)["task"] for name in "AB"] == ["approximate", "solve"]
+    assert cli.run([str(path), "-o", str(tmp_path / "2"), "-f", "ply", "--plan", "A", "--smoothness", "0.1"]) == 0
+    made = [report(tmp_path / run / "in/A")["made"]["settings"]["smoothness"] for run in "12"]
+    assert_allclose(made, [1e-3, 0.1], rtol=1e-6)
     assert cli.run([str(path), "-o", str(tmp_path / "3"), "-f", "ply", "--task", "solve"]) == 0
     assert [report(tmp_path / "3/in" / name)["task"] for name in "AB"] == ["solve", "solve"]
 
 
 def test_settings_of_another_task_are_refused(tmp_path, capsys):
-    assert cli.run(["a.blend", "--task", "solve", "--fit-rise", "0.6"]) == 2
-    assert "--fit-rise goes with --task fit, not with solve" in capsys.readouterr().err
+    assert cli.run(["a.blend", "--task", "solve", "--smoothness", "0.6"]) == 2
+    assert "--smoothness goes with --task approximate, not with solve" in capsys.readouterr().err
+
+
+def test_a_fit_to_an_outline_is_refused(tmp_path, capsys):
+    path = job(tmp_path, "fit.toml", DISC + "[fit]\nrise = 0.3\n")
+    assert cli.run([str(path), "-o", str(tmp_path / "out"), "-f", "obj"]) == 2
+    assert 'give the sides kind = "line"' in capsys.readouterr().err
 
 
 def test_what_is_chosen_for_single_holes_is_refused(tmp_path, capsys):

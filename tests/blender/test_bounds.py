@@ -63,10 +63,8 @@ def test_gauss_image_and_fits():
     assert bpy.ops.cmc.gauss_image() == FINISHED
     check_bounds()
     activate(plan)
-    assert bpy.ops.cmc.fit_outline() == FINISHED
-    check_bounds()
-    activate(plan.cmc.fit)
-    plan.cmc.fit.cmc.role = "NONE"
+    activate(plan.cmc.f_plus)
+    plan.cmc.f_plus.cmc.role = "NONE"
     assert bpy.ops.cmc.approximate_surface() == FINISHED
     check_bounds()
 

@@ -151,15 +151,17 @@ def test_the_target_is_in_the_middle():
 
 
 def test_a_target_that_is_newer_than_the_report():
-    """While a shell is dragged it has no report; a fitted shell of the same plan has its own."""
+    """While a shell is dragged it has no report; the nearest surface of the same plan has its own."""
     plan = hall()
     plan.cmc.colour_by = "MEAN_CURVATURE"
     result = solve(plan)
-    assert bpy.ops.cmc.fit_outline() == {"FINISHED"}
-    of_fit = tuple(plan.cmc.fit.cmc.colour_range)
+    for vertex in plan.data.vertices:
+        vertex.co.z -= 0.02 * (vertex.co.x**2 + vertex.co.y**2)
+    assert bpy.ops.cmc.approximate_surface() == {"FINISHED"}
+    of_nearest = tuple(plan.cmc.nearest.cmc.colour_range)
     module("results.colours").repaint(plan, target=0.3)
     assert module("results.colours").stored_range(result).centre == pytest.approx(0.3)
-    assert tuple(plan.cmc.fit.cmc.colour_range) == of_fit
+    assert tuple(plan.cmc.nearest.cmc.colour_range) == of_nearest
 
 
 def test_none_leaves_nothing_behind():
@@ -252,14 +254,7 @@ def test_missing_values_are_grey():
     assert module("results.colours").stored_range(result).low == 1.0
 
 
-def test_fitted_and_nearest_shells():
-    plan = quad_disc(rings=8, columns=32)
-    plan.cmc.colour_by = "DEVIATION"
-    activate(plan)
-    assert bpy.ops.cmc.fit_outline(height_parameter="HEIGHT", fit_height=1.5) == {"FINISHED"}
-    off = numbers(plan.cmc.fit, "cmc_deviation")
-    assert (off >= 0.0).sum() == 32 and off.max() < 0.05
-    assert shown(plan.cmc.fit) == ("CMC", True)
+def test_nearest_surfaces():
     dome = quad_disc("Dome", rise=1.0, rings=8, columns=32)
     dome.cmc.colour_by = "DEVIATION"
     assert bpy.ops.cmc.approximate_surface() == {"FINISHED"}

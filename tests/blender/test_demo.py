@@ -79,7 +79,7 @@ def test_scripts_in_the_documentation_run(monkeypatch, tmp_path):
     names: dict[str, object] = {}
     exec(compile(example, "docs/reference/blender.md", "exec"), names)
     assert names["shell"].name == "Hall Plan f+"
-    assert names["plan"].cmc.fit["cmc_met"] and bpy.data.objects["Dome"].cmc.fit is None
+    assert bpy.data.objects["Dome"].cmc.nearest["cmc_met"]
     assert json.loads(bpy.context.object.cmc.report)["closing"]["closed"]
     assert np.isclose(json.loads(names["plan"].cmc.report)["sheets"]["f+"]["span"], 18.0)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import bpy
-import numpy as np
 import pytest
 
 # isort: split
@@ -60,7 +59,7 @@ def test_every_state_gives_a_reason(build):
 def test_nothing_selected():
     activate(None)
     check({
-        "solve": "No object is active", "fit_outline": "No object is active", "complete": "No object is active",
+        "solve": "No object is active", "complete": "No object is active",
         "mesh_plan": "Select an outline", "export": "No object is active", "group_add": "Select a mesh first",
         "go_to": "Select an outline",
     })
@@ -104,7 +103,7 @@ def test_edit_mode(solved):
 
 def test_while_something_runs(solved):
     bpy.context.window_manager.cmc.running = True
-    for name in ("solve", "flip", "mesh_plan", "fit_outline", "approximate_surface", "complete", "tile_periods",
+    for name in ("solve", "flip", "mesh_plan", "approximate_surface", "complete", "tile_periods",
                  "export"):
         assert "wait for it, or cancel it (Esc)" in reasons()[name]
     assert draw("CMC_PT_shell").operators == ["cmc.cancel"], "the bar is where the button was"
@@ -253,43 +252,7 @@ def test_a_click_that_fails_ends_there(addon):
 
 # --- beside Solve --------------------------------------------------------------------------
 
-def test_how_near_the_rim_comes_stands_beside_solve(solved):
-    import json
-
-    record = draw("CMC_PT_shell")
-    shown = json.loads(solved.cmc.report)["sheets"]["f+"]
-    part = 100 * shown["outline"]["mean"] / shown["span"]
-    assert f"({part:.2g} % of span)" in text_of(record) and "cmc.fit_outline" in record.operators
-    assert "Fitted" not in record.texts
-    bpy.ops.cmc.fit_outline()
-    assert "Fitted" in draw("CMC_PT_shell").texts
-    assert "Off Outline" not in draw("CMC_PT_shell").texts, "that of a hidden shell"
-    activate(solved.cmc.fit)
-    assert "Fitted" in draw("CMC_PT_shell").texts
-    solved.cmc.fit["cmc_report"] = "not a report {"
-    assert "Fitted" not in draw("CMC_PT_shell").texts
-
-
-def test_it_is_in_the_unit_of_the_scene(solved):
-    bpy.context.scene.unit_settings.system = "METRIC"
-    bpy.context.scene.unit_settings.scale_length = 0.01
-    assert any("cm (" in text or "mm (" in text for text in draw("CMC_PT_shell").texts)
-
-
 def test_before_a_solve_there_is_nothing_to_tell():
     bpy.ops.cmc.add_plan(columns=8)
     record = draw("CMC_PT_shell")
-    assert "Off Outline" not in record.texts and record.operators == ["cmc.solve", "cmc.flip", "cmc.live"]
-    np.testing.assert_equal(record.operators.count("cmc.solve"), 1)
-
-
-def test_the_fitted_shell_takes_the_place_of_the_other(solved):
-    shell = solved.cmc.f_plus
-    bpy.ops.cmc.fit_outline()
-    assert shell.hide_viewport and not solved.cmc.fit.hide_viewport
-    assert bpy.ops.cmc.go_to(target="SHELL") == {"FINISHED"} and not shell.hide_viewport
-    assert bpy.ops.cmc.go_to(target="FIT") == {"FINISHED"} and bpy.context.object == solved.cmc.fit
-    bpy.ops.cmc.fit_outline()
-    assert shell.hide_viewport
-    bpy.ops.cmc.solve()
-    assert not shell.hide_viewport and not solved.cmc.fit.hide_viewport
+    assert record.operators == ["cmc.solve", "cmc.flip", "cmc.live"] and record.operators.count("cmc.solve") == 1

@@ -94,6 +94,12 @@ def test_modifiers_are_written_as_seen(plan, tmp_path):
     assert len(thick.polygons) > 2 * len(thin.polygons) == 2 * len(shell.data.polygons)
 
 
+def raised(plan):
+    """The plan as a surface in space."""
+    for vertex in plan.data.vertices:
+        vertex.co.z += 1.0 - 0.02 * (vertex.co.x**2 + vertex.co.y**2)
+
+
 def test_what_is_exported_by_itself(plan, tmp_path):
     from cmc_formfinding.cmc_addon.tasks.export import wanted_objects
 
@@ -101,11 +107,12 @@ def test_what_is_exported_by_itself(plan, tmp_path):
         return wanted_objects(bpy.context, plan, "AUTO")
 
     assert automatic() == [plan.cmc.f_plus]
-    bpy.ops.cmc.fit_outline()
-    assert automatic() == [plan.cmc.fit]
-    bpy.ops.cmc.go_to(target="SHELL")  # shows it again
+    raised(plan)
+    bpy.ops.cmc.approximate_surface()
+    assert automatic() == [plan.cmc.nearest]
+    bpy.ops.cmc.go_to(target="SHELL")
     assert automatic() == [plan.cmc.f_plus]
-    for ob in (plan.cmc.f_plus, plan.cmc.fit):
+    for ob in (plan.cmc.f_plus, plan.cmc.nearest):
         ob.select_set(True)
     assert bpy.ops.cmc.export(filepath=str(tmp_path / "both.obj"), export_what="SELECTED") == FINISHED
     both = read(tmp_path / "both.obj")
@@ -133,8 +140,9 @@ def test_files_are_named_after_the_plan(plan):
 
     plan.name = "Hall: north/south"
     assert file_name(plan, plan.cmc.f_plus) == "Hall_ north_south shell"
-    bpy.ops.cmc.fit_outline()
-    assert file_name(plan, plan.cmc.fit) == "Hall_ north_south fitted"
+    raised(plan)
+    bpy.ops.cmc.approximate_surface()
+    assert file_name(plan, plan.cmc.nearest) == "Hall_ north_south nearest"
 
 
 def test_the_ending_says_the_format(plan, tmp_path):
@@ -173,18 +181,18 @@ def test_cancelled_nothing_is_written(plan, tmp_path):
 
 
 def test_meshes_with_and_without_uvs_together(plan, tmp_path):
-    bpy.ops.cmc.fit_outline()
-    bpy.ops.cmc.go_to(target="SHELL")
-    shell, fitted = plan.cmc.f_plus, plan.cmc.fit
+    raised(plan)
+    bpy.ops.cmc.approximate_surface()
+    shell, nearest = plan.cmc.f_plus, plan.cmc.nearest
     while shell.data.uv_layers:
         shell.data.uv_layers.remove(shell.data.uv_layers[0])
-    for ob in (shell, fitted):
+    for ob in (shell, nearest):
         ob.select_set(True)
     bpy.ops.cmc.export(filepath=str(tmp_path / "both.obj"), export_what="SELECTED", export_report=False)
     both = read(tmp_path / "both.obj")
     textured = [bool(len(corners)) for corners in both.uv_corners]
-    assert sum(textured) == len(fitted.data.polygons)
-    assert {name for name, there in zip(both.objects, textured, strict=True) if there} == {fitted.name}
+    assert sum(textured) == len(nearest.data.polygons)
+    assert {name for name, there in zip(both.objects, textured, strict=True) if there} == {nearest.name}
 
 
 def test_a_foreign_json_is_never_replaced(plan, tmp_path):

@@ -11,7 +11,7 @@ from .sidebar import draw
 OVERRIDE = "is a library override, which keeps no groups, settings and shells; make it local"
 ON_GROUPS = ("group_add", "group_remove", "group_move", "group_assign", "group_remove_from", "group_new",
              "group_preset", "flip_corner")
-ON_SHELLS = ("solve", "solve_selection", "flip", "fit_outline", "approximate_surface", "complete",
+ON_SHELLS = ("solve", "solve_selection", "flip", "approximate_surface", "complete",
              "tile_periods", "count_modes", "start_clear")
 
 

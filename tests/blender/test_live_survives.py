@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import gc
 import random
-import time
 from contextlib import suppress
 
 import bpy
@@ -215,20 +214,6 @@ def test_a_plan_of_another_file(live, plan, tmp_path):
     live.changed(linked)
     settle(live)
     assert "linked from another file" in live.problem_of(linked)
-
-
-def test_two_of_them_follow_different_things(addon, live, plan):
-    """Live beside Follow, on one plan."""
-    follow = addon.cmc_addon.live.follow
-    activate(plan)
-    assert bpy.ops.cmc.fit_outline(fit_rise=0.4) == {"FINISHED"}
-    plan.cmc.follow = True
-    group(plan).tilt = 0.5
-    plan.cmc.fit_rise = 0.45
-    while [one for one in (follow.tick(), live.tick()) if one is not None]:
-        time.sleep(0.003)
-    assert positions(plan.cmc.fit)[:, 2].max() == pytest.approx(1.8, rel=1e-2)
-    assert off_by(addon, plan) < EXACT
 
 
 # --- problems ------------------------------------------------------------------------------

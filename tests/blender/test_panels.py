@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import bpy
 import pytest
 
-from .sidebar import ICONS, Drawn, Layout, draw, panel_class, text_of
+from .sidebar import Drawn, Layout, draw, panel_class, text_of
 
 
 @pytest.fixture
@@ -167,172 +167,22 @@ def test_every_setting_of_the_view_can_be_reached(plan) -> None:
     assert sorted(layout.record.props) == sorted(2 * OVERLAY_SETTINGS)
 
 
-def test_every_setting_of_a_design_can_be_reached(plan) -> None:
-    from cmc_formfinding.cmc_addon.properties.design_settings import (
-        APPROXIMATE_SETTINGS,
-        FIT_SETTINGS,
-        HEIGHT_PROPERTY,
-        POINTERS,
-    )
+def test_every_setting_of_an_approximation_can_be_reached(plan) -> None:
+    from cmc_formfinding.cmc_addon.properties.approximate_settings import APPROXIMATE_SETTINGS
 
-    drawn = set()
-    plan.cmc.limit_tilt, plan.cmc.match = True, "POSITION"
-    for target in ("OUTLINE", "CURVE", "ANCHORS"):
-        for height_parameter in HEIGHT_PROPERTY:
-            plan.cmc.fit_to, plan.cmc.height_parameter = target, height_parameter
-            record = draw("CMC_PT_design")
-            drawn |= set(record.props)
-            assert record.props.count(HEIGHT_PROPERTY[height_parameter]) == 1
-    assert {*APPROXIMATE_SETTINGS, *FIT_SETTINGS, *POINTERS.values()} == drawn
-    assert record.operators == ["cmc.fit_outline", "cmc.approximate_surface"]
+    plan.cmc.match = "POSITION"
+    record = draw("CMC_PT_approximate")
+    assert set(APPROXIMATE_SETTINGS) == set(record.props) and record.operators == ["cmc.approximate_surface"]
 
 
-def test_a_design_in_numbers(plan) -> None:
-    assert "Span" not in draw("CMC_PT_design").texts
-    assert "follow" not in draw("CMC_PT_design").props, "there is nothing yet that could"
-    bpy.ops.cmc.fit_outline(limit_tilt=True)
-    record = draw("CMC_PT_design")
-    assert "follow" in record.props and "tilt_max" in record.props
-    for name in ("Off Line", "Off Height", "Off Lean"):
-        assert name in record.texts
+def test_an_approximation_in_numbers(plan) -> None:
+    for vertex in plan.data.vertices:
+        vertex.co.z = -0.03 * (vertex.co.x**2 + vertex.co.y**2)
+    assert "Deviation" not in draw("CMC_PT_approximate").texts
+    bpy.ops.cmc.approximate_surface()
+    assert {"Deviation", "Off Normals", "Rim Roughness"} <= set(draw("CMC_PT_approximate").texts)
     results = draw("CMC_PT_results")
     assert {"Span", "Rise", "Area", "Radius 1/H", "H"} <= set(results.texts)
     assert json.loads(plan.cmc.design_report)["message"] in text_of(results)
-    bpy.context.view_layer.objects.active = plan.cmc.fit
-    assert "cmc.fit_outline" in draw("CMC_PT_design").operators
     plan.cmc.design_report = "not a report {"
-    assert "Off Line" not in draw("CMC_PT_design").texts
-
-
-def test_the_weight_of_an_anchor() -> None:
-    bpy.ops.object.empty_add()
-    assert draw("CMC_PT_design").props == ["anchor_weight"]
-
-
-def test_angles_in_the_list_are_degrees(plan) -> None:
-    bpy.ops.cmc.group_add(name="rim", tilt=0.5235987755982988)
-    assert "30°" in draw("CMC_PT_boundary").texts
-
-
-def test_the_count_follows_every_change(plan) -> None:
-    edges = text_of(draw("CMC_PT_boundary")).split()[0]
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.context.tool_settings.mesh_select_mode = (False, True, False)
-    bpy.ops.mesh.select_all(action="SELECT")
-    assert f"{edges} of {edges} edges" in text_of(draw("CMC_PT_boundary"))
-    bpy.ops.cmc.group_add(name="rim", assign=True)
-    assert "in no group" not in text_of(draw("CMC_PT_boundary"))
-    bpy.ops.mesh.select_all(action="DESELECT")
-    bpy.ops.cmc.group_select()
-    bpy.ops.cmc.group_remove_from()
-    bpy.context.view_layer.update()
-    assert f"{edges} of {edges} edges" in text_of(draw("CMC_PT_boundary"))
-    bpy.ops.object.mode_set(mode="OBJECT")
-    assert f"{edges} of {edges} edges" in text_of(draw("CMC_PT_boundary"))
-
-
-def test_the_count_is_kept_between_redraws(plan, monkeypatch) -> None:
-    from cmc_formfinding.cmc_addon.bridges import edge_bridge
-
-    draw("CMC_PT_boundary")
-    monkeypatch.setattr(edge_bridge, "count_boundary", lambda *_: pytest.fail("counted again"))
-    for _ in range(3):
-        draw("CMC_PT_boundary")
-
-
-def test_results_in_numbers(plan) -> None:
-    assert not text_of(draw("CMC_PT_results"))
-    bpy.ops.cmc.solve()
-    record = draw("CMC_PT_results", "CMC_PT_checks", "CMC_PT_solver")
-    report = json.loads(plan.cmc.report)
-    assert "Done. Curvature is even to 1.5 %." in text_of(record)
-    for name in (
-        "Span", "Rise", "Area", "Rim", "Radius 1/H", "H", "Energy E", "Overhang", "Distortion", "Crossing",
-    ):
-        assert name in record.texts
-    assert f"{report['energy']:.6g}" in record.texts
-
-
-def test_warnings_stay_in_the_panel(plan) -> None:
-    bpy.ops.cmc.select_ungrouped()
-    bpy.ops.cmc.group_add(tilt=-0.6, assign=True)
-    bpy.ops.cmc.solve()
-    warnings = json.loads(plan.cmc.report)["warnings"]
-    assert any("overhangs" in warning["text"] for warning in warnings)
-    assert "overhangs" in text_of(draw("CMC_PT_results"))
-
-
-def test_units_are_the_scenes(plan) -> None:
-    bpy.ops.cmc.solve()
-    bpy.context.scene.unit_settings.system = "METRIC"
-    bpy.context.scene.unit_settings.scale_length = 0.01
-    assert any(text.endswith("cm") for text in draw("CMC_PT_results").texts)
-    bpy.context.scene.unit_settings.system = "NONE"
-    assert not any(text.endswith("m") and text[0].isdigit() for text in draw("CMC_PT_results").texts)
-
-
-def test_with_a_result_active(plan) -> None:
-    bpy.ops.cmc.group_add(name="rim")
-    bpy.ops.cmc.solve()
-    bpy.context.view_layer.objects.active = plan.cmc.f_plus
-    record = draw()
-    assert "tilt" in record.props, "the angles of the plan can be changed from here"
-    assert "cmc.solve" in record.operators and "cmc.group_add" not in record.operators
-    assert bpy.ops.cmc.go_to(target="PLAN") == {"FINISHED"} and bpy.context.object == plan
-    assert bpy.ops.cmc.go_to(target="SHELL") == {"FINISHED"} and bpy.context.object == plan.cmc.f_plus
-    bpy.ops.cmc.go_to(target="OUTLINE")
-    assert bpy.context.object == plan.cmc.outline and not bpy.context.object.hide_get()
-    assert "cmc.solve" not in draw("CMC_PT_shell").operators, "the outline is not what is solved"
-
-
-def test_while_running() -> None:
-    run = bpy.context.window_manager.cmc
-    run.running, run.progress, run.message = True, 0.25, "Step 2"
-    record = draw("CMC_PT_shell")
-    assert record.operators == ["cmc.cancel"] and "Step 2" in record.texts
-
-
-def test_groups_have_colours_of_their_own() -> None:
-    from cmc_formfinding.cmc_addon.drawing.palette import colour_of, icon_of
-
-    assert {icon_of(uid) for uid in range(1, 16)} <= ICONS and len({icon_of(uid) for uid in range(1, 16)}) == 15
-    assert len({colour_of(uid) for uid in range(1, 16)}) > 10
-
-
-def test_the_specials_menu() -> None:
-    layout = Layout()
-    cls = panel_class("CMC_MT_groups")
-    cls.draw(Drawn(cls, layout), bpy.context)
-    assert set(layout.record.operators) == {
-        "cmc.group_add", "cmc.select_ungrouped", "cmc.group_remove_from", "cmc.group_remove"}
-
-
-def test_every_operator_has_a_tooltip_and_every_property_a_description() -> None:
-    from cmc_formfinding.cmc_addon import operators
-
-    for cls in operators.CLASSES:
-        kind = getattr(bpy.ops.cmc, cls.bl_idname.removeprefix("cmc.")).get_rna_type()
-        assert kind.description, f"{cls.bl_idname} has no tooltip"
-        for name, prop in kind.properties.items():
-            if name != "rna_type" and not prop.is_hidden:
-                assert prop.name, f"{cls.bl_idname}.{name}"
-
-
-@pytest.mark.parametrize(
-    ("part", "text"),
-    [(0.0, "0 %"), (1.1e-10, "0 %"), (3e-7, "under 0.01 %"), (1e-4, "0.01 %"), (0.0062, "0.62 %"), (1.5, "150 %")],
-)
-def test_percentages_without_rounding_errors(part, text) -> None:
-    from cmc_formfinding.solver.measure.summary import percent
-
-    assert percent(part) == text
-
-
-@pytest.mark.parametrize(
-    "text",
-    ["[]", '"text"', "3", "null", '{"message": "", "converged": true, "sheets": [], "sheet": 3}', "[" * 100_000],
-)
-def test_a_stored_report_that_is_no_report_counts_as_none(addon, text):
-    bpy.ops.mesh.primitive_plane_add()
-    bpy.context.object.cmc.report = text
-    assert addon.cmc_addon.properties.reports.solve_report(bpy.context.object) is None
+    assert "Deviation" not in draw("CMC_PT_approximate").texts

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from .scenes import activate, link, mesh_object
+from .scenes import activate, add_group, boundary_edges, link, mesh_object
 
 FINISHED = {"FINISHED"}
 HALL = [(0, 0, 0), (18, 0, 0), (18, 12, 0), (0, 12, 0)]
@@ -72,8 +72,10 @@ def test_a_curve_with_a_modifier(capfd):
     curve.modifiers.new("Array", "ARRAY")
     assert bpy.ops.cmc.mesh_plan(edge_length=2.0) == FINISHED
     assert "without its modifier 'Array'" in capfd.readouterr().out
-    activate(curve.cmc.plan)
-    assert bpy.ops.cmc.fit_outline(fit_to="CURVE", curve="Curve") == FINISHED
+    plan = curve.cmc.plan
+    activate(plan)
+    add_group(plan, "Line", boundary_edges(plan.data), "LINE").curve = curve
+    assert bpy.ops.cmc.solve() == FINISHED
     assert "'Curve' was taken as drawn, without its modifier 'Array'" in capfd.readouterr().out
 
 
@@ -82,10 +84,9 @@ def test_plans(change, named, capfd):
     plan = grid()
     change(plan)
     text = f"'Grid' was taken as drawn, without its {named}; tick Apply Modifiers"
-    for call in (bpy.ops.cmc.solve, bpy.ops.cmc.fit_outline):
-        activate(plan)
-        assert call() == FINISHED
-        assert text in capfd.readouterr().out
+    activate(plan)
+    assert bpy.ops.cmc.solve() == FINISHED
+    assert text in capfd.readouterr().out
     assert any(text in warning["text"] for warning in json.loads(plan.cmc.report)["warnings"])
     activate(plan)
     assert bpy.ops.cmc.solve(apply_modifiers=True) == FINISHED

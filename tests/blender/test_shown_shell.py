@@ -10,9 +10,8 @@ import pytest
 
 # isort: split
 
-from .design_scenes import cap
-from .overlay_scenes import frame, layers, only
-from .scenes import activate, quad_disc, quad_ring
+from .approximate_scenes import cap
+from .scenes import activate, quad_disc
 from .sidebar import draw, text_of
 
 FINISHED = {"FINISHED"}
@@ -20,10 +19,14 @@ FINISHED = {"FINISHED"}
 
 @pytest.fixture
 def plan():
+    """A plan that is a surface in space, too, with the shell of Solve."""
     bpy.ops.cmc.add_plan(columns=12)
-    bpy.context.object.cmc.default_kind = "BINORMAL"
+    made = bpy.context.object
+    made.name, made.cmc.default_kind = "Hall", "BINORMAL"
+    for vertex in made.data.vertices:
+        vertex.co.z = 2.0 - 0.02 * (vertex.co.x**2 + vertex.co.y**2)
     assert bpy.ops.cmc.solve() == FINISHED
-    return bpy.context.object
+    return made
 
 
 def rows(*panels) -> dict:
@@ -46,32 +49,32 @@ def exported(tmp_path) -> dict:
 def test_after_each_task_it_is_the_one_written_last(addon, plan, tmp_path):
     plan.cmc.colour_by = "MEAN_CURVATURE"
     solved = rows("CMC_PT_results")
-    assert header() == "Rectangle f+" == exported(tmp_path)["objects"][0]
-    bpy.ops.cmc.fit_outline()
-    fitted, report = rows("CMC_PT_results"), json.loads(plan.cmc.design_report)
-    assert header() == "Rectangle fit" and legend(addon).subtitle.endswith("Rectangle fit")
-    assert exported(tmp_path)["objects"] == ["Rectangle fit"]
-    assert fitted["Span"] != solved["Span"] and fitted["H"].startswith(f"{report['mean_curvature']:.4g}")
+    assert header() == "Hall f+" == exported(tmp_path)["objects"][0]
+    bpy.ops.cmc.approximate_surface()
+    nearest, report = rows("CMC_PT_results"), json.loads(plan.cmc.design_report)
+    assert header() == "Hall nearest CMC" and legend(addon).subtitle.endswith("Hall nearest CMC")
+    assert exported(tmp_path)["objects"] == ["Hall nearest CMC"]
+    assert nearest["Span"] != solved["Span"] and nearest["H"].startswith(f"{report['mean_curvature']:.4g}")
     off = report["sheets"][report["sheet"]]["mean_curvature"]["relative_l2"]
     assert rows("CMC_PT_checks")["H Off By"] == f"{100 * off:.2g} %"
     assert "cmc.count_modes" not in draw("CMC_PT_solver").operators, "modes are those of the solve"
     bpy.ops.cmc.solve()
-    assert not plan.cmc.fit.hide_viewport
-    assert header() == "Rectangle f+" and rows("CMC_PT_results") == solved
-    assert legend(addon).subtitle.endswith("Rectangle f+") and exported(tmp_path)["objects"] == ["Rectangle f+"]
+    assert not plan.cmc.nearest.hide_viewport
+    assert header() == "Hall f+" and rows("CMC_PT_results") == solved
+    assert legend(addon).subtitle.endswith("Hall f+") and exported(tmp_path)["objects"] == ["Hall f+"]
 
 
 def test_what_is_hidden_is_not_shown(plan):
-    bpy.ops.cmc.fit_outline()
-    plan.cmc.fit.hide_set(True)
+    bpy.ops.cmc.approximate_surface()
+    plan.cmc.nearest.hide_set(True)
     plan.cmc.f_plus.hide_viewport = False
-    assert header() == "Rectangle f+"
+    assert header() == "Hall f+"
     plan.cmc.f_plus.hide_set(True)
-    assert header() == "Rectangle fit", "all are hidden: the one written last"
-    plan.cmc.fit.hide_set(False)
+    assert header() == "Hall nearest CMC", "all are hidden: the one written last"
+    plan.cmc.nearest.hide_set(False)
     plan.cmc.f_plus.hide_set(False)
     activate(plan.cmc.f_plus)
-    assert header() == "Rectangle f+", "the active one"
+    assert header() == "Hall f+", "the active one"
 
 
 def test_after_approximating():
@@ -80,8 +83,8 @@ def test_after_approximating():
     assert bpy.ops.cmc.approximate_surface() == FINISHED
     assert header() == "Cap nearest CMC"
     assert "nearest surface" in text_of(draw("CMC_PT_results"))
-    assert "Deviation" in draw("CMC_PT_design").texts
-    bpy.ops.cmc.fit_outline()
+    assert "Deviation" in draw("CMC_PT_approximate").texts
+    bpy.ops.cmc.solve()
     activate(surface.cmc.nearest)
     assert header() == "Cap nearest CMC" and "nearest surface" in text_of(draw("CMC_PT_results"))
 
@@ -102,37 +105,20 @@ def test_after_repeating(addon, tmp_path, kind):
     assert header() == f"{plan.name} f+" and "One Of" not in draw("CMC_PT_results").texts
 
 
-def test_gap_and_cut_are_those_of_the_fit(addon):
-    """The shell of Solve is open, the fitted one closes: no gap is left on the screen, in the panel or on the plan."""
-    plan = quad_ring(rings=4, columns=20)
-    assert bpy.ops.cmc.solve() == FINISHED
-    assert "open by" in text_of(draw("CMC_PT_results")) and "Closed" not in draw("CMC_PT_periods").texts
-    only("show_gaps")
-    assert layers(frame(addon))
-    assert bpy.ops.cmc.fit_outline(fit_rise=0.3) == FINISHED
-    assert not json.loads(plan.cmc.design_report)["is_open"]
-    assert "open by" not in text_of(draw("CMC_PT_results"))
-    assert not layers(frame(addon))
-    only("show_cut")
-    assert not layers(frame(addon))
-    bpy.ops.cmc.solve()
-    assert layers(frame(addon))
-
-
 def test_undo_takes_it_back(plan):
     bpy.ops.ed.undo_push(message="Solved")
-    bpy.ops.cmc.fit_outline("EXEC_DEFAULT", True)
-    assert header() == "Rectangle fit"
+    bpy.ops.cmc.approximate_surface("EXEC_DEFAULT", True)
+    assert header() == "Hall nearest CMC"
     bpy.ops.ed.undo()
-    assert header() == "Rectangle f+"
+    assert header() == "Hall f+"
 
 
 @pytest.mark.parametrize("how", ["removed", "deleted"])
-@pytest.mark.parametrize("fit", [False, True])
-def test_a_shell_whose_plan_is_deleted_can_be_exported(plan, tmp_path, how, fit):
-    if fit:
-        bpy.ops.cmc.fit_outline()
-    shell = plan.cmc.fit if fit else plan.cmc.f_plus
+@pytest.mark.parametrize("nearest", [False, True])
+def test_a_shell_whose_plan_is_deleted_can_be_exported(plan, tmp_path, how, nearest):
+    if nearest:
+        bpy.ops.cmc.approximate_surface()
+    shell = plan.cmc.nearest if nearest else plan.cmc.f_plus
     energy = shell["cmc_energy"]
     if how == "removed":
         bpy.data.objects.remove(plan)
@@ -143,7 +129,7 @@ def test_a_shell_whose_plan_is_deleted_can_be_exported(plan, tmp_path, how, fit)
     assert shell.name in record.texts and record.operators == ["cmc.export"] and bpy.ops.cmc.export.poll()
     assert header() == shell.name, "its own report is there, too"
     report = exported(tmp_path)
-    assert (report["objects"], report["plan"], report["energy"]) == ([shell.name], "Rectangle", energy)
+    assert (report["objects"], report["plan"], report["energy"]) == ([shell.name], "Hall", energy)
     draw()
 
 

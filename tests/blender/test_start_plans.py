@@ -40,14 +40,6 @@ def test_the_round_plan_has_a_cap_of_a_sphere_on_its_outline():
     np.testing.assert_allclose(reported["mean_curvature"] * 5.0, 2 * 0.35 / (1 + 0.35**2), rtol=0.03)
 
 
-@pytest.mark.parametrize("shape", ["RECTANGLE", "ROUND"])
-def test_fit_to_outline_needs_nothing_else(shape):
-    bpy.ops.cmc.add_plan(shape=shape, columns=16)
-    assert bpy.ops.cmc.fit_outline() == FINISHED
-    plan = bpy.context.object
-    assert json.loads(plan.cmc.design_report)["met"] and plan.cmc.fit is not None
-
-
 @pytest.mark.parametrize("shape", SHAPES)
 def test_sizes_are_metres(shape):
     bpy.ops.cmc.add_plan(shape=shape, columns=16, size=5.0)

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from .scenes import link, mesh_object
+from .scenes import add_group, boundary_edges, link, mesh_object
 
 FINISHED = {"FINISHED"}
 HALL = [(0, 0, 0), (18, 0, 0), (18, 12, 0), (0, 12, 0)]
@@ -60,13 +60,14 @@ def test_the_usual_plan_of_four_lines():
     assert len(bpy.context.object.data.polygons) == 2474
 
 
-def test_a_fit_to_lines_that_touch():
+def test_a_rim_on_lines_that_touch():
     bpy.ops.cmc.add_plan(columns=16)
     plan = bpy.context.object
     corners = [(x - 9, y - 6, 0) for x, y, _ in HALL]
     curve(*[[corners[k], corners[(k + 1) % 4]] for k in range(4)])
     bpy.context.view_layer.objects.active = plan
-    assert bpy.ops.cmc.fit_outline(fit_to="CURVE", curve="DXF") == FINISHED
+    add_group(plan, "Line", boundary_edges(plan.data), "LINE").curve = bpy.data.objects["DXF"]
+    assert bpy.ops.cmc.solve() == FINISHED and plan.cmc.f_plus is not None
 
 
 @pytest.mark.parametrize(("splines", "named"), [

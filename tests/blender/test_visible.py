@@ -25,14 +25,10 @@ def second_scene(plan) -> bpy.types.Scene:
 
 def test_a_plan_in_a_second_scene(plan, capfd):
     bpy.ops.cmc.solve()
-    bpy.ops.cmc.fit_outline()
-    activate(plan)
-    first, shell, fit = bpy.context.scene, plan.cmc.f_plus, plan.cmc.fit
+    first, shell = bpy.context.scene, plan.cmc.f_plus
     scene = second_scene(plan)
     assert bpy.ops.cmc.solve() == FINISHED
     assert shell.name in scene.objects and shell.name in first.objects and plan.cmc.f_plus == shell
-    activate(plan)
-    assert bpy.ops.cmc.fit_outline() == FINISHED and fit.name in scene.objects and fit.visible_get()
     assert [c.name for c in bpy.data.collections] == [f"CMC {plan.name}"], "one collection, in both scenes"
     assert "cannot be seen" not in capfd.readouterr().out
 
@@ -90,14 +86,6 @@ def test_hidden_results_are_told(plan, capfd, how, told):
     activate(plan)
     assert bpy.ops.cmc.solve() == FINISHED
     assert f"'Disc f+' is there and cannot be seen: {told}" in capfd.readouterr().out
-
-
-def test_a_fit_in_an_excluded_collection(plan, capfd):
-    bpy.ops.cmc.solve()
-    exclude(plan)
-    activate(plan)
-    assert bpy.ops.cmc.fit_outline() == FINISHED
-    assert "'Disc fit' is there and cannot be seen" in capfd.readouterr().out
 
 
 def test_mesh_plan_in_a_second_scene():

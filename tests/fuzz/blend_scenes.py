@@ -122,16 +122,6 @@ def other(random: Random) -> bpy.types.Object:
     return _link(bpy.data.objects.new(name, makers[name]()))
 
 
-def anchors(random: Random) -> bpy.types.Object:
-    collection = bpy.data.collections.new("Anchors")
-    bpy.context.scene.collection.children.link(collection)
-    for index in range(random.randint(0, 5)):
-        empty = bpy.data.objects.new(f"Anchor {index}", None)
-        empty.location = [random.uniform(-4, 4), random.uniform(-4, 4), random.uniform(0, 3)]
-        collection.objects.link(empty)
-    return other(random)
-
-
 def from_library(random: Random, folder: Path) -> bpy.types.Object | None:
     """A plan linked from another file, sometimes with overrides of its object, or of its mesh too."""
     plan = disc(random)
@@ -158,7 +148,7 @@ def new_scene(random: Random, folder: Path) -> None:
     units.system = random.choice(("METRIC", "METRIC", "IMPERIAL", "NONE"))
     units.scale_length = random.choice((1.0, 1.0, 0.001, 0.0254))
     for _ in range(random.choice((0, 1, 1, 2, 3))):
-        random.choice((ready, ready, disc, grid, grid, polygon, faulty, curve, other, anchors))(random)
+        random.choice((ready, ready, disc, grid, grid, polygon, faulty, curve, other))(random)
     if random.random() < 0.08:
         from_library(random, folder)
     for ob in bpy.context.view_layer.objects:
@@ -344,7 +334,7 @@ def _scene(random: Random, things: Things) -> str:
 def _draw(random: Random, things: Things) -> str:
     if bpy.context.mode != "OBJECT":
         return "not in this mode"
-    return random.choice((ready, ready, disc, grid, polygon, faulty, curve, other, anchors))(random).name
+    return random.choice((ready, ready, disc, grid, polygon, faulty, curve, other))(random).name
 
 
 _ACTIONS: dict[str, Callable[[Random, Things], str]] = {

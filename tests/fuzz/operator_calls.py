@@ -67,7 +67,7 @@ def _operators() -> list[str]:
     return [name for name in dir(bpy.ops.cmc) if not name.startswith("_")]
 
 
-_OFTEN = ["solve"] * 6 + ["mesh_plan", "group_add", "group_assign", "add_plan", "complete", "fit_outline", "export"]
+_OFTEN = ["solve"] * 6 + ["mesh_plan", "group_add", "group_assign", "add_plan", "complete", "export"]
 
 
 def random_value(random: Random, rna: bpy.types.Property):

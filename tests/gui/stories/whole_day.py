@@ -143,7 +143,7 @@ def drag(hands):
 
 
 def call_off(hands):
-    """A finer plan keeps its group; Fit to Outline on it takes long, and Esc leaves everything as it was."""
+    """A finer plan keeps its group; Solve on it takes long, and Esc leaves everything as it was."""
     yield from hands.set_field("cmc.edge_length", "0.08")
     yield from hands.click_button("cmc.mesh_plan")
     yield from hands.wait_for(lambda: len(plan().data.polygons) > 10000, "the plan is finer")
@@ -152,14 +152,13 @@ def call_off(hands):
     yield from hands.wait_for(lambda: len(plan().cmc.f_plus.data.polygons) == len(plan().data.polygons), "solved again")
     yield from hands.wait_for(lambda: not running(), "solved")
     before = shell()
-    yield from hands.click_button("cmc.fit_outline", (0.5,))
-    yield from hands.wait_for(running, "the fit runs")
-    yield 0.3
-    yield from hands.picture("fitting")
-    assert running(), "the fit ended before anyone could call it off; use a finer plan"
+    yield from hands.click_button("cmc.solve")
+    yield from hands.wait_for(running, "the solve runs")
+    yield from hands.picture("running")
+    assert running(), "the solve ended before anyone could call it off; use a finer plan"
     yield from hands.press("ESC")
     yield from hands.wait_for(lambda: not running(), "Esc has stopped it")
-    assert plan().cmc.fit is None and np.array_equal(shell(), before)
+    assert np.array_equal(shell(), before)
     yield from hands.picture("called-off")
 
 

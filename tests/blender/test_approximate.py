@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from .design_scenes import approximated, cap, report, wavy
+from .approximate_scenes import approximated, cap, report, wavy
 from .scenes import boundary_edges, positions, values
 from .sidebar import draw
 
