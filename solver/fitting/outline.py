@@ -22,7 +22,7 @@ from ..errors import ConditionError
 from ..gauss.frames import in_space
 from ..gauss.options import with_options
 from ..spanning.lines import boundary_lines
-from ..spanning.outline import span_outline
+from ..spanning.outline import span_on_plan, span_outline
 from ..spanning.span import Span
 from ..spanning.verdict import SpanStatus
 from ..surface.solve import CmcSolver
@@ -39,6 +39,8 @@ _STRICTNESS = 1e4
 _GAIN, _GAIN_BESIDE = 1e-3, 2e-4
 # Mean curvature times size of the flattest start.
 _FLATTEST = 1e-2
+# Steps of a span that is only a start.
+_NEAR_ENOUGH = 20
 
 
 @with_options(OutlineOptions)
@@ -95,13 +97,15 @@ def _spanned(goals: Goals, domain: Domain, points: Array, options: OutlineOption
     """
     curve: Any = options.curves(domain)
     wish: dict[str, Any] = {goals.height_parameter: goals.number}
+    if goals.has_given_normals:
+        wish["max_iterations"] = _NEAR_ENOUGH
     if options.free_heights or not options.on_curve:
         base = [0.0, 0.0, goals.base]
         points = points * [1.0, 1.0, 0.0] + base
         if curve is not None:
             curve = [line * [1.0, 1.0, 0.0] + base for line in boundary_lines(domain, points, curve)[0]]
     call = partial(
-        span_outline,
+        span_on_plan if goals.has_given_normals else span_outline,
         domain,
         points,
         curve,

@@ -118,16 +118,34 @@ def span_outline(domain: DomainLike, positions: ArrayLike, options: SpanOptions)
 
     Raises `ConditionError` on input that contradicts itself or fits no plan. That no surface was found is a status.
     """
+    domain, points, options = _checked(domain, positions, options)
+    tried = _searched(domain, points, options)
+    if options.initial is None and tried.status in _UNLIKE:
+        tried = _on_other_plans(domain, points, options, tried)
+    return _ended(tried, domain, options)
+
+
+@with_options(SpanOptions)
+def span_on_plan(domain: DomainLike, positions: ArrayLike, options: SpanOptions) -> Span:
+    """The same over the plan as it is: where that is too unlike the lines no other is tried."""
+    domain, points, options = _checked(domain, positions, options)
+    return _ended(_searched(domain, points, options), domain, options)
+
+
+def _checked(
+    domain: DomainLike, positions: ArrayLike, options: SpanOptions
+) -> tuple[Domain, Array, SpanOptions]:
+    """The domain, its points (V, 3), and the options with edges as indices."""
     options = replace(
         options,
         leans=[(boundary_edges(domain, edges), angle) for edges, angle in options.leans],
         mirrors=[(boundary_edges(domain, edges), normal) for edges, normal in options.mirrors],
     )
     domain = as_domain(domain)
-    points = in_space(domain, positions)
-    tried = _searched(domain, points, options)
-    if options.initial is None and tried.status in _UNLIKE:
-        tried = _on_other_plans(domain, points, options, tried)
+    return domain, in_space(domain, positions), options
+
+
+def _ended(tried: _Tried, domain: Domain, options: SpanOptions) -> Span:
     name, number = options.wish
     asked = Asked(
         plan=domain,
