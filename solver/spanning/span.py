@@ -15,6 +15,7 @@ from ..domain.domain import Domain
 from ..errors import ConditionError, Status
 from ..gauss.boundary_data import Conditions
 from ..gauss.conditions import fixed_at, mirror
+from ..gauss.harmonic import HarmonicSolver
 from ..gauss.sphere import normalize
 from ..notes import Note
 from ..signatures import checked
@@ -53,25 +54,22 @@ class Asked:
 class Span:
     """A surface that spans its lines.
 
-    points (V, 3), normals (V, 3): unit, on the side from which the faces (F, 3) run counter-clockwise; the normals are
-    a harmonic map whose boundary values are those of the surface. domain: the plan's, with its moduli adapted: the
-    surface is conformal to it. positions: (V, 2|3) of that plan. mean_curvature: H, with its sign. curve_parameters:
-    the numbers of the rim's vertices. history: one line for each step. asked: what it was made for.
+    points: (V, 3). faces: (F, 3). mean_curvature: H, with its sign. curve_parameters: the numbers of the rim's
+    vertices. history: one line for each step. asked: what it was made for. near: the points and normals of an earlier
+    span, which its normals are near to. What the search does not need (its plan, normals, checks) is worked out where
+    it is asked for.
     """
 
     points: Array
-    normals: Array
     faces: NDArray[np.int32]
-    domain: Domain
-    positions: Array
     mean_curvature: float
     curve_parameters: Array
     status: SpanStatus
     message: str
     history: list[Iterate]
-    conditions: Conditions = field(repr=False)
     kept: Found = field(repr=False)
     asked: Asked = field(repr=False)
+    near: tuple[Array, Array] | None = field(default=None, repr=False)
 
     @property
     def ok(self) -> bool:
@@ -84,6 +82,52 @@ class Span:
         problem = self.kept.descent.problem
         rim = problem.coordinates.rim
         return np.unique(np.concatenate([rim[loop[at]] for loop, at in zip(problem.loops, problem.marks, strict=True)]))
+
+    @cached_property
+    def domain(self) -> Domain:
+        """The plan's, with its moduli adapted: the surface is conformal to it."""
+        plan, searched = self.asked.plan, self._searched
+        if plan.vertex_count == searched.vertex_count:
+            return searched
+        i, j = plan.edges.T  # the search had vertices of its own
+        return plan.with_lengths(np.linalg.norm(self.positions[j] - self.positions[i], axis=1))
+
+    @cached_property
+    def positions(self) -> Array:
+        """(V, 2) of that plan."""
+        descent = self.kept.descent
+        return descent.problem.motions.at(descent.state.q)[: len(self.points)]
+
+    @property
+    def conditions(self) -> Conditions:
+        """The normals along lines and leans, and the mirrors."""
+        return self._boundary[0]
+
+    @cached_property
+    def normals(self) -> Array:
+        """(V, 3) unit, on the side from which the faces run counter-clockwise: a harmonic map whose boundary values are
+        those of the surface."""
+        conditions, start = self._boundary
+        if self.near is not None and len(self.near[0]) == len(start):
+            start = changed_normals(start, self._searched, *self.near)
+        return self._solver.solve(conditions, initial=start).normals[: len(self.points)]
+
+    @cached_property
+    def _searched(self) -> Domain:
+        """The domain of the search, as it was at its end."""
+        problem, q = self.kept.descent.problem, self.kept.descent.state.q
+        return problem.motions.moved(q) if q.any() else problem.domain
+
+    @cached_property
+    def _solver(self) -> HarmonicSolver:
+        """On that domain, with the factors of the search."""
+        problem = self.kept.descent.problem
+        return problem.solver if self._searched is problem.domain else problem.solver.moved(self._searched)
+
+    @cached_property
+    def _boundary(self) -> tuple[Conditions, Array]:
+        descent = self.kept.descent
+        return _conditions(self._searched, descent.problem, descent.state, self.mean_curvature, self.asked.mirrors)
 
     @property
     def g(self) -> Array | None:
@@ -145,7 +189,8 @@ class Span:
     def _solved(self, solver: CmcSolver | None = None) -> CmcSurface:
         """The surface of the normals, closed, at the scale 1 / (2 H), or 1 where H = 0."""
         H = self.mean_curvature or 0.5
-        solver = solver or CmcSolver(self.domain)
+        if solver is None:
+            solver = CmcSolver.with_factors(self._solver) if self.domain is self._searched else CmcSolver(self.domain)
         found = solver.solve(
             self.conditions, initial=self.normals, mean_curvature=abs(H), period_tolerance=np.inf
         )
@@ -207,36 +252,20 @@ class Span:
 def finished(found: Found, plan: Domain, asked: Asked, initial: Span | None = None) -> Span:
     """The span at the end of a search over the faces of `plan`, which may be laid anew. initial: where it started."""
     descent = found.descent
-    problem, state, H = descent.problem, descent.state, descent.mean_curvature
-    searched = problem.motions.moved(state.q) if state.q.any() else problem.domain
     status, message = judged(descent, asked.lines.is_drawn)
     if found.largest is not None and asked.mean_curvature is not None:
         status, message = SpanStatus.NO_SURFACE, largest_sentence(asked.mean_curvature, found.largest)
-    conditions, start = _conditions(searched, problem, state, H, asked.mirrors)
-    if initial is not None and len(initial.points) == len(start):
-        start = changed_normals(start, searched, initial.points, initial.normals)
-    solver = problem.solver if searched is problem.domain else problem.solver.moved(searched)
-    harmonic = solver.solve(conditions, initial=start)
-    count = plan.vertex_count
-    positions = problem.motions.at(state.q)[:count]
-    domain = searched
-    if plan.vertex_count < searched.vertex_count:  # the search had vertices of its own
-        i, j = plan.edges.T
-        domain = plan.with_lengths(np.linalg.norm(positions[j] - positions[i], axis=1))
     return Span(
-        points=state.f[:count] + asked.lines.centre,
-        normals=harmonic.normals[:count],
-        faces=domain.faces,
-        domain=domain,
-        positions=positions,
-        mean_curvature=H,
-        curve_parameters=state.x,
+        points=descent.state.f[: plan.vertex_count] + asked.lines.centre,
+        faces=plan.faces,
+        mean_curvature=descent.mean_curvature,
+        curve_parameters=descent.state.x,
         status=status,
         message=message,
         history=descent.history,
-        conditions=conditions,
         kept=found,
         asked=asked,
+        near=(initial.points, initial.normals) if initial is not None and "normals" in vars(initial) else None,
     )
 
 
