@@ -26,9 +26,9 @@ import bpy
 MODULES = (
     "properties.stored", "background.worker", "operators", "bridges.group_history", "bridges.geometry_changes",
     "drawing.overlay_draw", "drawing.handle_gizmos", "drawing.shading", "results.colours", "drawing.preview",
-    "background.solve_cache", "tasks.complete", "panels.tab", "panels.overlay_panel",
+    "background.solve_cache", "tasks.complete", "panels.plan_panel", "panels.shell_panel", "panels.overlay_panel",
     "panels.boundary_panel", "panels.approximate_panel", "panels.symmetry_panel", "panels.results_panel",
-    "drawing.legend", "drawing.curvature_lines_overlay", "panels.colours_panel", "live.live", "panels.live_panel",
+    "drawing.legend", "drawing.curvature_lines_overlay", "panels.colours_panel", "live.live",
     "panels.periods_panel", "panels.export_panel", "panels.menus", "properties.preferences",
     "panels.sidebar", "operators.manual", "headless.cli",
 )

@@ -6,10 +6,13 @@ from collections.abc import Callable
 from typing import TypeVar
 
 import bpy
+import numpy as np
 
+from ...solver.shells.span import usual_wish
 from ..properties import group_list
 from . import corner_bridge, edge_bridge, weld_bridge
 from .geometry_changes import watched
+from .mesh_bridge import plan_arrays, readable_mesh
 
 T = TypeVar("T")
 
@@ -26,6 +29,26 @@ def is_on_lines(plan: bpy.types.Object) -> bool:
     if any(group.kind in ("LINE", "LEAN") for group in plan.data.cmc.groups):
         return True
     return plan.cmc.default_kind == "LINE" and boundary_counts(plan.data)[1] > 0
+
+
+def has_courts(mesh: bpy.types.Mesh) -> bool:
+    """Whether a plan has holes or handles, by Euler's number: V - E + F = 2 - 2 genus - loops."""
+    return len(mesh.polygons) > 0 and len(mesh.vertices) - len(mesh.edges) + len(mesh.polygons) < 1
+
+
+def usual_size(plan: bpy.types.Object) -> float | None:
+    """The height that a shell on lines has without a size; None where it is a soap film."""
+
+    def make() -> float | None:
+        with readable_mesh(plan) as data:
+            mesh = plan_arrays(data, np.array(plan.matrix_world))
+        rim = mesh.positions[np.unique(mesh.edges[mesh.boundary])]
+        soap_films = all(group.kind in ("LINE", "LEAN", "MIRROR") for group in plan.data.cmc.groups)
+        name, height = usual_wish(mesh.positions, rim, soap_films)
+        return height if name == "height" else None
+
+    kinds = ",".join(group.kind for group in plan.data.cmc.groups)
+    return _cached(plan.data, f"usual {kinds} {list(map(tuple, plan.matrix_world))}", make)
 
 
 def mirror_corners(mesh: bpy.types.Mesh) -> list[corner_bridge.Corner]:

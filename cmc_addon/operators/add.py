@@ -11,10 +11,11 @@ from ..bridges.outline_bridge import write_boundary_groups
 from ..properties import group_list
 from ..properties.units import metres
 from .activate import activate
+from .open_tab import ByHand
 from .poll import allow, check_numbers, why_not_object_mode
 
 
-class CMC_OT_add_module(bpy.types.Operator):
+class CMC_OT_add_module(ByHand, bpy.types.Operator):
     """Add the plan of a module with its boundary groups; then Solve, then Repeat by Symmetry"""
 
     bl_idname = "cmc.add_module"

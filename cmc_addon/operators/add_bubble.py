@@ -8,6 +8,7 @@ from bpy.props import EnumProperty, FloatProperty, IntProperty
 from ...solver.catalogue.bubble_plans import ring_plan, torus_plan, wente_plan
 from ..properties.units import metres
 from .add_plan import add
+from .open_tab import ByHand
 from .poll import allow, why_not_object_mode
 
 BUBBLES = [
@@ -29,7 +30,7 @@ _OWN_COLUMNS = {"WENTE": 16, "TORUS": 40, "RING": 14}
 1 s."""
 
 
-class CMC_OT_add_bubble(bpy.types.Operator):
+class CMC_OT_add_bubble(ByHand, bpy.types.Operator):
     """Add the plan of an unstable shell, with the start that Solve needs to find it"""
 
     bl_idname = "cmc.add_bubble"

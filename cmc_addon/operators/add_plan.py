@@ -13,6 +13,7 @@ from ..bridges.start_bridge import mark_seams, write_lengths, write_normals
 from ..properties import group_list
 from ..properties.units import metres
 from .activate import activate
+from .open_tab import ByHand
 from .poll import allow, check_numbers, why_not_object_mode
 
 ORDINARY = [
@@ -21,15 +22,15 @@ ORDINARY = [
     ("L_SHAPE", "L-Shaped", "Two wings at a right angle, the corner between them rounded"),
     ("COURT", "Court", "A rectangular plan with a round court in the middle, around which the shell closes"),
 ]
-"""Plans whose shells close."""
+"""Plans whose shells close by themselves."""
 
 WITH_GAP = [
-    ("ANNULUS", "Annulus", "A round plan with a court off its middle, around which the shell has a gap; Solve, then "
-     "Close Gaps"),
+    ("ANNULUS", "Annulus", "A round plan with a court off its middle, around which Solve keeps the shell "
+     "closed"),
     ("CYLINDER", "Cylinder Strip", "A tube whose normals wind along both ends; Solve, then Repeat by Gaps for a "
      "strip of any length"),
 ]
-"""Plans whose shells have a gap."""
+"""Plans whose shells would have a gap."""
 
 _MAKE = {
     "RECTANGLE": (rectangle, ("size", "width", "columns")),
@@ -51,7 +52,7 @@ _OWN = {
 _SIZE = 8.0  # metres; the property itself is in Blender units
 
 
-class CMC_OT_add_plan(bpy.types.Operator):
+class CMC_OT_add_plan(ByHand, bpy.types.Operator):
     """Add a meshed plan with its boundary groups, ready for Solve"""
 
     bl_idname = "cmc.add_plan"

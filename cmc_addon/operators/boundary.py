@@ -70,7 +70,7 @@ class OnOneGroup(GroupOperator):
 
 
 class CMC_OT_group_add(GroupOperator, bpy.types.Operator):
-    """Add a boundary group to the active mesh"""
+    """Add a boundary group to the active mesh; along it the shell leans over its line"""
 
     bl_idname = "cmc.group_add"
     bl_label = "Add Boundary Group"
@@ -80,7 +80,7 @@ class CMC_OT_group_add(GroupOperator, bpy.types.Operator):
         "name": StringProperty(name="Name", default="Group", options={"SKIP_SAVE"}),
         "assign": BoolProperty(
             name="Assign", description="Put the selected boundary edges into the group", options={"SKIP_SAVE"}),
-        **condition_annotations({"SKIP_SAVE"}),
+        **condition_annotations({"SKIP_SAVE"}, kind_of_new="LEAN"),
     }
 
     def act(self, context, mesh):

@@ -1,9 +1,10 @@
-"""Presets of boundary groups: for the active group, or for a new one from the selected edges."""
+"""Presets of boundary groups: for the active group, for a new one from the selected edges, and for all sides."""
 
 import bpy
 import numpy as np
 from bpy.props import EnumProperty
 
+from ...solver.surface.placement import FREE_SIZES
 from ..bridges import edge_bridge
 from ..bridges.mesh_bridge import plan_arrays, readable_mesh
 from ..properties import group_list
@@ -50,7 +51,25 @@ class CMC_OT_group_new(Preset, GroupOperator, bpy.types.Operator):
         apply(preset, group, normal)
 
 
-CLASSES = (CMC_OT_group_preset, CMC_OT_group_new)
+class CMC_OT_rim_free(GroupOperator, bpy.types.Operator):
+    """Let the rim be free all around: sides on lines stand upright, leaning ones keep their angle"""
+
+    bl_idname = "cmc.rim_free"
+    bl_label = "Rim Free All Around"
+    needs_group = False
+
+    def act(self, context, mesh):
+        settings = context.object.cmc
+        settings.default_kind = "BINORMAL"
+        if settings.size.lower() not in FREE_SIZES:
+            settings.size = "MATCH_PLAN"
+        for group in mesh.cmc.groups:
+            if group.kind in ("LINE", "LEAN"):
+                group.tilt = group.angle if group.kind == "LEAN" else 0.0
+                group.kind = "BINORMAL"
+
+
+CLASSES = (CMC_OT_group_preset, CMC_OT_group_new, CMC_OT_rim_free)
 
 
 def apply(preset: GroupPreset, group, normal: tuple[float, ...] | None) -> None:

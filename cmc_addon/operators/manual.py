@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[2]
 
 PAGES = {
     "plan": ("mesh_plan", "weld", "add_plan", "add_module", "add_bubble", "go_to"),
-    "boundary": ("group_*", "select_ungrouped", "flip_corner"),
+    "boundary": ("group_*", "rim_free", "select_ungrouped", "flip_corner"),
     "solve": ("solve", "solve_selection", "flip", "cancel", "count_modes", "start_from_shell", "start_clear"),
     "live": ("live",),
     "look": ("gauss_image",),
@@ -30,8 +30,8 @@ PAGES = {
 
 SETTINGS = {
     "cmcgroup.across": "reference/blender#mirrors-and-planes",
-    "cmcgroup": "reference/blender#boundary",
-    "cmcmesh": "reference/blender#boundary",
+    "cmcgroup": "reference/blender#sides",
+    "cmcmesh": "reference/blender#sides",
     "cmcscene.edge_length": "reference/blender#plan",
     "cmcscene.corners": "reference/blender#plan",
     "cmcscene.corner_radius": "reference/blender#plan",

@@ -118,6 +118,7 @@ class CMC_OT_mesh_plan(ModalOperator, bpy.types.Operator):
             bpy.ops.object.mode_set(mode="OBJECT")
         plan = plan_of(ob) or _new_plan(ob)
         _write(plan, outline_of(ob), outline, meshed)
+        plan.cmc.rounded = _rounded(meshed)
         _show(context, plan, outline_of(ob))
         for name in PLAN_SETTINGS:
             setattr(context.scene.cmc, name, getattr(self, name))
@@ -150,6 +151,12 @@ class CMC_OT_mesh_plan(ModalOperator, bpy.types.Operator):
         if not is_flat(outline):
             off = length_text(outline.off, digits=3)
             self.report({"WARNING"}, f"The outline of '{plan.name}' leaves its plane by {off} and was flattened.")
+
+
+def _rounded(meshed: PlanMesh) -> str:
+    """How many corners are rounded, for the panel; empty on a plan without corners."""
+    count = len(meshed.rounded)
+    return f"{count or 'None'} of {meshed.corners} corners rounded" if meshed.corners else ""
 
 
 def _mesh(outline: Outline, edge_length: float, corner_radius: float, corners: str) -> PlanMesh:

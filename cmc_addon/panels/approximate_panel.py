@@ -8,14 +8,13 @@ from ..properties.libraries import keeps_changes
 from ..properties.registration import registration
 from ..properties.reports import last_design, shown_sheet
 from ..properties.units import length_text
-from .results_panel import numbers
-from .tab import TALL, PlanPart, properties_column
+from .tab import TALL, PlanPart, numbers, properties_column
 
 
 class CMC_PT_approximate(PlanPart, bpy.types.Panel):
     bl_idname = "CMC_PT_approximate"
     bl_label = "Approximate a Surface"
-    bl_parent_id = "CMC_PT_shell"
+    bl_parent_id = "CMC_PT_options"
     bl_options = {"DEFAULT_CLOSED"}
     bl_order = 2
 

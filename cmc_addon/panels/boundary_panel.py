@@ -1,11 +1,11 @@
-"""Boundary: the list of boundary groups, handled like Blender's vertex groups."""
+"""Sides: the list of boundary groups, handled like Blender's vertex groups, and what the shell does along each."""
 
 import math
 
 import bpy
 
 from ...solver.gauss.conditions import KINDS
-from ..bridges.mesh_cache import boundary_counts, is_on_lines
+from ..bridges.mesh_cache import boundary_counts
 from ..bridges.start_bridge import has_start
 from ..drawing.palette import icon_of
 from ..properties import group_list
@@ -51,8 +51,12 @@ class CMC_MT_groups(bpy.types.Menu):
 
 class CMC_PT_boundary(Tab, bpy.types.Panel):
     bl_idname = "CMC_PT_boundary"
-    bl_label = "Boundary"
+    bl_label = "Sides"
     bl_order = 1
+
+    @classmethod
+    def poll(cls, context):
+        return plan_to_solve(context) is not None
 
     def draw_header_preset(self, context):
         self.layout.prop(context.scene.cmc, "show_groups", text="", icon="OVERLAY")
@@ -60,7 +64,6 @@ class CMC_PT_boundary(Tab, bpy.types.Panel):
     def draw(self, context):
         layout, plan = self.layout, plan_to_solve(context)
         if plan is None:
-            hint(layout, "Select a plan to set the", "conditions along its rim")
             return
         mesh = plan.data
         own = plan == context.object
@@ -73,13 +76,6 @@ class CMC_PT_boundary(Tab, bpy.types.Panel):
             draw_group(layout, context, mesh, group)
         if own:
             self._ungrouped(layout, plan, mesh)
-        column = properties_column(layout)
-        column.enabled = keeps_changes(plan)
-        if is_on_lines(plan):
-            return
-        if mesh.cmc.groups:
-            column.prop(plan.cmc, "blend")
-        column.prop(plan.cmc, "against")
 
     def _list(self, layout, mesh, own):
         """The list; with a result active the groups of its plan, to edit but not to add or remove."""
@@ -102,7 +98,7 @@ class CMC_PT_boundary(Tab, bpy.types.Panel):
         column = properties_column(layout)
         column.enabled = keeps_changes(mesh)
         row = column.row(align=True)
-        row.prop(group, "kind")
+        row.prop(group, "kind", text="Side")
         row.menu("CMC_MT_group_presets", text="", icon="PRESET")
         if KINDS[group.kind.lower()].curve:
             column.prop(group, "curve")
@@ -131,12 +127,14 @@ class CMC_PT_boundary(Tab, bpy.types.Panel):
         elif not boundary:
             hint(layout, "This mesh has no boundary:", "delete the faces beyond its rim")
         elif ungrouped:
-            row = layout.row()
-            row.label(text=f"{ungrouped} of {boundary} edges in no group")
-            row.operator("cmc.select_ungrouped", text="", icon="RESTRICT_SELECT_OFF", emboss=False)
             column = properties_column(layout)
             column.enabled = keeps_changes(plan)
-            column.prop(plan.cmc, "default_kind", text="Other Edges")
+            row = column.row(align=True)
+            row.prop(plan.cmc, "default_kind", text="Other Edges" if mesh.cmc.groups else "All Edges")
+            if not mesh.cmc.groups:
+                row.operator("cmc.rim_free", text="", icon="MOD_CLOTH")
+            if mesh.cmc.groups:
+                row.operator("cmc.select_ungrouped", text="", icon="RESTRICT_SELECT_OFF")
 
 
 CLASSES = (CMC_UL_groups, CMC_MT_groups, CMC_PT_boundary)

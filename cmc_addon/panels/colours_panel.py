@@ -13,10 +13,11 @@ from .tab import Tab, automatic, properties_column
 
 
 class CMC_PT_look(Tab, bpy.types.Panel):
-    """Shown once the plan has a result of Solve or of a design; with another object active, for the coloured plan."""
+    """Shown once the plan has a result; with another object active, for the coloured plan."""
 
     bl_idname = "CMC_PT_look"
     bl_label = "Look"
+    bl_options = {"DEFAULT_CLOSED"}
     bl_order = 4
 
     @classmethod

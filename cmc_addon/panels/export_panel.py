@@ -17,12 +17,13 @@ class CMC_PT_export(Tab, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
     bl_order = 60
 
+    @classmethod
+    def poll(cls, context):
+        return plan_to_solve(context) is not None or is_orphan(context.object)
+
     def draw(self, context):
-        layout, plan = self.layout, plan_to_solve(context)
-        if plan is None and is_orphan(context.object):
-            plan = context.object
+        layout, plan = self.layout, plan_to_solve(context) or context.object
         if plan is None:
-            hint(layout, "Select a plan or its shell", "to export it")
             return
         column = properties_column(layout)
         column.enabled = keeps_changes(plan)

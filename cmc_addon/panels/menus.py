@@ -19,6 +19,8 @@ class CMC_MT_group_presets(bpy.types.Menu):
     def draw(self, context):
         for name, preset in PRESETS.items():
             self.layout.operator("cmc.group_preset", text=preset.label, icon=preset.icon).preset = name
+        self.layout.separator()
+        self.layout.operator("cmc.rim_free", icon="MOD_CLOTH")
 
 
 class CMC_MT_assign(bpy.types.Menu):
@@ -77,6 +79,7 @@ class CMC_MT_mesh(bpy.types.Menu):
         for name in ("cmc.group_remove_from", "cmc.group_select", "cmc.group_deselect", "cmc.select_ungrouped"):
             layout.operator(name)
         layout.menu("CMC_MT_group_presets")
+        layout.operator("cmc.rim_free")
         layout.separator()
         for name in ("cmc.solve", "cmc.solve_selection", "cmc.flip", "cmc.mesh_plan", "cmc.weld"):
             layout.operator(name)

@@ -12,9 +12,9 @@ from ..properties.registration import registration
 from ..properties.reports import complete_report
 from ..tasks.tile import tile_counts
 from .periods_text import closing_rows, gap_rows
-from .results_panel import ResultPanel, numbers, paragraph
+from .results_panel import ResultPanel
 from .symmetry_panel import completed_rows, has_gaps
-from .tab import TALL, properties_column
+from .tab import TALL, numbers, paragraph, properties_column
 
 
 class CMC_PT_periods(ResultPanel, bpy.types.Panel):

@@ -9,7 +9,7 @@ from ..properties.units import length_text, vector_text
 
 
 def gap_sentence(report: Mapping) -> str:
-    """The size of the gap and why it is there; empty if the shell is closed."""
+    """The size of the gap, after why it could not be closed; empty if the shell is closed."""
     holes = report.get("holes") or []
     if not report.get("is_open") or not holes:
         return ""
@@ -18,8 +18,6 @@ def gap_sentence(report: Mapping) -> str:
     words = [f"The shell is open by {gap_text(widest)} {where}."]
     if report.get("closing"):
         words.insert(0, report["message"])  # that of the closing
-    else:
-        words.append("Keep Closed Around Courts closes it.")
     return " ".join(words)
 
 

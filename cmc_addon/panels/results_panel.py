@@ -1,58 +1,19 @@
-"""Results: the shell that is shown in numbers, drawn from the report that it stored (see `links.shown_shell`)."""
-
-import re
-import textwrap
+"""Result: a sentence and numbers about the shell that is shown (see `links.shown_shell`), from its report."""
 
 import bpy
 
-from ...solver.measure.summary import percent
+from ...solver.measure.summary import NOISE, percent
 from ...solver.notes import NOT_AS_ASKED
-from ..properties.links import shown_shell
+from ..properties.links import plan_to_solve, shown_shell
 from ..properties.registration import registration
 from ..properties.reports import complete_report, is_design, last_report, shown_sheet, warnings_in
 from ..properties.stored import COMPLETED_ROLES
 from ..properties.units import in_units, length_text, per_length
 from .periods_text import gap_sentence
-from .tab import Tab
-
-_LETTER = 7.0  # pixels, of the interface font at scale 1
-_UNIT = r"(?<=\d) (?=%|[a-zµ]{1,2}[²³]?\b)"
-
-
-def paragraph(layout: bpy.types.UILayout, context: bpy.types.Context, text: str, icon: str) -> None:
-    """A text wrapped to the width of the sidebar."""
-    scale = context.preferences.system.ui_scale or 1.0  # 0 where there is no window
-    letters = max(16, int((context.region.width / scale - 60) / _LETTER))
-    column = layout.column(align=True)
-    column.scale_y = 0.8
-    text = re.sub(_UNIT, "\u00a0", text)  # a unit stays with its number
-    for k, line in enumerate(textwrap.wrap(text, letters)):
-        column.label(text=line, icon=icon if k == 0 else "BLANK1")
-
-
-def numbers(layout: bpy.types.UILayout, rows: list[tuple[str, str]]) -> None:
-    """Names on the left, values on the right, aligned with the settings above."""
-    column = layout.column(align=True)
-    column.scale_y = 0.85
-    for name, value in rows:
-        split = column.split(factor=0.4)
-        left = split.row()
-        left.alignment = "RIGHT"
-        left.label(text=name)
-        split.label(text=value)
-
+from .tab import Tab, fitting, numbers, paragraph
 
 # An overhang of less of the area is noise of the rim's triangles.
 _SOME = 1e-4
-
-
-# Longer names run over the title of the panel.
-_LONGEST = 20
-
-
-def _fitting(name: str) -> str:
-    """The name, its middle left out if it is long: it ends in what kind of shell it is."""
-    return name if len(name) <= _LONGEST else f"{name[:9].rstrip()}…{name[-10:].lstrip()}"
 
 
 class ResultPanel(Tab):
@@ -70,23 +31,49 @@ class ResultPanel(Tab):
 
 class CMC_PT_results(ResultPanel, bpy.types.Panel):
     bl_idname = "CMC_PT_results"
-    bl_label = "Results"
+    bl_label = "Result"
     bl_order = 3
 
     def draw_header_preset(self, context):
         shell = shown_shell(context)
         if shell is not None:
-            self.layout.label(text=_fitting(shell.name))
+            self.layout.label(text=fitting(shell.name))
 
     def draw_report(self, context, report):
-        warnings = warnings_in(report)
-        done = report["converged"] and report.get("met", True) and not any(code in NOT_AS_ASKED for code, _ in warnings)
-        sentence = report["message"] if is_design(report) else gap_sentence(report) or report["message"]
-        paragraph(self.layout, context, sentence, "CHECKMARK" if done else "ERROR")
-        numbers(self.layout, [*copies_rows(shown_shell(context)), *size_rows(report), *rim_rows(report)])
-        for _, warning in warnings:
+        layout, shell = self.layout, shown_shell(context)
+        copies = copies_rows(shell)
+        warnings = [note for note in warnings_in(report) if not (copies and note[0] == "gap")]
+        done = bool(copies) or (report["converged"] and report.get("met", True))
+        done = done and not any(code in NOT_AS_ASKED for code, _ in warnings)
+        paragraph(layout, context, sentence(report, bool(copies), done), "CHECKMARK" if done else "ERROR")
+        numbers(layout, [*copies, *size_rows(report), *rim_rows(report)])
+        for code, warning in warnings:
             if warning != report["message"]:
-                paragraph(self.layout, context, warning, "ERROR")
+                paragraph(layout, context, warning, "ERROR")
+            self._remedy(layout, plan_to_solve(context), code)
+
+    def _remedy(self, layout, plan, code):
+        """The button that helps, where one does."""
+        if plan is not None and code == "gap" and not plan.cmc.keep_closed:
+            layout.operator("cmc.solve", text="Keep Closed Around Courts", icon="CHECKMARK").keep_closed = True
+        elif plan is not None and code == "faces-down":
+            layout.operator("cmc.flip")
+
+
+def sentence(report: dict, is_repeated: bool, is_done: bool) -> str:
+    """What has happened, first: a repeated shell has no gap of its own to tell of."""
+    if is_repeated:
+        return "Done. The shell is repeated."
+    if is_design(report):
+        return report["message"]
+    gap, beginning = gap_sentence(report), "Done. "
+    outline, message = shown_sheet(report).get("outline"), report["message"]
+    on_line = "span" in report and not report["span"].get("leans")
+    if gap or not outline or not (is_done and on_line and message.startswith(beginning)):
+        return gap or message
+    off = outline["max"]
+    near = f" to {length_text(off, digits=2)}" if off > NOISE * shown_sheet(report)["span"] else ""
+    return f"{beginning}On its line{near}. {message.removeprefix(beginning)}"
 
 
 def copies_rows(shell: bpy.types.Object | None) -> list[tuple[str, str]]:
@@ -116,6 +103,7 @@ class CMC_PT_checks(ResultPanel, bpy.types.Panel):
     bl_idname = "CMC_PT_checks"
     bl_label = "Checks"
     bl_parent_id = "CMC_PT_results"
+    bl_options = {"DEFAULT_CLOSED"}
     bl_order = 1
 
     def draw_report(self, context, report):
@@ -158,7 +146,7 @@ def check_rows(report: dict) -> list[tuple[str, str]]:
 class CMC_PT_solver(ResultPanel, bpy.types.Panel):
     bl_idname = "CMC_PT_solver"
     bl_label = "Solver"
-    bl_parent_id = "CMC_PT_results"
+    bl_parent_id = "CMC_PT_checks"
     bl_order = 2
     bl_options = {"DEFAULT_CLOSED"}
 

@@ -15,8 +15,7 @@ from ..properties.reports import complete_report, last_report
 from ..properties.symmetry_settings import COMPLETE_SETTINGS, draw_complete
 from ..properties.units import length_text, part_text
 from ..tasks.complete import counts
-from .results_panel import numbers, paragraph
-from .tab import TALL, Tab, hint, properties_column
+from .tab import TALL, Tab, hint, numbers, paragraph, properties_column
 
 PLANAR_KINDS = ("MIRROR", "PLANE")
 
@@ -71,14 +70,16 @@ class CMC_PT_complete(Tab, bpy.types.Panel):
 
     bl_idname = "CMC_PT_complete"
     bl_label = "Repeat"
+    bl_options = {"DEFAULT_CLOSED"}
     bl_order = 50
 
-    def draw(self, context):
+    @classmethod
+    def poll(cls, context):
         plan = plan_to_solve(context)
-        if plan is None:
-            hint(self.layout, "Select a plan or its shell", "to repeat it")
-        elif not _repeats(plan) and not has_gaps(context):
-            hint(self.layout, "A shell repeats across mirrors,", "planes and free edges, and by gaps")
+        return plan is not None and (_repeats(plan) or has_gaps(context))
+
+    def draw(self, context):
+        """Its parts are panels."""
 
 
 def _repeats(plan: bpy.types.Object) -> bool:

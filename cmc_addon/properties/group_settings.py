@@ -44,12 +44,12 @@ def _parameter_property(parameter, options: set, more: dict):
     return FloatProperty(**texts, default=parameter.default)
 
 
-def condition_annotations(options: Iterable[str] = (), **more) -> dict:
+def condition_annotations(options: Iterable[str] = (), kind_of_new: str = "BINORMAL", **more) -> dict:
     """`kind` and the parameters of every kind, for a group or an operator; `more` is passed to each property."""
     options = set(options)
     annotations = {"kind": EnumProperty(
         name="Kind", description="Boundary condition of the shell along these edges",
-        items=kind_items(), default="BINORMAL", options=options, **more)}
+        items=kind_items(), default=kind_of_new, options=options, **more)}
     for kind in KINDS.values():
         for parameter in kind.parameters:
             annotations[parameter.name] = _parameter_property(parameter, options, more)

@@ -150,6 +150,7 @@ class CmcObject(bpy.types.PropertyGroup):
             poll=_is_mesh_object),
         "outline": PointerProperty(
             name="Outline", description="Outline that this plan was meshed from", type=bpy.types.Object),
+        "rounded": StringProperty(name="Rounded", description="How many corners Mesh Plan has rounded"),
         "meshed": BoolProperty(name="Meshed", description="This plan was made by Mesh Plan"),
         # On a result.
         "role": EnumProperty(name="Role", description="Kind of this result", items=_ROLE_ITEMS),

@@ -33,7 +33,8 @@ class PlanMesh:
 
     `triangles (F, 3)` are counter-clockwise. `edges (B, 2)` are the boundary edges with the plan on their left;
     `loop (B,)` is 0 for the outline and 1 + k for hole k, `segment (B,)` the segment of that input loop from which the
-    edge comes. The arc at a rounded corner is divided at its middle. `rounded (R,)`: the radii of the rounded corners.
+    edge comes. The arc at a rounded corner is divided at its middle. `rounded (R,)`: the radii of the rounded corners,
+    of `corners` in all.
     """
 
     positions: np.ndarray
@@ -42,6 +43,7 @@ class PlanMesh:
     loop: np.ndarray
     segment: np.ndarray
     rounded: np.ndarray
+    corners: int
 
 
 def mesh_plan(
@@ -97,6 +99,7 @@ def mesh_plan(
         boundary.loop.astype(np.int32),
         boundary.segment.astype(np.int32),
         radii[radii > 0.0],
+        int((radii > 0.0).sum() + sum(curve.sharp.sum() for curve in curves)),
     )
 
 

@@ -107,7 +107,8 @@ def measure_shell(
     notes = shell_notes(plan, settings, surface, similarity, measured, placed[sheet], N)
     if span is not None:
         notes += _span_notes(span, bool(intersections))
-    message = measured.sentence if fit is None else fit.message
+    mixed = fit is not None and fit.is_met and bool(fit.sides)
+    message = measured.sentence if fit is None or mixed else fit.message
     if closing is not None and not closing.ok:
         notes = [Note("gap", closing.message), *(note for note in notes if note != measured.sentence)]
     if closing is not None and (surface.status is Status.CONVERGED or not closing.ok):

@@ -126,17 +126,16 @@ def wish_of(plan: Plan, settings: Settings, domain: Domain, soap_films: bool = T
     rule = settings.rule()
     name, number = rule.size, rule.value
     if name == "match_plan":
-        name, number = _usual(plan, domain, soap_films)
+        name, number = usual_wish(plan.positions, plan.positions[domain.boundary_vertices], soap_films)
     return name, -number if rule.flip else number
 
 
-def _usual(plan: Plan, domain: Domain, soap_films: bool) -> tuple[str, float]:
-    """Without a size: soap films on lines with heights, H = 0, else a usual height."""
-    rim = plan.positions[domain.boundary_vertices]
+def usual_wish(positions: Array, rim: Array, soap_films: bool = True) -> tuple[str, float]:
+    """Without a size: soap films on lines with heights, H = 0, else a usual height over the mean of the rim (b, 3)."""
     is_level = np.ptp(rim[:, 2]) <= _LEVEL * np.linalg.norm(np.ptp(rim, axis=0))
     if soap_films and not is_level:
         return "mean_curvature", 0.0
-    return "height", usual_height(plan.positions, rim) + float(rim[:, 2].max() - rim[:, 2].mean())
+    return "height", usual_height(positions, rim) + float(rim[:, 2].max() - rim[:, 2].mean())
 
 
 def _leans(conditions: Conditions, hangs: bool) -> list[tuple[NDArray[np.integer], float]]:

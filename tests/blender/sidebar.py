@@ -26,7 +26,7 @@ class Layout:
     def _part(self, **_):
         return Layout(self.record, self.active)
 
-    row = column = split = box = _part
+    row = column = split = box = grid_flow = _part
 
     def label(self, *, text="", icon="NONE"):
         assert icon in ICONS
@@ -48,6 +48,8 @@ class Layout:
         assert icon in ICONS
         kind = getattr(bpy.ops.cmc, name.removeprefix("cmc.")).get_rna_type()
         self.record.operators.append(name)
+        if text:
+            self.record.texts.append(text)
         return Properties(kind)
 
     def menu(self, name, **_):

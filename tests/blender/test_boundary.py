@@ -252,7 +252,7 @@ def test_face_select_mode_changes_to_edges(grid) -> None:
 
 def test_membership_survives_subdivision_and_copy(grid) -> None:
     select(grid, on_side(grid, 0, -1.0))
-    bpy.ops.cmc.group_add(name="west", tilt=0.5, assign=True)
+    bpy.ops.cmc.group_add(name="west", kind="BINORMAL", tilt=0.5, assign=True)
     with edit_mode():
         bpy.ops.mesh.select_all(action="SELECT")
         bpy.ops.mesh.subdivide(number_cuts=1)

@@ -255,4 +255,4 @@ def test_a_click_that_fails_ends_there(addon):
 def test_before_a_solve_there_is_nothing_to_tell():
     bpy.ops.cmc.add_plan(columns=8)
     record = draw("CMC_PT_shell")
-    assert record.operators == ["cmc.solve", "cmc.flip", "cmc.live"] and record.operators.count("cmc.solve") == 1
+    assert record.operators == ["cmc.solve", "cmc.live", "cmc.flip"] and record.operators.count("cmc.solve") == 1

@@ -64,8 +64,8 @@ def test_a_mirror_of_an_outline_that_has_no_faces(plan):
 
 
 def test_a_preset_changes_the_active_group_and_is_undone(plan):
-    bpy.ops.cmc.group_add(name="rim", tilt=0.3)
-    bpy.ops.cmc.group_add(name="other", tilt=0.3)
+    bpy.ops.cmc.group_add(name="rim", kind="BINORMAL", tilt=0.3)
+    bpy.ops.cmc.group_add(name="other", kind="BINORMAL", tilt=0.3)
     bpy.ops.ed.undo_push(message="before")
     bpy.ops.cmc.group_preset("EXEC_DEFAULT", True, preset="FLOOR")
     groups = bpy.context.object.data.cmc.groups

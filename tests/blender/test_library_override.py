@@ -19,7 +19,7 @@ ON_SHELLS = ("solve", "solve_selection", "flip", "approximate_surface", "complet
 def override(tmp_path):
     """A linked plan made local by Library Override, object and mesh."""
     plan = quad_disc()
-    bpy.ops.cmc.group_add(name="Rim", tilt=0.5)
+    bpy.ops.cmc.group_add(name="Rim", kind="BINORMAL", tilt=0.5)
     path = str(tmp_path / "plans.blend")
     bpy.data.libraries.write(path, {plan})
     bpy.data.objects.remove(plan)

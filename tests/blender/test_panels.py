@@ -50,17 +50,17 @@ def foreign_report():
 
 
 STATES = {
-    "nothing": (nothing, "Select a mesh or a closed curve"),
-    "text": (lambda: bpy.ops.object.text_add(), "Select a mesh or a closed curve"),
-    "empty": (lambda: bpy.ops.object.empty_add(), "Select a mesh or a closed curve"),
-    "camera": (lambda: bpy.ops.object.camera_add(), "Select a mesh or a closed curve"),
-    "curve": (lambda: bpy.ops.curve.primitive_bezier_circle_add(), "Select a plan"),
-    "mesh": (lambda: bpy.ops.mesh.primitive_plane_add(), "4 of 4 edges in no group"),
+    "nothing": (nothing, "Draw an outline and press Mesh Plan, or begin with"),
+    "text": (lambda: bpy.ops.object.text_add(), "or begin with Rectangle"),
+    "empty": (lambda: bpy.ops.object.empty_add(), "or begin with Rectangle"),
+    "camera": (lambda: bpy.ops.object.camera_add(), "or begin with Rectangle"),
+    "curve": (lambda: bpy.ops.curve.primitive_bezier_circle_add(), "Mesh Plan from BézierCircle"),
+    "mesh": (lambda: bpy.ops.mesh.primitive_plane_add(), "Mesh Plan from Plane"),
     "closed mesh": (lambda: bpy.ops.mesh.primitive_cube_add(), "no boundary"),
-    "no faces": (mesh_without_faces, "no faces"),
+    "no faces": (mesh_without_faces, "Mesh Plan from wire"),
     "empty mesh": (empty_mesh, "no boundary"),
     "result without plan": (result_without_plan, "has been deleted"),
-    "foreign report": (foreign_report, "4 of 4 edges"),
+    "foreign report": (foreign_report, "Size by"),
 }
 
 
@@ -125,6 +125,8 @@ def test_only_the_size_that_counts_is_drawn(plan) -> None:
 
 
 def test_only_the_sizes_that_the_sides_leave_are_offered(plan) -> None:
+    from cmc_formfinding.cmc_addon.bridges.mesh_cache import usual_size
+    from cmc_formfinding.cmc_addon.properties.units import length_text
     from cmc_formfinding.solver.surface.placement import FREE_SIZES, SIZES, SPANNED_SIZES
 
     def offered() -> list:
@@ -133,17 +135,95 @@ def test_only_the_sizes_that_the_sides_leave_are_offered(plan) -> None:
         cls.draw(Drawn(cls, layout), bpy.context)
         return layout.record.texts
 
-    assert offered() == [SIZES[name] for name in FREE_SIZES]
+    assert offered() == ["Nearest to Plan", *(SIZES[name] for name in FREE_SIZES[1:])]
     plan.cmc.default_kind = "LINE"
-    assert offered() == ["Usual", *(SIZES[name] for name in SPANNED_SIZES[1:])]
+    usual, *others = offered()
+    assert others == [SIZES[name] for name in SPANNED_SIZES[1:]]
+    height = usual_size(plan)
+    assert height is not None and 0.95 < height < 1.05, "0.35 × 3 m"
+    assert usual == f"Usual: {length_text(height)} high"
+    for vertex in plan.data.vertices:
+        vertex.co.z = 0.3 * vertex.co.x
+    plan.data.update()
+    bpy.context.view_layer.update()
+    assert offered()[0] == "Usual: a soap film"
+
+
+def court(plan) -> bpy.types.Object:
+    """A plan with a hole, its rim free."""
+    bpy.ops.cmc.add_plan(shape="ANNULUS", columns=24)
+    return bpy.context.object
+
+
+def test_the_empty_tab_has_the_four_plans_and_nothing_else() -> None:
+    nothing()
+    record = draw()
+    assert record.operators == 4 * ["cmc.add_plan"]
+    assert record.texts[2:] == ["Rectangle", "Round", "L-Shaped", "Court"]
+
+
+def test_a_new_tab_is_short(plan) -> None:
+    """What is open at first: Plan, Sides, Shell; and after Solve, Result."""
+    from .sidebar import panels
+
+    opened = [name for name in panels() if "DEFAULT_CLOSED" not in getattr(panel_class(name), "bl_options", ())]
+    parents = {name: getattr(panel_class(name), "bl_parent_id", "") for name in opened}
+    assert sorted(name for name, parent in parents.items() if not parent) == [
+        "CMC_PT_boundary", "CMC_PT_plan", "CMC_PT_results", "CMC_PT_shell"]
+    labels = [panel_class(f"CMC_PT_{name}").bl_label for name in ("plan", "boundary", "shell", "results")]
+    assert labels == ["Plan", "Sides", "Shell", "Result"]
+
+
+def test_how_many_corners_are_rounded_stays_in_the_panel() -> None:
+    bpy.ops.mesh.primitive_plane_add(size=6.0)
+    bpy.ops.cmc.mesh_plan(edge_length=0.8, corners="NONE")
+    assert "None of 4 corners rounded" in draw("CMC_PT_plan").texts
+    bpy.ops.cmc.mesh_plan(corners="ALL")
+    assert "4 of 4 corners rounded" in draw("CMC_PT_plan").texts and "Update" in draw("CMC_PT_plan").texts
+
+
+def test_a_rim_that_is_free_all_around(plan) -> None:
+    plan.cmc.default_kind, plan.cmc.size = "LINE", "VOLUME"
+    for name, kind in (("Street", "LEAN"), ("Garden", "LINE"), ("Wall", "MIRROR")):
+        bpy.ops.cmc.group_add(name=name, kind=kind, angle=0.5)
+    assert bpy.ops.cmc.rim_free() == {"FINISHED"}
+    assert (plan.cmc.default_kind, plan.cmc.size) == ("BINORMAL", "MATCH_PLAN")
+    groups = plan.data.cmc.groups
+    assert [group.kind for group in groups] == ["BINORMAL", "BINORMAL", "MIRROR"]
+    assert [round(group.tilt, 6) for group in groups][:2] == [0.5, 0.0]
+    assert bpy.ops.cmc.solve() == {"FINISHED"}
+    assert "span" not in json.loads(plan.cmc.report)
+
+
+def test_a_new_group_leans_over_its_line(plan) -> None:
+    bpy.ops.cmc.group_add()
+    group = plan.data.cmc.groups[0]
+    assert group.kind == "LEAN" and abs(group.angle - 0.7853982) < 1e-6
+
+
+def test_keep_closed_is_there_where_it_counts(plan) -> None:
+    assert "keep_closed" not in draw("CMC_PT_shell").props
+    made = court(plan)
+    assert "keep_closed" in draw("CMC_PT_shell").props
+    bpy.ops.cmc.solve(keep_closed=False)
+    record = draw("CMC_PT_results")
+    assert record.operators == ["cmc.solve"] and "Keep Closed Around Courts" in record.texts
+    bpy.ops.cmc.solve(keep_closed=True)
+    assert draw("CMC_PT_results").operators == []
+    for group in made.data.cmc.groups:
+        group.kind = "LINE"
+    assert "keep_closed" not in draw("CMC_PT_shell").props, "lines close by themselves"
 
 
 def test_every_setting_of_a_solve_can_be_reached(plan) -> None:
     from cmc_formfinding.cmc_addon.properties.settings import SETTINGS, SIZE_PROPERTY
 
-    bpy.ops.cmc.group_add(name="rim")
+    bpy.ops.cmc.group_add(name="rim", kind="BINORMAL")
     plan.cmc.shell, plan.cmc.close_by = "DEGREE", "BOTH"
-    drawn = set()
+    hole = court(plan)
+    hole.cmc.close_by = "BOTH"
+    drawn = set(draw("CMC_PT_shell", "CMC_PT_options").props)
+    bpy.context.view_layer.objects.active = plan
     for kind in ("BINORMAL", "LINE"):
         plan.cmc.default_kind = kind
         for size in SIZE_PROPERTY:

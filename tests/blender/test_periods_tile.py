@@ -11,6 +11,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from .scenes import activate, positions, quad_disc, snapshot, values
+from .sidebar import draw, text_of
 from .solved_modules import completion_report, farthest, is_oriented, matrices
 from .test_periods import FINISHED, court, report, seams, uv_corners
 
@@ -64,6 +65,13 @@ def hand_for(operators):
             self.reports.append((kind, text))
 
     return Made()
+
+
+def test_the_gap_of_the_module_is_no_error_of_the_copies(plan):
+    assert bpy.ops.cmc.tile_periods() == FINISHED
+    record = draw("CMC_PT_results")
+    assert text_of(record).startswith("Done. The shell is repeated.") and not record.operators
+    assert "gap" not in " ".join(record.texts).lower() and "open by" not in " ".join(record.texts)
 
 
 def test_layers_go_over_the_cuts():
@@ -124,7 +132,7 @@ def two_courts():
     made = bpy.context.object
     bpy.ops.object.mode_set(mode="EDIT")
     bpy.ops.mesh.select_all(action="SELECT")
-    bpy.ops.cmc.group_add(name="Rim", tilt=0.7, assign=True)
+    bpy.ops.cmc.group_add(name="Rim", kind="BINORMAL", tilt=0.7, assign=True)
     bpy.ops.object.mode_set(mode="OBJECT")
     return made
 

@@ -30,7 +30,7 @@ def test_the_viewport_draws_with_these_colours(addon, module):
 
 def test_the_tab_of_the_sidebar(addon, module):
     own = bpy.context.preferences.addons["cmc_formfinding"].preferences
-    names = ["CMC_PT_plan", "CMC_PT_shell", "CMC_PT_design", "CMC_PT_checks", "CMC_PT_export", "CMC_PT_symmetry"]
+    names = ["CMC_PT_plan", "CMC_PT_shell", "CMC_PT_approximate", "CMC_PT_checks", "CMC_PT_export", "CMC_PT_symmetry"]
     for wanted, category in (("Architecture", "Architecture"), ("", "CMC")):
         own.category = wanted
         for name in names:

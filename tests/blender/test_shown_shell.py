@@ -99,6 +99,7 @@ def test_after_repeating(addon, tmp_path, kind):
     # the middle of a long name is left out, where it would run over the title
     assert header() == {"MESH": "Honeycomb…completed", "INSTANCES": "Honeycomb…odule copy"}[kind]
     assert legend(addon).subtitle.endswith(name)
+    assert text_of(draw("CMC_PT_results")).startswith("Done. The shell is repeated.")
     assert rows("CMC_PT_results")["One Of"] == f"{json.loads(plan.cmc.complete_report)['copies']} copies"
     assert name in exported(tmp_path)["objects"]
     bpy.ops.cmc.solve()

@@ -30,7 +30,7 @@ def tell(hands):
         vertex.co.z = 2 - 0.06 * (x * x + y * y) + 0.15 * np.sin(2 * x) * np.cos(2 * y)
     bpy.ops.ed.undo_push(message="Surface")
     yield 0.5
-    for panel in ("Plan", "Boundary"):
+    for panel in ("Plan", "Sides"):
         yield from hands.panel(panel, False)
     yield from hands.panel("Approximate a Surface")
     yield from hands.picture("panel")

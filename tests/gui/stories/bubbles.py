@@ -39,7 +39,7 @@ def torus(hands):
     yield from hands.click_button("cmc.solve")
     yield from hands.wait_for(lambda: report("Wente Torus"), "the torus is there", 120.0)
     bpy.data.objects["Wente Torus"].hide_set(True)
-    for panel in ("Plan", "Boundary"):
+    for panel in ("Plan", "Sides"):
         yield from hands.panel(panel, False)
     yield from hands.panel("Solver", True)
     yield from hands.picture("torus")

@@ -21,10 +21,10 @@ def tell(hands):
     yield from hands.click_button("cmc.solve")
     yield from hands.wait_for(lambda: plan().cmc.f_plus is not None, "the shell is there")
     assert report()["closing"]["closed"]
-    for panel in ("Plan", "Boundary"):
+    for panel in ("Plan", "Sides"):
         yield from hands.panel(panel, False)
     yield from hands.picture("closed")
-    yield from hands.click_field("object.cmc.keep_closed")
+    yield from hands.click_field("cmc.keep_closed")
     yield from hands.click_button("cmc.solve")
     yield from hands.wait_for(lambda: report()["is_open"], "it is left open")
     yield from hands.picture("gap")

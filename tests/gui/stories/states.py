@@ -12,7 +12,7 @@ def tell(hands):
     bpy.ops.cmc.mesh_plan()
     yield from hands.picture("plan")
     select_side(-1)
-    bpy.ops.cmc.group_add(name="South", tilt=0.5, assign=True)
+    bpy.ops.cmc.group_add(name="South", assign=True)
     select_side(1)
     bpy.ops.cmc.group_add(name="A group with a long name", assign=True)
     bpy.ops.cmc.group_add(name="Nowhere", kind="PLANE")

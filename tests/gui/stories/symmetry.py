@@ -16,7 +16,7 @@ def tell(hands):
     hands.area.spaces.active.region_3d.view_distance = 60.0
     yield from hands.click_button("cmc.solve")
     yield from hands.wait_for(lambda: plan().cmc.f_plus is not None, "the shell is there")
-    for panel in ("Plan", "Boundary"):
+    for panel in ("Plan", "Sides"):
         yield from hands.panel(panel, False)
     yield from hands.picture("solved")
     button = yield from hands.find("cmc.complete", (0.5,))
