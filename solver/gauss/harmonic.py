@@ -23,7 +23,7 @@ from .admissible import Admissible, resolved
 from .balance import imbalance
 from .boundary_data import Conditions, check_conditions
 from .dirichlet import Dirichlet
-from .energies import energy_on
+from .energies import ENERGIES, energy_on
 from .initial_map import harmonic_start, leaning, wound_start
 from .methods import BALANCED, METHODS, Method
 from .mirror_start import side_normals
@@ -98,12 +98,13 @@ class HarmonicSolver:
     def __init__(self, domain: DomainLike, sites: str = "vertices", energy: str = "cotan") -> None:
         self.domain = as_domain(domain)
         self.graph = SiteGraph.of(self.domain, sites)
-        self.energy_name, self.energy = energy, energy_on(energy, sites)
+        self.energy = energy_on(energy, sites)
         self._factors: OrderedDict[bytes, Dirichlet] = OrderedDict()
         self._near: dict[bytes, Factor] = {}
 
     def __repr__(self) -> str:
-        return f"HarmonicSolver({self.domain!r}, sites {self.graph.name}, energy {self.energy_name})"
+        energy = next(name for name, one in ENERGIES.items() if one is self.energy)
+        return f"HarmonicSolver({self.domain!r}, sites {self.graph.name}, energy {energy})"
 
     def moved(self, domain: DomainLike) -> HarmonicSolver:
         """The same solver on another domain.

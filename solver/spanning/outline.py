@@ -153,8 +153,9 @@ def _ended(tried: _Tried, domain: Domain, options: SpanOptions) -> Span:
         mirrors=options.mirrors,
         leans=options.leans,
         mean_curvature=number if name == "mean_curvature" else None,
+        solver=options.solver,
     )
-    return finished(tried.found, tried.plan, asked, options.initial)
+    return finished(tried.found, asked, options.initial)
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,9 +14,6 @@ from numpy.typing import ArrayLike, NDArray
 from ..domain.domain import Domain
 from ..errors import ConditionError, Status
 from ..gauss.boundary_data import Conditions
-from ..gauss.conditions import fixed_at, mirror
-from ..gauss.harmonic import HarmonicSolver
-from ..gauss.sphere import normalize
 from ..notes import Note
 from ..signatures import checked
 from ..surface import convert, notebook
@@ -24,9 +21,8 @@ from ..surface.cmc_surface import CmcSurface
 from ..surface.polygon_mesh import PolygonMesh
 from ..surface.solve import CmcSolver
 from .checks import Checks, checks_of
-from .descent import Iterate
-from .normals import changed_normals, rim_normals, start_normals
-from .problem import SpanProblem, State
+from .descent import Descent, Iterate
+from .gauss_map import GaussMap, Mirrors
 from .search import Found
 from .setting import Lines
 from .verdict import SpanStatus, judged, largest_sentence
@@ -35,29 +31,28 @@ if TYPE_CHECKING:
     import trimesh
 
 Array = NDArray[np.float64]
-Mirrors = Sequence[tuple[ArrayLike, ArrayLike]]
 
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """What a span was asked to be: the plan as drawn, its lines, sides in planes and at angles, with boundary edges;
-    mean_curvature: the wanted one, if that was given."""
+    """What a span was asked to be: the plan as drawn, its lines, sides in planes and at angles, with
+    boundary edges; mean_curvature: the wanted one, if that was given. solver: of the plan, if there is one."""
 
     plan: Domain
     lines: Lines
     mirrors: Mirrors
     leans: Sequence[tuple[ArrayLike, float]]
     mean_curvature: float | None
+    solver: CmcSolver | None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Span:
     """A surface that spans its lines.
 
-    points: (V, 3). faces: (F, 3). mean_curvature: H, with its sign. curve_parameters: the numbers of the rim's
-    vertices. history: one line for each step. asked: what it was made for. near: the points and normals of an earlier
-    span, which its normals are near to. What the search does not need (its plan, normals, checks) is worked out where
-    it is asked for.
+    points (V, 3). faces (F, 3). mean_curvature: H, with its sign. curve_parameters: the numbers of the rim's vertices.
+    history: one line for each step. asked: what it was made for. The domain, normals and other sheets are made when
+    they are first asked for.
     """
 
     points: Array
@@ -69,65 +64,52 @@ class Span:
     history: list[Iterate]
     kept: Found = field(repr=False)
     asked: Asked = field(repr=False)
-    near: tuple[Array, Array] | None = field(default=None, repr=False)
+    gauss: GaussMap = field(repr=False)
 
     @property
     def ok(self) -> bool:
         """Whether this is the surface that was asked for."""
         return self.status is SpanStatus.CONVERGED
 
-    @property
-    def corners(self) -> NDArray[np.integer]:
-        """Vertices (k,) of the rim that stay where lines have corners, and where kinds of sides meet."""
-        problem = self.kept.descent.problem
-        rim = problem.coordinates.rim
-        return np.unique(np.concatenate([rim[loop[at]] for loop, at in zip(problem.loops, problem.marks, strict=True)]))
+    @cached_property
+    def positions(self) -> Array:
+        """(V, 2|3) of the plan, with its moduli adapted."""
+        return self._descent.problem.motions.at(self._descent.state.q)[: len(self.points)]
 
     @cached_property
     def domain(self) -> Domain:
-        """The plan's, with its moduli adapted: the surface is conformal to it."""
-        plan, searched = self.asked.plan, self._searched
-        if plan.vertex_count == searched.vertex_count:
-            return searched
-        i, j = plan.edges.T  # the search had vertices of its own
-        return plan.with_lengths(np.linalg.norm(self.positions[j] - self.positions[i], axis=1))
-
-    @cached_property
-    def positions(self) -> Array:
-        """(V, 2) of that plan."""
-        descent = self.kept.descent
-        return descent.problem.motions.at(descent.state.q)[: len(self.points)]
+        """That of the plan with its moduli adapted: the surface is conformal to it."""
+        if self.asked.plan.vertex_count == self.gauss.domain.vertex_count:
+            return self.gauss.domain
+        i, j = self.asked.plan.edges.T  # the search had vertices of its own
+        return self.asked.plan.with_lengths(np.linalg.norm(self.positions[j] - self.positions[i], axis=1))
 
     @property
     def conditions(self) -> Conditions:
-        """The normals along lines and leans, and the mirrors."""
-        return self._boundary[0]
+        """The boundary conditions of the normals."""
+        return self.gauss.conditions
 
     @cached_property
     def normals(self) -> Array:
-        """(V, 3) unit, on the side from which the faces run counter-clockwise: a harmonic map whose boundary values are
-        those of the surface."""
-        conditions, start = self._boundary
-        if self.near is not None and len(self.near[0]) == len(start):
-            start = changed_normals(start, self._searched, *self.near)
-        return self._solver.solve(conditions, initial=start).normals[: len(self.points)]
+        """(V, 3) unit, on the side from which the faces run counter-clockwise: a harmonic map whose boundary values
+        are those of the surface."""
+        return self.gauss.normals[: len(self.points)]
 
-    @cached_property
-    def _searched(self) -> Domain:
-        """The domain of the search, as it was at its end."""
-        problem, q = self.kept.descent.problem, self.kept.descent.state.q
-        return problem.motions.moved(q) if q.any() else problem.domain
+    @property
+    def has_normals(self) -> bool:
+        """Whether the normals have been made."""
+        return "normals" in self.__dict__
 
-    @cached_property
-    def _solver(self) -> HarmonicSolver:
-        """On that domain, with the factors of the search."""
-        problem = self.kept.descent.problem
-        return problem.solver if self._searched is problem.domain else problem.solver.moved(self._searched)
+    @property
+    def _descent(self) -> Descent:
+        return self.kept.descent
 
-    @cached_property
-    def _boundary(self) -> tuple[Conditions, Array]:
-        descent = self.kept.descent
-        return _conditions(self._searched, descent.problem, descent.state, self.mean_curvature, self.asked.mirrors)
+    @property
+    def corners(self) -> NDArray[np.integer]:
+        """Vertices (k,) of the rim that stay where lines have corners, and where kinds of sides meet."""
+        problem = self._descent.problem
+        rim = problem.coordinates.rim
+        return np.unique(np.concatenate([rim[loop[at]] for loop, at in zip(problem.loops, problem.marks, strict=True)]))
 
     @property
     def g(self) -> Array | None:
@@ -143,7 +125,7 @@ class Span:
     def checks(self) -> Checks:
         """What was measured on it: distortion, H by its area, crossings, angles of leaning sides."""
         return checks_of(
-            self.kept.descent,
+            self._descent,
             self.points,
             self.normals,
             self.domain,
@@ -189,14 +171,20 @@ class Span:
     def _solved(self, solver: CmcSolver | None = None) -> CmcSurface:
         """The surface of the normals, closed, at the scale 1 / (2 H), or 1 where H = 0."""
         H = self.mean_curvature or 0.5
-        if solver is None:
-            solver = CmcSolver.with_factors(self._solver) if self.domain is self._searched else CmcSolver(self.domain)
-        found = solver.solve(
-            self.conditions, initial=self.normals, mean_curvature=abs(H), period_tolerance=np.inf
-        )
+        solver = solver or self._solver()
+        found = solver.solve(self.conditions, initial=self.normals, mean_curvature=abs(H), period_tolerance=np.inf)
         if H > 0.0:
             return found
         return replace(found, g=-found.g, f_plus=-found.f_plus, f_minus=-found.f_minus, scale=-found.scale)
+
+    def _solver(self) -> CmcSolver:
+        """That of the plan, moved with it, or a new one."""
+        near = self.asked.solver
+        if near is None or near.delaunay or near.energy != "cotan" or not near.harmonic.graph.at_vertices:
+            return CmcSolver(self.domain)
+        if not np.array_equal(near.domain.faces, self.domain.faces):
+            return CmcSolver(self.domain)
+        return near if near.domain is self.domain else near.moved(self.domain.edge_lengths)
 
     @checked
     def sheet(self, name: str = "f+") -> Array:
@@ -249,15 +237,16 @@ class Span:
         return notebook.table("Span", numbers, notebook.picture(self.points, self.faces))
 
 
-def finished(found: Found, plan: Domain, asked: Asked, initial: Span | None = None) -> Span:
-    """The span at the end of a search over the faces of `plan`, which may be laid anew. initial: where it started."""
+def finished(found: Found, asked: Asked, initial: Span | None = None) -> Span:
+    """The span at the end of a search. initial: where it started."""
     descent = found.descent
     status, message = judged(descent, asked.lines.is_drawn)
     if found.largest is not None and asked.mean_curvature is not None:
         status, message = SpanStatus.NO_SURFACE, largest_sentence(asked.mean_curvature, found.largest)
+    near = (initial.points, initial.normals) if initial is not None and initial.has_normals else None
     return Span(
-        points=descent.state.f[: plan.vertex_count] + asked.lines.centre,
-        faces=plan.faces,
+        points=descent.state.f[: asked.plan.vertex_count] + asked.lines.centre,
+        faces=asked.plan.faces,
         mean_curvature=descent.mean_curvature,
         curve_parameters=descent.state.x,
         status=status,
@@ -265,26 +254,5 @@ def finished(found: Found, plan: Domain, asked: Asked, initial: Span | None = No
         history=descent.history,
         kept=found,
         asked=asked,
-        near=(initial.points, initial.normals) if initial is not None and "normals" in vars(initial) else None,
+        gauss=GaussMap(descent, asked.mirrors, near),
     )
-
-
-def _conditions(
-    domain: Domain, problem: SpanProblem, state: State, H: float, mirrors: Mirrors
-) -> tuple[Conditions, Array]:
-    """The normals along lines and leans, and the mirrors; and a start (V, 3) for the harmonic map."""
-    rim = problem.coordinates.rim
-    N = np.zeros((len(rim), 3))
-    tangents = problem.rim.tangents(state.x)
-    given = problem.rim.on_line | problem.rim.leaning
-    for loop, marks in zip(problem.loops, problem.marks, strict=True):
-        N[loop] = rim_normals(domain, state.f, H, rim[loop], tangents[loop], marks, given[loop])
-    conditions = Conditions(up=np.array([0.0, 0.0, 1.0]))
-    for edges, normal in mirrors:
-        across = mirror(domain, edges, normal)
-        n, ends = across.mirror_normals[0], given & np.isin(rim, domain.edges[across.mirrors])
-        N[ends] = normalize(N[ends] - np.outer(N[ends] @ n, n))
-        conditions = conditions + across
-    if given.any():
-        conditions = conditions + fixed_at(domain, rim[given], N[given])
-    return conditions, start_normals(domain, state.f, rim[given], N[given])

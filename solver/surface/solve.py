@@ -49,14 +49,6 @@ class CmcSolver:
         self.harmonic = HarmonicSolver(solved_on, sites=sites, energy=energy)
         self.conjugation = Conjugation(self.harmonic.graph)
 
-    @classmethod
-    def with_factors(cls, harmonic: HarmonicSolver) -> CmcSolver:
-        """A solver on the domain of a solver for harmonic maps, with its factors."""
-        made = object.__new__(cls)
-        made.domain, made.energy, made.delaunay, made._carried = harmonic.domain, harmonic.energy_name, False, None
-        made.harmonic, made.conjugation = harmonic, Conjugation(harmonic.graph)
-        return made
-
     def __repr__(self) -> str:
         return f"CmcSolver({self.domain!r}, sites {self.harmonic.graph.name}, energy {self.energy})"
 

@@ -49,6 +49,20 @@ def test_a_solver_lends_its_factors(square):
     assert_allclose(by_name.points, by_edges.points, rtol=0, atol=1e-12)
 
 
+def test_what_nobody_asks_for_is_not_made(square):
+    plan, _ = square
+    solver = CmcSolver(plan)
+    span = span_outline(plan, plan.positions, mean_curvature=0.5, solver=solver)
+    assert not span.has_normals and span.ok
+    assert span.normals is span.normals and span.has_normals
+    for name in ("g", "f_plus", "f_minus"):
+        own, afresh = (
+            getattr(each, name)
+            for each in (span.as_surface, span_outline(plan, plan.positions, mean_curvature=0.5).as_surface)
+        )
+        assert_allclose(own, afresh, rtol=0, atol=1e-9)
+
+
 def test_a_film_has_no_twin(square):
     plan, _ = square
     film = span_outline(plan, plan.positions)
