@@ -39,7 +39,7 @@ _FLAT = 1e-3
 # Less than this part is shown as 0.
 _NOUGHT = 1e-4
 # A lean may be off by this angle, radians.
-_LEAN = np.radians(1.0)
+_LEAN = np.radians(0.5)
 # The rim of a leaning side may run back by this part of the size.
 _BACK = 1e-3
 
