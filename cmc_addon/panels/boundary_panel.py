@@ -132,7 +132,7 @@ class CMC_PT_boundary(Tab, bpy.types.Panel):
             row = column.row(align=True)
             row.prop(plan.cmc, "default_kind", text="Other Edges" if mesh.cmc.groups else "All Edges")
             if not mesh.cmc.groups:
-                row.operator("cmc.rim_free", text="", icon="MOD_CLOTH")
+                row.operator("cmc.rim_free", text="", icon="MOD_WAVE")
             if mesh.cmc.groups:
                 row.operator("cmc.select_ungrouped", text="", icon="RESTRICT_SELECT_OFF")
 

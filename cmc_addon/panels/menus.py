@@ -20,7 +20,7 @@ class CMC_MT_group_presets(bpy.types.Menu):
         for name, preset in PRESETS.items():
             self.layout.operator("cmc.group_preset", text=preset.label, icon=preset.icon).preset = name
         self.layout.separator()
-        self.layout.operator("cmc.rim_free", icon="MOD_CLOTH")
+        self.layout.operator("cmc.rim_free", icon="MOD_WAVE")
 
 
 class CMC_MT_assign(bpy.types.Menu):

@@ -45,7 +45,8 @@ class CMC_PT_results(ResultPanel, bpy.types.Panel):
         warnings = [note for note in warnings_in(report) if not (copies and note[0] == "gap")]
         done = bool(copies) or (report["converged"] and report.get("met", True))
         done = done and not any(code in NOT_AS_ASKED for code, _ in warnings)
-        paragraph(layout, context, sentence(report, bool(copies), done), "CHECKMARK" if done else "ERROR")
+        fine = done and not any(code == "curvature" for code, _ in warnings)
+        paragraph(layout, context, sentence(report, bool(copies), done), "CHECKMARK" if fine else "ERROR")
         numbers(layout, [*copies, *size_rows(report), *rim_rows(report)])
         for code, warning in warnings:
             if warning != report["message"]:
@@ -69,11 +70,11 @@ def sentence(report: dict, is_repeated: bool, is_done: bool) -> str:
     gap, beginning = gap_sentence(report), "Done. "
     outline, message = shown_sheet(report).get("outline"), report["message"]
     on_line = "span" in report and not report["span"].get("leans")
-    if gap or not outline or not (is_done and on_line and message.startswith(beginning)):
+    if gap or not outline or not (is_done and on_line):
         return gap or message
     off = outline["max"]
     near = f" to {length_text(off, digits=2)}" if off > NOISE * shown_sheet(report)["span"] else ""
-    return f"{beginning}On its line{near}. {message.removeprefix(beginning)}"
+    return f"{beginning if message.startswith(beginning) else ''}On its line{near}. {message.removeprefix(beginning)}"
 
 
 def copies_rows(shell: bpy.types.Object | None) -> list[tuple[str, str]]:

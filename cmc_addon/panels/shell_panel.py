@@ -90,7 +90,9 @@ class CMC_PT_shell(Tab, bpy.types.Panel):
         column.enabled = keeps_changes(plan)
         size_rows(column, plan)
         if has_courts(plan.data) and not is_on_lines(plan):
-            column.prop(plan.cmc, "keep_closed")
+            row = layout.row()
+            row.enabled = keeps_changes(plan)
+            row.prop(plan.cmc, "keep_closed")  # with its whole name
         go_to_row(layout, ob, "SHELL")
 
     def _buttons(self, layout, context, plan):

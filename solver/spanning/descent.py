@@ -30,6 +30,8 @@ _FORCING = 0.1
 _ORDER = 0.8
 _SHORT, _FALLS = 0.5, 1.5
 _SPARED = 0.1
+# Residuals that fall to this part of themselves in one step fall quickly.
+_QUICK = 0.1
 # The relative accuracy of tangents.
 _AHEAD = 0.03
 # Armijo's constant; the shortest step; rounding of the energy, as a part of it.
@@ -60,8 +62,8 @@ class Descent:
     """The state reached, how it ended (converged, iteration limit, stalled, crowded, neck, runaway, cancelled), and
     the way there.
 
-    problem: the one that was solved, on the plan that the state has reached or nearly. tangent: how the surface changes
-    with V, if that was needed.
+    problem: the one that was solved, on the plan that the state has reached or nearly. here: its derivatives there.
+    tangent: how the surface changes with V, if that was needed.
     """
 
     problem: SpanProblem
@@ -70,6 +72,7 @@ class Descent:
     volume: float
     end: str
     history: list[Iterate]
+    here: Linearised
     tangent: Step | None = None
 
     @property
@@ -113,21 +116,23 @@ def descend(
     tolerance: float = 1e-6,
     limit: int = 60,
     progress: Progress | None = None,
-    tangent: Step | None = None,
+    earlier: Descent | None = None,
 ) -> Descent:
     """The critical surface that the knob chooses, from `state`.
 
-    residual: sqrt(<r, M r> / 2 D) of the gradient r, without unit. limit: of steps. tangent: of an earlier descent in
-    the same coordinates.
+    residual: sqrt(<r, M r> / 2 D) of the gradient r, without unit. limit: of steps. earlier: a descent in the same
+    coordinates, to a surface nearby. M is made anew where residuals do not fall quickly with the last one.
     """
     history: list[Iterate] = []
     negative, length, first = 0, 1.0, state.D
+    tangent, here = (None, None) if earlier is None else (earlier.tangent, earlier.here)
     while True:
-        here = Linearised(problem, state, knob.mean_curvature)
+        here = _linearised(problem, state, knob.mean_curvature, here)
         volume = state.V
-        keep = keeper(here, knob)
-        z = keep(here.precondition(here.gradient))
-        residual = float(np.sqrt(max(here.gradient(z), 0.0) / (2.0 * state.D)))
+        keep, residual = _measured(here, knob)
+        if history and residual > max(_QUICK * history[-1].residual, tolerance):
+            here = here.chosen(knob.mean_curvature, None)
+            keep, residual = _measured(here, knob)
         history.append(Iterate(state.D, residual, volume, here.H, problem.coordinates.solves, length))
         end = _end(here, knob, history, tolerance, limit)
         if not end and progress is not None and progress(len(history) - 1, residual) is False:
@@ -135,9 +140,9 @@ def descend(
         if not end and negative >= _NEGATIVE and _RUNAWAY * first < state.D and knob.mean_curvature is not None:
             end = "runaway"
         if end:
-            return Descent(problem, state, here.H, volume, end, history, tangent)
+            return Descent(problem, state, here.H, volume, end, history, here, tangent)
         forcing = max(_forcing(history), _SPARED * tolerance / max(residual, 1e-300))
-        newton, bent = _solved(here, keep, here.gradient, forcing**2 * here.gradient(z))
+        newton, bent = _solved(here, keep, here.gradient, 2.0 * state.D * (forcing * residual) ** 2)
         step, change = newton.step, 0.0
         if knob.measures and not _led_away(history, tolerance):
             ahead, _ = tangent_at(here, keep, tangent)
@@ -146,11 +151,27 @@ def descend(
         negative += bent
         moved, length = _line_search(here, state, volume, step, change, knob.mean_curvature is None)
         if moved is None:
-            return Descent(problem, state, here.H, volume, "stalled", history, tangent)
+            return Descent(problem, state, here.H, volume, "stalled", history, here, tangent)
         state = moved
         if problem.is_far(state):
             problem, state = problem.rebased(state)
-            tangent = None
+            tangent = here = None
+
+
+def _linearised(problem: SpanProblem, state: State, H: float | None, near: Linearised | None) -> Linearised:
+    """The derivatives at a state, with the preconditioner of one nearby; those are known where it is the same."""
+    if near is None:
+        return Linearised(problem, state, H)
+    if near.problem is problem and near.state is state:
+        return near.chosen(H, near.precondition)
+    return Linearised(problem, state, H, near.precondition)
+
+
+def _measured(here: Linearised, knob: Knob) -> tuple[Keeper, float]:
+    """What a step keeps, and the residual."""
+    keep = keeper(here, knob)
+    z = keep(here.precondition(here.gradient))
+    return keep, float(np.sqrt(max(here.gradient(z), 0.0) / (2.0 * here.state.D)))
 
 
 def _end(here: Linearised, knob: Knob, history: Sequence[Iterate], tolerance: float, limit: int) -> str:
@@ -187,13 +208,16 @@ def keeper(here: Linearised, knob: Knob) -> Keeper:
 
 def _solved(here: Linearised, keep: Keeper, rest: Form, goal: float) -> tuple[Direction, bool]:
     """A step d with <rest + K d, M (rest + K d)> <= goal in the space that keeps V, K the Hessian; and whether it met
-    negative curvature, where it ends."""
+    negative curvature, where it ends. Where no side leans it ends, too, once the rim can take it in part only, since
+    what follows is for a surface too far away (Steihaug); over walls such steps lead astray."""
     z = keep(here.precondition(rest))
     size = rest(z)
     step, df = z.times(0.0), np.zeros_like(here.state.f)
     if size <= goal:
         return Direction(step, df, rest), False
     p, dp = z, here.push(z)
+    rim, x = here.problem.rim, here.state.x
+    leans = bool(rim.leaning.any())
     for count in range(_CG_LIMIT):
         curved = here.hessian(p, dp)
         curvature = curved(p)
@@ -203,7 +227,7 @@ def _solved(here: Linearised, keep: Keeper, rest: Form, goal: float) -> tuple[Di
         rest = rest.plus(curved, -size / curvature)
         z = keep(here.precondition(rest))
         size, last = rest(z), size
-        if size <= goal:
+        if size <= goal or not (leans or rim.limit(x, step.x) >= 1.0):
             break
         p, dp = z.plus(p, size / last), here.push(z) + (size / last) * dp
     return Direction(step, df, rest), False

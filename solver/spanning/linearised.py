@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import replace
 from functools import cached_property
 
@@ -21,28 +22,49 @@ class Linearised:
     """First and second derivatives at one state.
 
     dirichlet, volume: the forms of D and V. H: the multiplier that brings D' - 2H V' nearest to zero, or the given one.
+    precondition: of a state nearby, or made for this one.
     """
 
-    def __init__(self, problem: SpanProblem, state: State, mean_curvature: float | None) -> None:
+    def __init__(
+        self,
+        problem: SpanProblem,
+        state: State,
+        mean_curvature: float | None,
+        precondition: Preconditioner | None = None,
+    ) -> None:
         self.problem, self.state = problem, state
         self.rim = state.rim
         self.second = problem.volume.second(state.f)
         self._slopes, self._second_moduli = self._by_moduli_twice()
-        self.dirichlet, by_dirichlet = self._dirichlet_form()
-        self.volume, by_volume = self.pull(self.second.gradient())
-        H = self._inner_multiplier() if mean_curvature is None else mean_curvature
-        self.force = by_dirichlet - 2.0 * H * by_volume
+        self.dirichlet, self._by_dirichlet = self._dirichlet_form()
+        self.volume, self._by_volume = self.pull(self.second.gradient())
         self._pulled = [self.pull(force)[0] for force in self._slopes]
-        self.precondition = Preconditioner(
-            problem.kernel,
+        self._choose(mean_curvature, precondition)
+
+    def _choose(self, mean_curvature: float | None, precondition: Preconditioner | None) -> None:
+        H = self._inner_multiplier() if mean_curvature is None else mean_curvature
+        self.force = self._by_dirichlet - 2.0 * H * self._by_volume
+        self.precondition = precondition or self._preconditioner()
+        self.H = 0.5 * self.dirichlet(self.along) / self.gain if mean_curvature is None else mean_curvature
+
+    def chosen(self, mean_curvature: float | None, precondition: Preconditioner | None) -> Linearised:
+        """The same state with another H; a preconditioner is made for it if none is given."""
+        other = copy(self)
+        for name in ("along", "gain", "gradient"):
+            vars(other).pop(name, None)
+        other._choose(mean_curvature, precondition)
+        return other
+
+    def _preconditioner(self) -> Preconditioner:
+        return Preconditioner(
+            self.problem.kernel,
             self.rim,
             self.force,
             self._fields(),
             self._pulled,
             self._second_moduli,
-            walls=problem.walls.second,
+            walls=self.problem.walls.second,
         )
-        self.H = 0.5 * self.dirichlet(self.along) / self.gain if mean_curvature is None else mean_curvature
 
     @cached_property
     def along(self) -> Step:

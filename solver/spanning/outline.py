@@ -259,11 +259,10 @@ def _searched(domain: Domain, points: Array, options: SpanOptions, near: _Tried 
     """near: a search over another plan with the same vertices, to start from its surface."""
     initial = options.initial.kept if options.initial is not None else None
     problem, lines = _setting(domain, points, options, initial)
-    start, tangent = None, None
-    if initial is not None:
-        earlier = initial.descent
-        if problem.coordinates is earlier.problem.coordinates:
-            start, tangent = problem.continued(earlier.problem, earlier.state), earlier.tangent
+    start, earlier = None, None
+    if initial is not None and problem.coordinates is initial.descent.problem.coordinates:
+        start = problem.continued(initial.descent.problem, initial.descent.state)
+        earlier = None if start is None else initial.descent
     if near is not None:
         descent = near.found.descent
         start = problem.laid_over(descent.problem, descent.state)
@@ -273,7 +272,7 @@ def _searched(domain: Domain, points: Array, options: SpanOptions, near: _Tried 
         tolerance=options.tolerance,
         limit=options.max_iterations,
         progress=options.progress,
-        tangent=tangent,
+        earlier=earlier,
     )
     name, number = options.wish
     if name == "rise":
@@ -296,7 +295,7 @@ def _over_sides(
             break
         problem, _ = _setting(domain, points, options, found, upright)
         start = problem.upright(descent.problem, descent.state)
-        again = replace(search, problem=problem, tangent=None)(wish, start)
+        again = replace(search, problem=problem, earlier=None)(wish, start)
         if again.descent.end != "converged" or again.largest is not None:
             break
         found = replace(again, upright=upright)

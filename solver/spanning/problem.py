@@ -144,7 +144,8 @@ class SpanProblem:
     def continued(self, earlier: SpanProblem, state: State) -> State | None:
         """An earlier state of the same plan, its rim's vertices carried over to this rim; None if rims are unlike."""
         if self.rim is earlier.rim:
-            return replace(state, V=self.volume.of(state.f))
+            V = self.volume.of(state.f)
+            return state if V == state.V else replace(state, V=V)
         x = self.rim.adopted(earlier.rim, state.x)
         return None if x is None else self.state(state.u, x, state.q)
 

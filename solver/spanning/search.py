@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ConditionError, Progress
-from .coordinates import Step
 from .descent import Descent, Knob, descend, with_volume
 from .knobs import Crown, HeldVolume, MeanCurvature, PastTheLargest
 from .problem import SpanProblem, State
@@ -50,7 +49,7 @@ class Found:
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """Searches on one problem. tangent: of an earlier descent, see `descend`."""
+    """Searches on one problem. earlier: see `descend`."""
 
     problem: SpanProblem
     lines: Lines
@@ -58,7 +57,7 @@ class Search:
     tolerance: float
     limit: int
     progress: Progress | None = None
-    tangent: Step | None = None
+    earlier: Descent | None = None
 
     def __call__(self, wish: Wish, start: State | None) -> Found:
         """The surface with the wanted number, from `start`, and from the flattest without it or if that fails."""
@@ -66,7 +65,7 @@ class Search:
         found = getattr(self, name)(wish.number, start)
         if start is None or found.descent.end in ("converged", "cancelled") or found.largest is not None:
             return found
-        return getattr(replace(self, tangent=None), name)(wish.number, None)
+        return getattr(replace(self, earlier=None), name)(wish.number, None)
 
     def _descend(self, state: State, knob: Knob, tolerance: float | None = None) -> Descent:
         return descend(
@@ -76,7 +75,7 @@ class Search:
             tolerance=tolerance or self.tolerance,
             limit=self.limit,
             progress=self.progress,
-            tangent=self.tangent,
+            earlier=self.earlier,
         )
 
     # --- mean curvature ------------------------------------------------------------------------

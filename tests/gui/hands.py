@@ -15,7 +15,7 @@ from eyes import Box
 
 PICTURES = "/pictures"
 ROW = 15  # less than the height of a button: every one is met
-COLUMNS = (0.5, 0.75, 0.25, 0.9, 0.1, 0.97)  # parts of the panels' width where buttons are looked for
+COLUMNS = (0.45, 0.65, 0.9, 0.25, 0.1, 0.97)  # parts of the panels' width where buttons are looked for
 TAB = "CMC"
 TABS = 35  # width of the strip of tabs beside the panels
 PAUSE = 0.01  # until Blender has handled what was simulated

@@ -41,7 +41,8 @@ def torus(hands):
     bpy.data.objects["Wente Torus"].hide_set(True)
     for panel in ("Plan", "Sides"):
         yield from hands.panel(panel, False)
-    yield from hands.panel("Solver", True)
+    for panel in ("Checks", "Solver"):
+        yield from hands.panel(panel)
     yield from hands.picture("torus")
     assert report("Wente Torus")["index"] > 5
 
@@ -50,6 +51,7 @@ def cylinder(hands):
     yield from added(hands, bubble="WENTE")
     bpy.ops.cmc.solve()
     yield from hands.picture("quarter")
+    yield from hands.panel("Repeat")
     yield from hands.click_button("cmc.complete")
     whole = bpy.data.objects["Wente Cylinder"].cmc
     yield from hands.wait_for(lambda: whole.completed is not None, "the copies are there")

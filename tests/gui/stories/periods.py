@@ -28,6 +28,7 @@ def tell(hands):
     yield from hands.click_button("cmc.solve")
     yield from hands.wait_for(lambda: report()["is_open"], "it is left open")
     yield from hands.picture("gap")
+    yield from hands.panel("Repeat")
     yield from hands.click_button("cmc.tile_periods", (0.5,))
     yield from hands.wait_for(lambda: plan().cmc.completed is not None, "the copies are there")
     yield from hands.picture("tiled")

@@ -19,6 +19,7 @@ def tell(hands):
     for panel in ("Plan", "Sides"):
         yield from hands.panel(panel, False)
     yield from hands.picture("solved")
+    yield from hands.panel("Repeat")
     button = yield from hands.find("cmc.complete", (0.5,))
     yield from hands.click(*button)
     yield from hands.wait_for(lambda: plan().cmc.completed is not None, "the copies are there")

@@ -56,7 +56,7 @@ def test_a_mirror_whose_plane_leaves_the_ends_of_its_side():
     settings = Settings(default_kind="line")
     for more in ({}, {"side0": ("plane", {"normal": touched(0, 50)})}):
         plan = Plan.from_shape(sharp, {"side3": ("mirror", {"normal": (-0.8, 0.6, 0.0)}), **more})
-        with pytest.raises(ConditionError, match="passes up to 1.8 beside the ends of its side"):
+        with pytest.raises(ConditionError, match=r"passes up to 1\.8 beside the ends of its side"):
             form(plan, settings)
     nearly = Plan.from_shape(sharp, {"side3": ("mirror", {"normal": (-1.0, 0.005, 0.0)})})
     assert form(nearly, settings).ok
