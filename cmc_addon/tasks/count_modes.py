@@ -6,11 +6,10 @@ from dataclasses import dataclass, replace
 
 import bpy
 
-from ...solver.errors import CmcError, Progress
+from ...solver.errors import Progress
 from ...solver.notes import Note
 from ...solver.shells import form
 from ..background import solve_cache
-from ..properties.reports import solve_report
 from .shell_task import ShellResult, ShellTask, read_solve
 from .solve import solver_settings, write_reports
 
@@ -31,12 +30,7 @@ class CountTask(ShellTask[CountResult]):
 
     @classmethod
     def read(cls, context: bpy.types.Context, plan: bpy.types.Object) -> CountTask:
-        """Read the plan. Raises `CmcError` where it cannot be read, and where Close Gaps made its shell."""
-        if "closing" in (solve_report(plan) or {}):
-            raise CmcError(
-                f"The shell of '{plan.name}' was closed by Close Gaps, and modes are counted on the shell that "
-                "Solve makes; solve again first."
-            )
+        """Read the plan. Raises `CmcError` where it cannot be read."""
         return cls(*read_solve(context, plan))
 
     def work(self, progress: Progress) -> CountResult:

@@ -1,4 +1,4 @@
-"""The common part of Count Unstable Modes, Repeat by Symmetry, Repeat by Gaps and Close Gaps: a shell to start from.
+"""The common part of Count Unstable Modes, Repeat by Symmetry and Repeat by Gaps: a shell to start from.
 
 Where the plan has changed since its last solve it is solved first, and its results are written as Solve writes them.
 """

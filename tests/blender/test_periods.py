@@ -157,6 +157,13 @@ def test_a_new_plan_is_kept_closed_until_that_is_switched_off():
     assert "closing" not in report(plan) and report(plan)["is_open"]
 
 
+def test_the_modes_of_a_closed_shell_are_counted():
+    plan = court()
+    assert bpy.ops.cmc.solve(keep_closed=True) == FINISHED
+    assert bpy.ops.cmc.count_modes() == FINISHED
+    assert (report(plan)["index"], report(plan)["nullity"]) == (0, 0) and report(plan)["closing"]["closed"]
+
+
 def test_normals_elsewhere_than_on_vertices_leave_the_gap():
     plan = court()
     plan.cmc.keep_closed, plan.cmc.sites = True, "FACES"

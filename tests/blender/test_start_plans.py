@@ -1,4 +1,4 @@
-"""Ordinary plans of Add > Mesh > CMC: Add, Solve, Fit to Outline with nothing set in between."""
+"""Ordinary plans of Add > Mesh > CMC: Add and Solve with nothing set in between."""
 
 from __future__ import annotations
 

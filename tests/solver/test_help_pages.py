@@ -85,7 +85,7 @@ def test_the_search_knows_every_section(pages, tmp_path):
     for _, address, _ in found:
         name, _, anchor = address.partition("#")
         assert f'id="{anchor}"' in (tmp_path / name).read_text(encoding="utf-8"), address
-    (words,) = [words for title, _, words in found if title == "In Blender: Close Gaps"]
+    (words,) = [words for title, _, words in found if title == "In Blender: Plans with holes"]
     assert "Keep Holes" in words and "*" not in words and "](" not in words
 
 
