@@ -35,7 +35,7 @@ def test_undo_of_the_list_in_edit_mode(grid) -> None:
     bpy.ops.cmc.group_add("EXEC_DEFAULT", True, name="west", assign=True)
     bpy.ops.cmc.group_add("EXEC_DEFAULT", True, name="other")
     bpy.ops.cmc.group_move("EXEC_DEFAULT", True, direction="UP")
-    grid.data.cmc.groups["west"].tilt = 0.5
+    grid.data.cmc.groups["west"].angle = 0.5
     bpy.ops.cmc.group_remove("EXEC_DEFAULT", True, group="west")
     assert (names(grid), members(grid, 1)) == (["other"], set())
     states = [(["other", "west"], SIDE), (["west", "other"], SIDE), (["west"], SIDE), ([], 0)]
@@ -45,7 +45,7 @@ def test_undo_of_the_list_in_edit_mode(grid) -> None:
     for expected in reversed(states[:-1]):
         bpy.ops.ed.redo()
         assert (names(grid), len(members(grid, 1))) == expected
-    assert grid.data.cmc.groups["west"].tilt == pytest.approx(0.5), "angles are as last set"
+    assert grid.data.cmc.groups["west"].angle == pytest.approx(0.5), "angles are as last set"
     bpy.ops.ed.redo()
     assert (names(grid), members(grid, 1)) == (["other"], set())
     bpy.ops.object.mode_set("EXEC_DEFAULT", True, mode="OBJECT")

@@ -94,7 +94,7 @@ def test_an_outline_with_faces_is_hidden_and_nothing_else() -> None:
 def test_groups_carry_over_to_the_pieces() -> None:
     ob = ngon(SQUARE)  # edges 0 south, 1 east, 2 north, 3 west
     order = {tuple(sorted(e.vertices)): e.index for e in ob.data.edges}
-    set_group(ob, "long", [order[0, 1], order[2, 3]], tilt=0.5)
+    set_group(ob, "long", [order[0, 1], order[2, 3]], kind="BINORMAL", tilt=0.5)
     set_group(ob, "east", [order[1, 2]], kind="PLANE", normal=(1, 0, 0))
     plan = mesh_plan(edge_length=0.5, corners="NONE")
     assert groups(plan) == {"long": along(plan, 1, 0) | along(plan, 1, 6), "east": along(plan, 0, 8)}

@@ -206,7 +206,7 @@ def save(hands):
     yield from hands.press("RET", hands.view)
     yield 2.0
     assert len(capital().cmc.completed.data.polygons) == faces and np.array_equal(shell(), points)
-    assert [one.name for one in plan().data.cmc.groups] == ["Group", "Group.001"] and not running()
+    assert [one.name for one in plan().data.cmc.groups] == ["Group"] and not running()
     assert capital().cmc.f_plus.hide_viewport, "it is one of the copies"
     yield from hands.picture("loaded")
     yield from hands.click_button("cmc.solve")
