@@ -208,13 +208,16 @@ def keeper(here: Linearised, knob: Knob) -> Keeper:
 
 def _solved(here: Linearised, keep: Keeper, rest: Form, goal: float) -> tuple[Direction, bool]:
     """A step d with <rest + K d, M (rest + K d)> <= goal in the space that keeps V, K the Hessian; and whether it met
-    negative curvature, where it ends."""
+    negative curvature, where it ends. Where no side leans it ends, too, once the rim can take it in part only, since
+    what follows is for a surface too far away (Steihaug); over walls such steps lead astray."""
     z = keep(here.precondition(rest))
     size = rest(z)
     step, df = z.times(0.0), np.zeros_like(here.state.f)
     if size <= goal:
         return Direction(step, df, rest), False
     p, dp = z, here.push(z)
+    rim, x = here.problem.rim, here.state.x
+    leans = bool(rim.leaning.any())
     for count in range(_CG_LIMIT):
         curved = here.hessian(p, dp)
         curvature = curved(p)
@@ -224,7 +227,7 @@ def _solved(here: Linearised, keep: Keeper, rest: Form, goal: float) -> tuple[Di
         rest = rest.plus(curved, -size / curvature)
         z = keep(here.precondition(rest))
         size, last = rest(z), size
-        if size <= goal:
+        if size <= goal or not (leans or rim.limit(x, step.x) >= 1.0):
             break
         p, dp = z.plus(p, size / last), here.push(z) + (size / last) * dp
     return Direction(step, df, rest), False

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ..domain.domain import Domain
 from ..errors import MeshError
+from ..gauss.dirichlet import Dirichlet
 from ..gauss.frames import area_vectors
 from ..gauss.harmonic import HarmonicSolver
 from ..linalg import sum_rows
@@ -35,8 +36,8 @@ def under_lines(domain: Domain, f: Array) -> Domain | None:
 def rolled_out(domain: Domain, positions: Array, f: Array) -> Domain | None:
     """The plan of one loop whose outline has the lengths and angles of that of the surface f (V, 3), or comes near.
 
-    From the flat `positions` (V, 2) it goes there in steps, along which displacements are harmonic; it ends before the
-    first at which a face would turn over. None where there is no such step.
+    From the flat `positions` (V, 2) it goes there in steps, whose displacements are harmonic on the domain; it ends
+    before the first at which a face would turn over. None where there is no such step.
     """
     if len(domain.boundary_loops) != 1:
         return None
@@ -44,13 +45,14 @@ def rolled_out(domain: Domain, positions: Array, f: Array) -> Domain | None:
     first, last = _outline(domain, np.column_stack([positions, 0.0 * positions[:, 0]])), _outline(domain, f)
     if first is None or last is None:
         return None
+    dirichlet = HarmonicSolver(domain).dirichlet(domain.boundary_vertices.astype(np.int64))
     reached, now = None, positions
     for t in np.arange(1, _WAY + 1) / _WAY:
         turns, lengths = ((1.0 - t) * a + t * b for a, b in zip(first, last, strict=True))
         outline = closed_outline(turns, lengths)
         if outline is None:
             break
-        now = _moved(reached or domain, now, loop, _laid_over(outline, now[loop]))
+        now = _moved(dirichlet, now, loop, _laid_over(outline, now[loop]))
         moved = _flat(domain, now)
         if moved is None:
             break
@@ -76,9 +78,8 @@ def _laid_over(outline: Array, rim: Array) -> Array:
     return np.column_stack([turned.real, turned.imag]) + rim.mean(axis=0)
 
 
-def _moved(domain: Domain, positions: Array, loop: NDArray[np.integer], rim: Array) -> Array:
+def _moved(dirichlet: Dirichlet, positions: Array, loop: NDArray[np.integer], rim: Array) -> Array:
     """Positions (V, 2) with the loop at `rim` (n, 2), displaced harmonically."""
-    dirichlet = HarmonicSolver(domain).dirichlet(domain.boundary_vertices.astype(np.int64))
     off = np.zeros((len(loop), 2))
     off[np.searchsorted(dirichlet.fixed, loop)] = rim - positions[loop]
     return positions + dirichlet.extend(off)

@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 Int = NDArray[np.integer]
 
 # The part of a gap between neighbours on a curve that one step may close, and of the curve that a vertex may slide.
-_GAP = 0.45
+_GAP = 0.55
 _FAR = 0.1
 
 
