@@ -35,6 +35,14 @@ def has_faces(mesh: bpy.types.Mesh) -> bool:
     return bool(len(bmesh.from_edit_mesh(mesh).faces if mesh.is_editmode else mesh.polygons))
 
 
+def sizes(mesh: bpy.types.Mesh) -> tuple[int, int, int]:
+    """Numbers of vertices, edges and faces, in edit mode or not."""
+    if mesh.is_editmode:
+        bm = bmesh.from_edit_mesh(mesh)
+        return len(bm.verts), len(bm.edges), len(bm.faces)
+    return len(mesh.vertices), len(mesh.edges), len(mesh.polygons)
+
+
 def read_edges(mesh: bpy.types.Mesh) -> EdgeState:
     """The state of every edge, in any mode. Raises `MeshError` if another attribute has the name of the groups."""
     if mesh.is_editmode:

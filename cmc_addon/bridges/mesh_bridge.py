@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 
+import bmesh
 import bpy
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,7 @@ from numpy.typing import NDArray
 from ...solver.errors import MeshError, plural
 from ...solver.shells.plan import Plan
 from ...solver.shells.plan_metric import side_lengths
-from .edge_bridge import group_values, mend_selection
+from .edge_bridge import group_values, is_boundary, mend_selection
 
 Int = NDArray[np.int32]
 
@@ -100,6 +101,17 @@ def readable_mesh(
         yield copy
     finally:
         bpy.data.meshes.remove(copy)
+
+
+def points_and_rim(mesh: bpy.types.Mesh) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The vertices (V, 3) and those on the boundary (b, 3) in the object; without a copy in edit mode, for panels."""
+    if mesh.is_editmode:
+        vertices = bmesh.from_edit_mesh(mesh).verts
+        points = np.array([vertex.co for vertex in vertices], dtype=np.float64).reshape(-1, 3)
+        return points, points[[vertex.is_boundary for vertex in vertices]]
+    points = read(mesh, "position", len(mesh.vertices), np.float32, 3).astype(np.float64)
+    ends = read(mesh, ".edge_verts", len(mesh.edges), np.int32, 2)
+    return points, points[np.unique(ends[is_boundary(mesh)])]
 
 
 def near_origin(base: NDArray, points: NDArray) -> NDArray[np.float64]:

@@ -12,7 +12,7 @@ from ...solver.shells.span import usual_wish
 from ..properties import group_list
 from . import corner_bridge, edge_bridge, weld_bridge
 from .geometry_changes import watched
-from .mesh_bridge import plan_arrays, readable_mesh
+from .mesh_bridge import points_and_rim
 
 T = TypeVar("T")
 
@@ -33,18 +33,20 @@ def is_on_lines(plan: bpy.types.Object) -> bool:
 
 def has_courts(mesh: bpy.types.Mesh) -> bool:
     """Whether a plan has holes or handles, by Euler's number: V - E + F = 2 - 2 genus - loops."""
-    return len(mesh.polygons) > 0 and len(mesh.vertices) - len(mesh.edges) + len(mesh.polygons) < 1
+    vertices, edges, faces = edge_bridge.sizes(mesh)
+    return faces > 0 and vertices - edges + faces < 1
 
 
 def usual_size(plan: bpy.types.Object) -> float | None:
     """The height that a shell on lines has without a size; None where it is a soap film."""
 
     def make() -> float | None:
-        with readable_mesh(plan) as data:
-            mesh = plan_arrays(data, np.array(plan.matrix_world))
-        rim = mesh.positions[np.unique(mesh.edges[mesh.boundary])]
+        matrix = np.array(plan.matrix_world)
+        points, rim = (local @ matrix[:3, :3].T + matrix[:3, 3] for local in points_and_rim(plan.data))
+        if not len(rim):
+            return None
         soap_films = all(group.kind in ("LINE", "LEAN", "MIRROR") for group in plan.data.cmc.groups)
-        name, height = usual_wish(mesh.positions, rim, soap_films)
+        name, height = usual_wish(points, rim, soap_films)
         return height if name == "height" else None
 
     kinds = ",".join(group.kind for group in plan.data.cmc.groups)

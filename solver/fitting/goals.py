@@ -21,6 +21,7 @@ from ..spanning.lines import boundary_lines
 from ..surface.cmc_surface import SHEETS
 from ..surface.solve import CmcSolver
 from .curves import Curve
+from .feasible import check_held
 from .fit import Fit
 from .side_residuals import SideResidual, side_residuals
 from .sides import HELD, LEAN, LINE, MIRROR, Sides, opposite
@@ -178,6 +179,7 @@ class Goals:
         extent = np.ptp(line[:, :2], axis=0)
         size = float(np.linalg.norm(extent))
         sides = Sides.of(domain, points, given, free, size, options.blend)
+        check_held(sides, -1.0 if options.sheet == "f-" else 1.0)
         if options.on_curve and not sides.has(LINE, LEAN):
             raise ConditionError("No side is left on its line; solve with these conditions, or take one out of them.")
         height_parameter, number = options.height_parameter

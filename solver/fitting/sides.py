@@ -108,7 +108,7 @@ class Sides:
                 its = loop[ends]
                 normals_there = at[its] if kind == HELD else np.tile(plane, (len(its), 1))
                 side = Side(kind, number, its, len(run) == len(loop), np.ones(len(its)), normals_there, angle)
-                found.append(replace(side, normals=_walls(points, side)) if kind == LEAN else side)
+                found.append(replace(side, normals=walls(points, side)) if kind == LEAN else side)
         found = [_zoned(side, found, points, blend * size) if side.kind == HELD else side for side in found]
         return cls(found, points, NEAR * size, given, vertices, normals)
 
@@ -127,7 +127,7 @@ class Sides:
         found = []
         for each in self.of_kind(HELD):
             N = side * each.normals
-            angles = np.arccos(np.clip(dot(N, _walls(self.drawn, each))[:, 0], -1.0, 1.0))
+            angles = np.arccos(np.clip(dot(N, walls(self.drawn, each))[:, 0], -1.0, 1.0))
             angle = float(np.median(angles))
             is_even = np.abs(angles - angle).max() < _EVEN and _LEANS[0] < angle < _LEANS[1]
             if is_even and (N[:, 2] > 0.0).all():
@@ -254,7 +254,7 @@ def _runs(labels: Int) -> list[Int]:
     return [run for label in np.unique(labels) for run in runs(labels == label)]
 
 
-def _walls(points: Array, side: Side) -> Array:
+def walls(points: Array, side: Side) -> Array:
     """(k, 3) the level normals, out of the plan, of the wall over a side; the plan is on the left. Zero where the side
     stands upright, or turns back on itself: there is no wall."""
     way = points[side.vertices]

@@ -34,6 +34,8 @@ Int = NDArray[np.integer]
 
 # Lines within this part of their size from a plane lie in it.
 _IN_PLANE = 1e-6
+# Ends of a line may lie beside the plane of a mirror by this part of the size: walls are not drawn to the millimetre.
+_ENDS_OFF = 5e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,6 +132,7 @@ def setting(
             sides.append(mixed_loop(place, mine, labels, conditions.kinds, sharp, upright))
         else:
             raise ConditionError("A loop with mirrors or leans spans its own points; leave out its curve.")
+    _check_mirror_ends(domain, points - lines.centre, conditions, lines.size)
     rim = Rim([track for side in sides for track in side.tracks], len(domain.boundary_vertices))
     parts = _rim_volumes(domain, conditions)
     if earlier is not None and np.array_equal(earlier.domain.faces, domain.faces) and rim.is_like(earlier.rim):
@@ -156,6 +159,25 @@ def _check_mirrors(domain: Domain, conditions: Conditions, lines: Lines) -> None
                 f"The plane of a mirror, with the normal ({normal}), holds all lines of the plan. A mirror stands "
                 "upright over its side, like a wall: give it the direction across that side.",
                 edges=np.flatnonzero(conditions.labels == number),
+            )
+
+
+def _check_mirror_ends(domain: Domain, points: Array, conditions: Conditions, size: float) -> None:
+    """Ends of lines stay, so where a mirror meets them they must lie in its plane."""
+    rim = domain.boundary_edges
+    on_line = np.unique(domain.edges[rim[conditions.labels[rim] == LINE]])
+    for number, kind in enumerate(conditions.kinds):
+        if not isinstance(kind, Plane):
+            continue
+        ends = np.intersect1d(domain.edges[conditions.labels == number], on_line)
+        off = np.abs(points[ends] @ kind.normal - kind.offset)
+        if off.max(initial=0.0) > _ENDS_OFF * size:
+            normal = ", ".join(f"{x:.3g}" for x in kind.normal)
+            raise ConditionError(
+                f"The plane of a mirror, with the normal ({normal}), passes up to {off.max():.3g} beside the ends of "
+                f"its side, at {plural('vertex', ends)}, which stay on their lines. Turn the plane along the side, or "
+                "give sides in several planes a mirror each.",
+                vertices=ends.tolist(),
             )
 
 

@@ -142,6 +142,10 @@ def test_only_the_sizes_that_the_sides_leave_are_offered(plan) -> None:
     height = usual_size(plan)
     assert height is not None and 0.95 < height < 1.05, "0.35 × 3 m"
     assert usual == f"Usual: {length_text(height)} high"
+    meshes = len(bpy.data.meshes)
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert usual_size(plan) == pytest.approx(height, rel=1e-6) and len(bpy.data.meshes) == meshes
+    bpy.ops.object.mode_set(mode="OBJECT")
     for vertex in plan.data.vertices:
         vertex.co.z = 0.3 * vertex.co.x
     plan.data.update()
