@@ -25,6 +25,7 @@ CODES = {
     "steep-corner": "two sides lean steeply about a corner that is rounded a little, where the rim goes far down or up",
     "crossing": "the shell goes through itself",
     "overhang": "part of the shell leans out past the vertical",
+    "not-repeated": "the shell changed, and its copies could not be made again",
     "seams": "copies of a shell did not meet by themselves and were joined",
     "size-only": "the boundary does not follow the outline, so only the size was matched",
     "point": "a sheet degenerates to a point and is left out",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -39,6 +39,16 @@ class MixedPlan:
         z = np.zeros(len(flat)) if self.heights is None else self.heights(flat)
         pairs = {name: shape.domain.edges[shape.sides[name]] for name in self.sides}
         return np.column_stack([flat, z]), shape.domain.faces, pairs
+
+    def turned(self, degrees: float) -> MixedPlan:
+        """The same with the first side, a lean or a touched plane, farther from the upright."""
+        name, (kind, parameters) = next(iter(self.sides.items()))
+        more = {key: value + degrees for key, value in parameters.items() if key != "normal"}
+        if kind == "plane":
+            _, y, z = parameters["normal"]
+            tilt = np.arctan2(z, -y) + np.radians(degrees)
+            more = {"normal": (0.0, -np.cos(tilt), np.sin(tilt))}
+        return replace(self, sides={**self.sides, name: (kind, more or parameters)})
 
     def off_line(self, points: np.ndarray, drawn: np.ndarray, triangles: np.ndarray, pairs: dict) -> float:
         """The largest distance of a shell (V, 3) from its drawn line, where that is asked for, by the span."""

@@ -28,6 +28,7 @@ from ..properties.stored import ROLES
 from ..results import colours
 from ..results.measures import Measured, sheet_measures
 from ..results.objects import hide_completed, move_along, put_points, result_origin, show_wanted
+from ..tasks.recipe import MadeResult, RecipeTask, with_recipe
 from ..tasks.solve import SolveResult, SolveTask, plan_depsgraph, settings_of, solver_settings
 from ..tasks.task import R
 
@@ -47,9 +48,10 @@ _BRANCH = (
 @dataclass(frozen=True, eq=False)
 class Reading:
     """A plan as it is now. key: equal for readings with equal results. origin (3,): of the results, in the world.
-    shown: names of the measures that can be seen."""
+    shown: names of the measures that can be seen. recipe: the solve with what was made of its shell, if anything."""
 
     solve: SolveTask
+    recipe: RecipeTask | None
     origin: Array
     shown: tuple[str, ...]
     key: tuple
@@ -66,7 +68,9 @@ def read(context: bpy.types.Context, plan: bpy.types.Object) -> Reading:
     """Read a plan. Raises `CmcError` where it cannot be read."""
     solve = SolveTask.read(context, plan, settings_of(plan.cmc))
     origin = result_origin(plan, solve.mesh)
-    return Reading(solve, origin, colours.shown_measures(plan), (*solve_cache.key_of(solve), origin.tobytes()))
+    made = with_recipe(plan, solve)
+    recipe = made if isinstance(made, RecipeTask) else None
+    return Reading(solve, recipe, origin, colours.shown_measures(plan), (*solve_cache.key_of(solve), origin.tobytes()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,10 +168,18 @@ class QuickTask(LiveTask[QuickResult]):
 
 
 @dataclass(frozen=True, eq=False)
-class FullTask(LiveTask[SolveResult]):
-    """Solves as Solve does: WHOLE or FINAL."""
+class FullTask(LiveTask[MadeResult]):
+    """Solves as Solve does, WHOLE or FINAL, and at last makes what was made of the shell."""
 
-    def work(self, progress: Progress) -> SolveResult:
+    @property
+    def _is_last(self) -> bool:
+        return self.grade == FINAL or not self.reading.solve.settings.intersections
+
+    def work(self, progress: Progress) -> MadeResult:
+        solved, recipe = self._solved(progress), self.reading.recipe
+        return MadeResult(solved, recipe.copied(solved, progress) if recipe is not None and self._is_last else None)
+
+    def _solved(self, progress: Progress) -> SolveResult:
         """Solve, unless the solve cache has the result."""
         settings = self.reading.solve.settings
         intersections = settings.intersections and self.grade == FINAL
@@ -176,14 +188,17 @@ class FullTask(LiveTask[SolveResult]):
         )
         return solve_cache.recall(solve) or solve.work(progress)
 
-    def write(self, context: bpy.types.Context, plan: bpy.types.Object, result: SolveResult) -> Memory | None:
-        solve, shell = self.reading.solve, result.shell
+    def write(self, context: bpy.types.Context, plan: bpy.types.Object, result: MadeResult) -> Memory | None:
+        solve, solved = self.reading.solve, result.solved
+        shell = solved.shell
         mesh = read_plan(plan, plan_depsgraph(context, solve.settings))
         if not plan_cache.same_polygons(mesh, solve.mesh):
             return None
-        solve.write_results(context, plan, result)
+        warnings = solve.write_results(context, plan, solved)
+        if self.reading.recipe is not None and result.copies is not None:
+            self.reading.recipe.write_copies(context, plan, result.copies, warnings)
         last = shell.span or shell.fit or shell.surface.harmonic.normals
-        return Memory(self.reading, result.prepared, last, _cut_of(shell.surface))
+        return Memory(self.reading, solved.prepared, last, _cut_of(shell.surface))
 
 
 def _cut_of(surface: CmcSurface) -> NDArray[np.int32] | None:

@@ -18,7 +18,9 @@ ROOT = Path(__file__).parents[2]
 PAGES = {
     "plan": ("mesh_plan", "weld", "add_plan", "add_module", "add_bubble", "go_to"),
     "boundary": ("group_*", "rim_free", "select_ungrouped", "flip_corner"),
-    "solve": ("solve", "solve_selection", "flip", "cancel", "count_modes", "start_from_shell", "start_clear"),
+    "solve": (
+        "solve", "solve_selection", "update_all", "flip", "cancel", "count_modes", "start_from_shell", "start_clear"
+    ),
     "live": ("live",),
     "look": ("gauss_image",),
     "approximate": ("approximate_surface",),

@@ -6,14 +6,15 @@ from ...solver.errors import CmcError
 from ..background import worker
 from ..properties.closing_settings import draw_closing
 from ..properties.group_settings import condition_annotations, kind_parameters, parameter_values
-from ..properties.links import by_uid, plan_of
+from ..properties.links import by_uid, plan_of, plan_to_solve
 from ..properties.settings import SETTINGS, SIZE_PROPERTY, energies_on, fitted_settings, setting_annotations
 from ..results.objects import check_writable
 from ..results.visibility import why_not_seen
+from ..tasks.recipe import is_behind, made_again, with_recipe
 from ..tasks.solve import SolveTask, settings_of
 from ..tasks.task import Task
 from .modal import ModalOperator, Steps
-from .poll import allow, why_not_solve
+from .poll import allow, why_not_object_mode, why_not_solve
 
 
 class TaskOperator(ModalOperator):
@@ -35,8 +36,8 @@ class TaskOperator(ModalOperator):
         return None
 
     def read_task(self, context: bpy.types.Context, plan: bpy.types.Object) -> Task:
-        """The task that the operator runs."""
-        return SolveTask.read(context, plan, self.task_settings(plan), self.selection())
+        """The task that the operator runs: the solve, and what was made of the shell."""
+        return with_recipe(plan, SolveTask.read(context, plan, self.task_settings(plan), self.selection()))
 
     # --- what all have in common
 
@@ -167,6 +168,25 @@ class CMC_OT_solve_selection(TaskOperator, bpy.types.Operator):
         draw_settings(self.layout, self)
 
 
+class CMC_OT_update_all(ShellOperator, bpy.types.Operator):
+    """Make again what was made of an older shell: its copies"""
+
+    bl_idname = "cmc.update_all"
+    bl_label = "Update All"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return allow(cls, why_not_object_mode(context) or why_not_solve(context) or _why_not_behind(context))
+
+    def read_task(self, context: bpy.types.Context, plan: bpy.types.Object) -> Task:
+        return made_again(context, plan)
+
+
+def _why_not_behind(context: bpy.types.Context) -> str:
+    plan = plan_to_solve(context)
+    return "" if plan is not None and is_behind(plan) else "Nothing made of this shell is out of date."
+
+
 class CMC_OT_flip(TaskOperator, bpy.types.Operator):
     """Turn the shell upside down, from standing to hanging or back"""
 
@@ -193,4 +213,4 @@ class CMC_OT_cancel(bpy.types.Operator):
         return {"FINISHED"}
 
 
-CLASSES = (CMC_OT_solve, CMC_OT_solve_selection, CMC_OT_flip, CMC_OT_cancel)
+CLASSES = (CMC_OT_solve, CMC_OT_solve_selection, CMC_OT_update_all, CMC_OT_flip, CMC_OT_cancel)

@@ -9,7 +9,9 @@ from ..properties.registration import registration
 from ..properties.reports import complete_report, is_design, last_report, shown_sheet, warnings_in
 from ..properties.stored import COMPLETED_ROLES
 from ..properties.units import in_units, length_text, per_length
+from ..tasks.recipe import is_behind
 from .periods_text import gap_sentence
+from .symmetry_panel import draw_behind
 from .tab import Tab, fitting, numbers, paragraph
 
 # An overhang of less of the area is noise of the rim's triangles.
@@ -52,6 +54,9 @@ class CMC_PT_results(ResultPanel, bpy.types.Panel):
             if warning != report["message"]:
                 paragraph(layout, context, warning, "ERROR")
             self._remedy(layout, plan_to_solve(context), code)
+        plan = plan_to_solve(context)
+        if plan is not None and is_behind(plan):
+            draw_behind(layout, context)
 
     def _remedy(self, layout, plan, code):
         """The button that helps, where one does."""

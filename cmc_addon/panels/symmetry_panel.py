@@ -1,7 +1,5 @@
 """Repeat: copies of the shell by symmetry; the plane of a mirror group; the menu Add > Mesh > CMC."""
 
-from types import SimpleNamespace
-
 import bpy
 
 from ...solver.catalogue.module_presets import PRESETS
@@ -12,9 +10,10 @@ from ..properties.libraries import keeps_changes
 from ..properties.links import plan_to_solve
 from ..properties.registration import registration
 from ..properties.reports import complete_report, last_report
-from ..properties.symmetry_settings import COMPLETE_SETTINGS, draw_complete
+from ..properties.symmetry_settings import draw_complete
 from ..properties.units import length_text, part_text
-from ..tasks.complete import counts
+from ..tasks.complete import CompleteTask, counts
+from ..tasks.recipe import is_behind
 from .tab import TALL, Tab, hint, numbers, paragraph, properties_column
 
 PLANAR_KINDS = ("MIRROR", "PLANE")
@@ -80,6 +79,15 @@ class CMC_PT_complete(Tab, bpy.types.Panel):
 
     def draw(self, context):
         """Its parts are panels."""
+        plan = plan_to_solve(context)
+        if plan is not None and is_behind(plan):
+            draw_behind(self.layout, context)
+
+
+def draw_behind(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """What was made of an older shell, and the button that makes it again."""
+    paragraph(layout, context, "The copies are of an older shell.", "RADIOBUT_ON")
+    layout.operator("cmc.update_all", icon="FILE_REFRESH")
 
 
 def _repeats(plan: bpy.types.Object) -> bool:
@@ -121,7 +129,7 @@ class CMC_PT_symmetry(Tab, bpy.types.Panel):
     def _preview(self, layout, context, plan):
         """The number of copies to expect."""
         try:
-            expected = counts(plan, wanted_of(plan))
+            expected = counts(plan, CompleteTask.stored(plan))
         except CmcError as error:
             paragraph(layout, context, str(error), "ERROR")
             return
@@ -132,13 +140,6 @@ class CMC_PT_symmetry(Tab, bpy.types.Panel):
             than = "more than " if more else ""
             faces = copies * len(plan.data.polygons)
             numbers(layout, [("Copies", f"{than}{copies:,}"), ("Faces", f"{than}{faces:,}")])
-
-
-def wanted_of(plan: bpy.types.Object) -> SimpleNamespace:
-    """The settings stored with a plan, as the operator takes them."""
-    settings = plan.cmc
-    box = settings.complete_box.name if settings.complete_box is not None else ""
-    return SimpleNamespace(**{name: getattr(settings, name) for name in COMPLETE_SETTINGS}, box=box)
 
 
 def completed_rows(report: dict | None) -> list[tuple[str, str]]:

@@ -137,6 +137,8 @@ class CmcObject(bpy.types.PropertyGroup):
         "copies": PointerProperty(
             name="Copies", description="Collection of the instances of the shell",
             type=bpy.types.Collection),
+        "repeated": StringProperty(name="Repeated", description="How the shell was repeated: SYMMETRY or GAPS"),
+        "behind": BoolProperty(name="Behind", description="The copies are of an older shell"),
         "complete_report": StringProperty(name="Copies Report", description="Report of the last repetition, as JSON"),
         "collection": PointerProperty(
             name="Results", description="Collection of the results", type=bpy.types.Collection),

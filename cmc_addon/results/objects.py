@@ -24,7 +24,8 @@ wanted. A sheet that has become a single point is deleted.
 changes nor hides; everything else here applies to it.
 
 **Completed.** Repeat by Symmetry makes "Hall completed", or instances in a collection "Hall copies", and hides the
-shell, which is one of the copies. The next solve shows the shell again and hides the copies of the older one.
+shell, which is one of the copies. The next solve makes them again (see `recipe`), or shows the shell and hides the
+copies of the older one.
 
 **Deleted.** A result counts as deleted when it is in no scene; the next solve makes a new one. One that is in another
 scene is linked to this one, too. The same
@@ -254,7 +255,9 @@ def park(result: bpy.types.Object | None) -> None:
 
 
 def hide_completed(plan: bpy.types.Object, hidden: bool) -> None:
-    """Hide or show the copies of the shell."""
+    """Hide or show the copies of the shell; hidden ones are behind: of an older shell."""
+    if plan.cmc.behind != hidden:  # each change would wake Live
+        plan.cmc.behind = hidden
     for thing in (result_of(plan, "COMPLETED"), copies_of(plan)):
         if thing is not None:
             thing.hide_viewport = thing.hide_render = hidden

@@ -7,6 +7,7 @@ import math
 from dataclasses import dataclass
 from functools import lru_cache
 from types import SimpleNamespace
+from typing import ClassVar
 
 import bpy
 import numpy as np
@@ -94,13 +95,32 @@ class CompleteResult(ShellResult):
 class CompleteTask(ShellTask[CompleteResult]):
     """Copies of a shell. copies: which ones. wanted: `COMPLETE_SETTINGS` and the name of a `box`."""
 
+    way: ClassVar[str] = "SYMMETRY"
     copies: CopySelection
     wanted: SimpleNamespace
 
     @classmethod
     def read(cls, context: bpy.types.Context, plan: bpy.types.Object, wanted: SimpleNamespace) -> CompleteTask:
         """Read the plan. Raises `CmcError` where it cannot be read or there is no such box."""
-        return cls(*read_solve(context, plan), copies_wanted(plan, wanted), wanted)
+        return cls.on(plan, *read_solve(context, plan), wanted)
+
+    @classmethod
+    def on(
+        cls, plan: bpy.types.Object, solve: SolveTask, known: SolveResult | None, wanted: SimpleNamespace
+    ) -> CompleteTask:
+        """The copies of the shell of a solve, which may be known."""
+        return cls(solve, known, copies_wanted(plan, wanted), wanted)
+
+    @staticmethod
+    def stored(plan: bpy.types.Object) -> SimpleNamespace:
+        """The settings stored with a plan."""
+        box = plan.cmc.complete_box.name if plan.cmc.complete_box is not None else ""
+        return SimpleNamespace(**{name: getattr(plan.cmc, name) for name in COMPLETE_SETTINGS}, box=box)
+
+    @property
+    def kind(self) -> str:
+        """One mesh or instances."""
+        return self.wanted.complete_as
 
     def shows(self) -> str:
         return "COMPLETED"
@@ -108,7 +128,7 @@ class CompleteTask(ShellTask[CompleteResult]):
     def work(self, progress: Progress) -> CompleteResult:
         """Solve if need be, find the copies, and weld them if one mesh is wanted."""
         solved, mesh = self.known or self.solve.work(progress), self.solve.mesh
-        plan, is_welded = self.solve.plan(solved.prepared), self.wanted.complete_as == "MESH"
+        plan, is_welded = self.solve.plan(solved.prepared), self.kind == "MESH"
         with solved.prepared.plan_numbers(mesh):
             completed = self.completed(plan, solved)
             report = completed_report(completed, welded=is_welded)
@@ -122,6 +142,10 @@ class CompleteTask(ShellTask[CompleteResult]):
         """Write the copies in place of earlier ones, and the shell where it was solved just now."""
         self.solve.check_unchanged(context, plan)
         warnings = [] if self.is_shown(plan) else self.solve.write(context, plan, result.solved)
+        return [*warnings, *(note for note in self.write_copies(context, plan, result) if note not in warnings)]
+
+    def write_copies(self, context: bpy.types.Context, plan: bpy.types.Object, result: CompleteResult) -> list[Note]:
+        """The same for the copies alone, where the shell is written."""
         depsgraph = plan_depsgraph(context, self.solve.settings)
         if result.cut is not None:
             delete_instances(plan)
@@ -138,9 +162,10 @@ class CompleteTask(ShellTask[CompleteResult]):
         plan.cmc.latest = "COMPLETED"
         report = {**result.report, "made": self.solve.made(self.wanted)}
         plan.cmc.complete_report = json.dumps(report, ensure_ascii=False)
+        plan.cmc.repeated = self.way
         self.store(plan)
         colours.repaint(plan)
-        return [*warnings, *(note for note in result.warnings if note not in warnings)]
+        return result.warnings
 
     def store(self, plan: bpy.types.Object) -> None:
         """Keep the settings with the plan."""

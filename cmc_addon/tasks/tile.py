@@ -31,14 +31,29 @@ class TileResult(CompleteResult):
 class TileTask(CompleteTask):
     """Copies by periods of the shell with its gaps. wanted: `TILE_SETTINGS`."""
 
+    way = "GAPS"
+
     @classmethod
     def read(cls, context: bpy.types.Context, plan: bpy.types.Object, wanted: SimpleNamespace) -> TileTask:
         """Read the plan. Raises `CmcError` where it cannot be read."""
-        wanted.complete_as = wanted.tile_as
         settings = settings_of(plan.cmc)
         settings.keep_closed = False
         solve = SolveTask.read(context, plan, settings)
-        return cls(solve, solve_cache.recall(solve), CopySelection(), wanted)
+        return cls.on(plan, solve, solve_cache.recall(solve), wanted)
+
+    @classmethod
+    def on(
+        cls, plan: bpy.types.Object, solve: SolveTask, known: SolveResult | None, wanted: SimpleNamespace
+    ) -> TileTask:
+        return cls(solve, known, CopySelection(), wanted)
+
+    @staticmethod
+    def stored(plan: bpy.types.Object) -> SimpleNamespace:
+        return SimpleNamespace(tile_as=plan.cmc.tile_as, tile_repeat=tuple(plan.cmc.tile_repeat))
+
+    @property
+    def kind(self) -> str:
+        return self.wanted.tile_as
 
     def is_shown(self, plan: bpy.types.Object) -> bool:
         return not plan.cmc.keep_closed and super().is_shown(plan)
@@ -51,6 +66,7 @@ class TileTask(CompleteTask):
         return tile_plan(solved.shell, self.wanted.tile_repeat, ROLES[self.solve.settings.sheet])
 
     def store(self, plan: bpy.types.Object) -> None:
+        plan.cmc.keep_closed = False
         for name in TILE_SETTINGS:
             setattr(plan.cmc, name, getattr(self.wanted, name))
 

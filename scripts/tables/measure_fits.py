@@ -21,9 +21,25 @@ from numpy.typing import NDArray
 
 from scripts.tables.measured_page import Tables, measure
 from scripts.tables.mixed_plans import MixedPlan, mixed_plans
-from solver import CmcSolver, ConditionError, Domain, Fit, conditions, fit_outline, mean_curvature_of, shapes
+from solver import (
+    CmcSolver,
+    ConditionError,
+    Domain,
+    Fit,
+    Settings,
+    Shell,
+    conditions,
+    fit_outline,
+    form,
+    mean_curvature_of,
+    shapes,
+)
 from solver.fitting.curves import Curve
 from solver.measure.intersections import self_intersections
+from solver.shells.plan import plan_domain
+from solver.shells.update import update
+from tests.mixed_plans import MIXED_PLANS
+from tests.solver.shells.test_mixed_plans import plan_of
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -268,6 +284,41 @@ def restarted(plan: MixedPlan, first: Fit, unit: float, **more: Any) -> tuple[Fi
     return fit, (time.process_time() - start) / unit
 
 
+def eight() -> list[str]:
+    """The shells of `tests.mixed_plans` by the door of all shells, and one whose first side is dragged by 1°."""
+    rows = [
+        "| plan | vertices | lines off | leans off: median, most | time | dragged by 1°: time, away from rest |",
+        "|---" * 6 + "|",
+    ]
+    for mixed in MIXED_PLANS:
+        plan, pairs = plan_of(mixed)
+        settings = Settings(default_kind="line", size="rise", value=mixed.rise)
+        size, unit = size_of(plan.positions), cold(shapes.Shape(plan_domain(plan), plan.positions, {}))
+        start = time.process_time()
+        shell = form(plan, settings, intersections=False)
+        spent = (time.process_time() - start) / unit
+        off = 100 * mixed.off_line(shell.points(), plan.positions, plan.triangles, pairs)
+        cells = [mixed.name, str(len(plan.positions)), f"{off:.2f} %", leans_off(shell), f"{spent:.0f} ×"]
+        further = plan_of(mixed.turned(1.0))[0]
+        start = time.process_time()
+        dragged = update(further, settings, shell.solver, shell.span or shell.fit)
+        spent = (time.process_time() - start) / unit
+        rest = form(further, settings, intersections=False).points()
+        apart = 100 * np.abs(dragged.placed["f+"] - rest).max() / size
+        cells.append(f"{spent:.1f} ×, {apart:.1g} %" if "lean" in mixed.name or mixed.is_fitted else "")
+        rows.append(f"| {' | '.join(cells)} |")
+    return rows
+
+
+def leans_off(shell: Shell) -> str:
+    """Degrees, away from the ends of sides; of fits the most."""
+    found = [(abs(lean.measured - lean.asked), lean.off) for lean in shell.span.checks.leans] if shell.span else []
+    if shell.fit:
+        found = [(np.nan, side.angle) for side in shell.fit.sides if side.kind == "lean"]
+    each = (f"{np.degrees(median):.2f}°, {np.degrees(most):.2f}°" for median, most in found)
+    return "; ".join(each).replace("nan°, ", "")
+
+
 TABLES: Tables = {
     "outlines": outlines,
     "work": work,
@@ -276,6 +327,7 @@ TABLES: Tables = {
     "courtyards": courtyards,
     "mixed": mixed,
     "restarts": restarts,
+    "eight": eight,
 }
 
 

@@ -142,7 +142,8 @@ def descend(
         if end:
             return Descent(problem, state, here.H, volume, end, history, here, tangent)
         forcing = max(_forcing(history), _SPARED * tolerance / max(residual, 1e-300))
-        newton, bent = _solved(here, keep, here.gradient, 2.0 * state.D * (forcing * residual) ** 2)
+        goal = 2.0 * state.D * (forcing * residual) ** 2
+        newton, bent = _solved(here, keep, here.gradient, goal, shortened=True)
         step, change = newton.step, 0.0
         if knob.measures and not _led_away(history, tolerance):
             ahead, _ = tangent_at(here, keep, tangent)
@@ -206,10 +207,15 @@ def keeper(here: Linearised, knob: Knob) -> Keeper:
     return lambda step: step.plus(here.along, -here.volume(step) / here.gain)
 
 
-def _solved(here: Linearised, keep: Keeper, rest: Form, goal: float) -> tuple[Direction, bool]:
+def _solved(
+    here: Linearised, keep: Keeper, rest: Form, goal: float, *, shortened: bool = False
+) -> tuple[Direction, bool]:
     """A step d with <rest + K d, M (rest + K d)> <= goal in the space that keeps V, K the Hessian; and whether it met
-    negative curvature, where it ends. Where no side leans it ends, too, once the rim can take it in part only, since
-    what follows is for a surface too far away (Steihaug); over walls such steps lead astray."""
+    negative curvature, where it ends.
+
+    shortened: it ends, too, once the rim can take it in part only, since what follows is for a surface too far away
+    (Steihaug). Not where a side leans: over walls such steps lead astray.
+    """
     z = keep(here.precondition(rest))
     size = rest(z)
     step, df = z.times(0.0), np.zeros_like(here.state.f)
@@ -217,7 +223,7 @@ def _solved(here: Linearised, keep: Keeper, rest: Form, goal: float) -> tuple[Di
         return Direction(step, df, rest), False
     p, dp = z, here.push(z)
     rim, x = here.problem.rim, here.state.x
-    leans = bool(rim.leaning.any())
+    shortened = shortened and not rim.leaning.any()
     for count in range(_CG_LIMIT):
         curved = here.hessian(p, dp)
         curvature = curved(p)
@@ -227,7 +233,7 @@ def _solved(here: Linearised, keep: Keeper, rest: Form, goal: float) -> tuple[Di
         rest = rest.plus(curved, -size / curvature)
         z = keep(here.precondition(rest))
         size, last = rest(z), size
-        if size <= goal or not (leans or rim.limit(x, step.x) >= 1.0):
+        if size <= goal or (shortened and rim.limit(x, step.x) < 1.0):
             break
         p, dp = z.plus(p, size / last), here.push(z) + (size / last) * dp
     return Direction(step, df, rest), False

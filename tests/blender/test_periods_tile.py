@@ -175,12 +175,6 @@ def test_undo(plan, kind):
     assert snapshot() == before
 
 
-def test_solve_shows_the_shell_again(plan):
-    assert bpy.ops.cmc.tile_periods() == FINISHED
-    assert bpy.ops.cmc.solve() == FINISHED
-    assert not plan.cmc.f_plus.hide_viewport and plan.cmc.completed.hide_viewport
-
-
 # --- Add > Mesh > CMC --------------------------------------------------------------------------
 
 

@@ -160,39 +160,37 @@ def test_a_number_a_box_or_units():
 
 
 def test_the_panel_knows_the_counts_before_it_runs():
-    from cmc_formfinding.cmc_addon.panels.symmetry_panel import wanted_of
-    from cmc_formfinding.cmc_addon.tasks.complete import counts
+    from cmc_formfinding.cmc_addon.tasks.complete import CompleteTask, counts
 
     plan = module("HONEYCOMB")
-    assert counts(plan, wanted_of(plan)) is None
+    assert counts(plan, CompleteTask.stored(plan)) is None
     assert bpy.ops.cmc.solve() == FINISHED
-    assert counts(plan, wanted_of(plan)) == (216, False)
+    assert counts(plan, CompleteTask.stored(plan)) == (216, False)
     plan.cmc.complete_extent, plan.cmc.complete_count = "COUNT", 19_000
-    assert counts(plan, wanted_of(plan)) == (19_000, False)
+    assert counts(plan, CompleteTask.stored(plan)) == (19_000, False)
     plan.cmc.complete_count = 50
-    assert counts(plan, wanted_of(plan)) == (50, False)
+    assert counts(plan, CompleteTask.stored(plan)) == (50, False)
     assert bpy.ops.cmc.complete() == FINISHED
     assert len(plan.cmc.completed.data.polygons) == 50 * len(plan.data.polygons)
     bpy.ops.mesh.primitive_cube_add(size=20.0)
     plan.cmc.complete_extent, plan.cmc.complete_box = "BOX", bpy.context.object
     activate(plan)
-    inside, more = counts(plan, wanted_of(plan))
+    inside, more = counts(plan, CompleteTask.stored(plan))
     assert bpy.ops.cmc.complete() == FINISHED
     assert not more and inside == completion_report(plan)["copies"] > 10
     plan.cmc.complete_box.scale = (20.0, 20.0, 20.0)
     bpy.context.view_layer.update()
-    assert counts(plan, wanted_of(plan)) == (400, True)
+    assert counts(plan, CompleteTask.stored(plan)) == (400, True)
 
 
 def test_a_finite_group_has_no_more_copies_than_it_has():
     """A corner of three mirrors: eight, whatever number is set."""
-    from cmc_formfinding.cmc_addon.panels.symmetry_panel import wanted_of
-    from cmc_formfinding.cmc_addon.tasks.complete import counts
+    from cmc_formfinding.cmc_addon.tasks.complete import CompleteTask, counts
 
     plan = solved("UNDULOID")
     plan.data.cmc.groups["End"].across = "OFF"
     plan.cmc.complete_extent, plan.cmc.complete_count = "COUNT", 5000
-    assert counts(plan, wanted_of(plan)) == (8, False)
+    assert counts(plan, CompleteTask.stored(plan)) == (8, False)
     assert bpy.ops.cmc.complete() == FINISHED
     assert completion_report(plan)["copies"] == 8
 
@@ -217,18 +215,6 @@ def test_a_plan_that_was_changed_is_solved_first():
     assert bpy.ops.cmc.complete() == FINISHED
     assert_allclose(json.loads(plan.cmc.report)["sheets"]["f+"]["span"], 12.0, rtol=1e-6)
     assert np.ptp(positions(plan.cmc.completed), axis=0)[0] > 1.5 * np.ptp(first, axis=0)[0]
-
-
-def test_solve_shows_the_shell_again_and_hides_what_was_completed():
-    for kind in ("MESH", "INSTANCES"):
-        plan = solved("UNDULOID")
-        assert bpy.ops.cmc.complete(complete_as=kind) == FINISHED
-        made = plan.cmc.completed if kind == "MESH" else plan.cmc.copies
-        assert plan.cmc.f_plus.hide_viewport and not made.hide_viewport
-        assert bpy.ops.cmc.solve() == FINISHED
-        assert not plan.cmc.f_plus.hide_viewport and made.hide_viewport and made.hide_render
-        assert bpy.ops.cmc.complete() == FINISHED
-        assert plan.cmc.f_plus.hide_viewport and not made.hide_viewport
 
 
 def test_the_shell_that_is_shown_is_not_solved_again(monkeypatch):
