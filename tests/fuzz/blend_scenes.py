@@ -213,7 +213,7 @@ def _property(random: Random, things: Things) -> str:
         owners += list(ob.data.cmc.groups) * 3
     owner = random.choice(owners)
     known = [rna for rna in owner.bl_rna.properties if not rna.is_readonly and rna.type not in ("POINTER", "COLLECTION")
-             and rna.identifier not in ("uid", "role", "parked", "meshed", "placed_at")]
+             and rna.identifier not in ("uid", "role", "parked", "meshed", "placed_at", "repeated", "behind")]
     rna = random.choice(known)
     value = random_value(random, rna)
     setattr(owner, rna.identifier, value)
@@ -253,8 +253,9 @@ def _transform(random: Random, things: Things) -> str:
 
 
 def _geometry(random: Random, things: Things) -> str:
-    """Move a vertex, add a layer, weights, a shape key, a modifier, a material."""
-    ob = random.choice([ob for ob in things if ob.type == "MESH"])
+    """Move a vertex, add a layer, weights, a shape key, a modifier, a material; not of what edit mode has in hand,
+    which Blender's own data does not follow."""
+    ob = random.choice([ob for ob in things if ob.type == "MESH" and not ob.data.is_editmode])
     mesh, what = ob.data, random.choice(("move", "layer", "weights", "key", "modifier", "material", "nan", "clear"))
     if what == "move":
         mesh.vertices[random.randrange(len(mesh.vertices))].co.z += random.uniform(-1, 1)
@@ -278,7 +279,9 @@ def _geometry(random: Random, things: Things) -> str:
 
 
 def _arrange(random: Random, things: Things) -> str:
-    """Rename, duplicate, share a mesh, unlink, delete."""
+    """Rename, duplicate, share a mesh, unlink, delete: in object mode, as a hand does."""
+    if bpy.context.mode != "OBJECT":
+        return "nothing"
     ob, what = random.choice(things), random.choice(("rename", "copy", "deep copy", "share", "unlink", "delete"))
     name = ob.name
     if what == "rename":
