@@ -209,8 +209,12 @@ def save(hands):
     assert [one.name for one in plan().data.cmc.groups] == ["Group"] and not running()
     assert capital().cmc.f_plus.hide_viewport, "it is one of the copies"
     yield from hands.picture("loaded")
+    before = capital().cmc.complete_report
     yield from hands.click_button("cmc.solve")
-    yield from hands.wait_for(lambda: not capital().cmc.f_plus.hide_viewport and not running(), "it is solved again")
+    yield from hands.wait_for(
+        lambda: capital().cmc.complete_report != before and not running(), "its copies are made again"
+    )
+    assert capital().cmc.f_plus.hide_viewport and not capital().cmc.completed.hide_viewport
     yield from hands.picture("solved-again")
 
 
