@@ -23,8 +23,8 @@ PRESETS = {
     "LINE": GroupPreset(
         "On the Line", "The rim lies on these edges, with their heights", "CURVE_PATH", "LINE"),
     "LEAN": GroupPreset(
-        "Leans over its Line", "The rim stays over these edges, rises and falls there, and leans by 45°", "MOD_TAPER",
-        "LEAN", {"angle": math.radians(45.0)}),
+        "Leans over its Line", "The rim stays over these edges, rises and falls there, and leans by 45°",
+        "MOD_SIMPLEDEFORM", "LEAN", {"angle": math.radians(45.0)}),
     "WALL": GroupPreset(
         "Vertical Wall", "The shell stands upright along these edges: lean 0°", "ALIGN_TOP",
         "BINORMAL", {"tilt": 0.0}),
