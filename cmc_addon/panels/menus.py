@@ -54,7 +54,7 @@ class CMC_MT_object(bpy.types.Menu):
         for name in ("cmc.solve", "cmc.live", "cmc.flip", "cmc.approximate_surface"):
             layout.operator(name)
         layout.separator()
-        for name in ("cmc.complete", "cmc.tile_periods"):
+        for name in ("cmc.complete", "cmc.tile_periods", "cmc.update_all"):
             layout.operator(name)
         layout.separator()
         for name in ("cmc.gauss_image", "cmc.count_modes", "cmc.start_from_shell", "cmc.start_clear"):
