@@ -137,8 +137,6 @@ def make_job(data: Mapping[str, object], file: Path) -> Job:
     complete = read_complete(root, plan.groups, file.parent) if "complete" in root else None
     if "close" in root:
         settings = replace(settings, close=read_close(root))
-        if fit is None and domain.euler_characteristic > 0:
-            raise JobError("[close]: the plan has no hole, so there is nothing to close; leave [close] out.")
     job = Job(file, plan, settings, mesh, outputs, up, fit, complete, [*mesh.notes, *root.notes], data)
     check_paths(file, _reads(root, mesh, file.parent), _writes(job))
     with drawn_numbers(plan):

@@ -180,9 +180,11 @@ def test_what_cannot_be_closed_is_an_unusable_job(tmp_path):
         (COURT, '[close]\nby = "hole"\nholes = [3]\n', "The plan has 1 hole; there is no hole 3"),
         (COURT, '[close]\n[solver]\nsites = "faces"\n', "Closing needs normals on vertices"),
         (disc, "[fit]\nrise = 0.2\n[close]\n", "a fit closes its shell by itself"),
-        (disc, '[close]\nby = "hole"\n', "the plan has no hole, so there is nothing to close"),
     ):
         path = job_file(tmp_path, close, plan)
         with pytest.raises(CmcError, match=message):
             load_job(path)
         assert main([str(path)]) == UNUSABLE
+
+    assert main([str(job_file(tmp_path, '[close]\nby = "hole"\n', disc))]) == OK
+    assert "closing" not in written(tmp_path), "nothing is open"
