@@ -32,6 +32,8 @@ _SHORT, _FALLS = 0.5, 1.5
 _SPARED = 0.1
 # Residuals that fall to this part of themselves in one step fall quickly.
 _QUICK = 0.1
+# A number that is off by more of its unit than this is not blurred by the residual.
+_CLEAR = 1e-3
 # The relative accuracy of tangents.
 _AHEAD = 0.03
 # Armijo's constant; the shortest step; rounding of the energy, as a part of it.
@@ -103,6 +105,10 @@ class Knob:
         """dV of the next step, beside Newton's step at this V; ahead: the change of the critical surface with V."""
         return 0.0
 
+    def off(self, here: Linearised) -> float:
+        """By how much the number is off, in its unit."""
+        return 0.0
+
     def reached(self, here: Linearised) -> bool:
         """Whether the number has its wanted value."""
         return True
@@ -145,7 +151,7 @@ def descend(
         goal = 2.0 * state.D * (forcing * residual) ** 2
         newton, bent = _solved(here, keep, here.gradient, goal, shortened=True)
         step, change = newton.step, 0.0
-        if knob.measures and not _led_away(history, tolerance):
+        if knob.measures and _tells(knob, here, history, tolerance):
             ahead, _ = tangent_at(here, keep, tangent)
             tangent, change = ahead.step, knob.volume_change(here, newton, ahead)
             step = step.plus(tangent, change)
@@ -195,9 +201,13 @@ def _forcing(history: Sequence[Iterate]) -> float:
     return min(_FORCING, max(now**_ORDER, fallen))
 
 
-def _led_away(history: Sequence[Iterate], tolerance: float) -> bool:
-    """Whether the last step led away from critical surfaces: V is then kept, since numbers mean little there."""
-    return len(history) > 1 and tolerance <= history[-2].residual < history[-1].residual
+def _tells(knob: Knob, here: Linearised, history: Sequence[Iterate], tolerance: float) -> bool:
+    """Whether the number tells how V should change. V is kept where the number is off by no more than the residual
+    blurs it, and where the last step led away from critical surfaces."""
+    if len(history) == 1:
+        return True
+    now, last = history[-1].residual, history[-2].residual
+    return not tolerance <= last < now and knob.off(here) > min(now, _CLEAR)
 
 
 def keeper(here: Linearised, knob: Knob) -> Keeper:

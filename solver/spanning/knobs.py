@@ -53,8 +53,11 @@ class Measured(Knob):
         """The dV at which k has the wanted value, to first order."""
         raise NotImplementedError
 
+    def off(self, here: Linearised) -> float:
+        return abs(self.number(here) - self.wanted) / self.unit
+
     def reached(self, here: Linearised) -> bool:
-        return abs(self.number(here) - self.wanted) <= _MET * self.unit
+        return self.off(here) <= _MET
 
     def volume_change(self, here: Linearised, newton: Direction, ahead: Direction) -> float:
         most = _STEP * max(abs(here.state.V), _LEAST * self.size**3)
