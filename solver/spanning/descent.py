@@ -207,7 +207,7 @@ def _tells(knob: Knob, here: Linearised, history: Sequence[Iterate], tolerance: 
     if len(history) == 1:
         return True
     now, last = history[-1].residual, history[-2].residual
-    return not tolerance <= last < now and knob.off(here) > min(now, _CLEAR)
+    return now < tolerance or (now <= last and knob.off(here) > min(now, _CLEAR))
 
 
 def keeper(here: Linearised, knob: Knob) -> Keeper:
