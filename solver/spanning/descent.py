@@ -34,6 +34,8 @@ _SPARED = 0.1
 _QUICK = 0.1
 # A number that is off by more of its unit than this is not blurred by the residual.
 _CLEAR = 1e-3
+# The first steps, which take a surface nearby to its end, change V whatever the residual.
+_EAGER = 2
 # The relative accuracy of tangents.
 _AHEAD = 0.03
 # Armijo's constant; the shortest step; rounding of the energy, as a part of it.
@@ -202,12 +204,12 @@ def _forcing(history: Sequence[Iterate]) -> float:
 
 
 def _tells(knob: Knob, here: Linearised, history: Sequence[Iterate], tolerance: float) -> bool:
-    """Whether the number tells how V should change. V is kept where the number is off by no more than the residual
-    blurs it, and where the last step led away from critical surfaces."""
-    if len(history) == 1:
-        return True
-    now, last = history[-1].residual, history[-2].residual
-    return now < tolerance or (now <= last and knob.off(here) > min(now, _CLEAR))
+    """Whether the number tells how V should change: not where the last step led away from critical surfaces, nor, after
+    the first steps, where the number is off by no more than the residual blurs it."""
+    now = history[-1].residual
+    if len(history) > 1 and tolerance <= history[-2].residual < now:
+        return False
+    return len(history) <= _EAGER or now < tolerance or knob.off(here) > min(now, _CLEAR)
 
 
 def keeper(here: Linearised, knob: Knob) -> Keeper:
