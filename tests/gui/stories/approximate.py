@@ -32,6 +32,7 @@ def tell(hands):
     yield 0.5
     for panel in ("Plan", "Sides"):
         yield from hands.panel(panel, False)
+    yield from hands.panel("Options")
     yield from hands.panel("Approximate a Surface")
     yield from hands.picture("panel")
     button = yield from hands.find("cmc.approximate_surface", (0.5,))

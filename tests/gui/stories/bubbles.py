@@ -85,6 +85,8 @@ def two_shells(hands):
     yield from hands.panel("Options", True)
     yield from hands.click_button("cmc.solve")
     yield from hands.wait_for(lambda: report("Round"), "the small shell is there")
+    for panel in ("Checks", "Solver"):
+        yield from hands.panel(panel)
     yield from hands.click_button("cmc.count_modes")
     yield from hands.wait_for(lambda: report("Round")["index"] == 0, "its modes are counted")
     yield from hands.picture("small")

@@ -17,7 +17,7 @@ def tell(hands):
         bpy.ops.cmc.group_add(assign=True)
     groups = plan.data.cmc.groups
     plan.data.cmc.active_index = 0
-    groups[0].tilt = math.radians(17)
+    groups[0].angle = math.radians(17)
     bpy.ops.ed.undo_push(message="Groups")
     yield from hands.picture("list")
 
@@ -28,8 +28,8 @@ def tell(hands):
     yield from hands.type("north", row)
     assert groups[0].name == "north", groups[0].name
 
-    yield from hands.set_field("groups[0].tilt", "45")
-    assert math.isclose(groups[0].tilt, math.radians(45), abs_tol=1e-6), groups[0].tilt
+    yield from hands.set_field("groups[0].angle", "45")
+    assert math.isclose(groups[0].angle, math.radians(45), abs_tol=1e-6), groups[0].angle
     yield from hands.picture("renamed")
 
     for kind in ("PLANE", "TWISTED", "GAUSS_MAP", "FREE"):

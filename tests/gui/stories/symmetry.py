@@ -23,6 +23,8 @@ def tell(hands):
     button = yield from hands.find("cmc.complete", (0.5,))
     yield from hands.click(*button)
     yield from hands.wait_for(lambda: plan().cmc.completed is not None, "the copies are there")
+    yield from hands.press("HOME")
+    yield 1.0
     yield from hands.picture("completed")
     assert len(plan().cmc.completed.data.polygons) == 216 * len(plan().data.polygons)
     plan().cmc.complete_as = "INSTANCES"
